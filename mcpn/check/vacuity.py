@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator
 
 from mcpn.check.logic.formulas import some_path
-from mcpn.check.paths.formulas import SomePath
+from mcpn.check.ltl.formulas import SomePath
 from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, Formula, Not
 
 

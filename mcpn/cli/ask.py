@@ -140,9 +140,9 @@ def _print_automata(questions: Questions, formulas: tuple[str, ...], as_json: bo
     """The automata of formulas on paths, in the Hanoi format."""
     from mcpn.check.logic.syntax import parse_open
     from mcpn.check.logic.writing import show
-    from mcpn.check.paths.automaton import translated
-    from mcpn.check.paths.formulas import is_of_paths, normal
-    from mcpn.check.paths.hoa import classes, write_hoa
+    from mcpn.check.ltl.automaton import translated
+    from mcpn.check.ltl.formulas import is_of_paths, normal
+    from mcpn.check.ltl.hoa import classes, write_hoa
     from mcpn.errors import InputError
 
     found = []

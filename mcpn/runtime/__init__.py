@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from mcpn.runtime.journal import Journal, Watchdog
     from mcpn.runtime.monitors import Decision, Monitors
     from mcpn.runtime.queue import AsyncController, EventQueue, QueueClosed, QueueFull
+    from mcpn.runtime.restoring import SnapshotError
     from mcpn.runtime.shape import ControllerFileError
-    from mcpn.runtime.snapshots import SnapshotError
     from mcpn.runtime.tables import Action, ParameterValue, Refused
 
 __all__ = [

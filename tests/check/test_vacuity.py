@@ -20,7 +20,7 @@ from mcpn.space.arrays import ArraySpace
 from mcpn.space.markings.explicit import explore
 from mcpn.space.search.goal import DEADLOCK, AtMost, Fires, Formula
 from tests.check import formulas
-from tests.check.paths import tableau
+from tests.check.ltl import tableau
 from tests.check.test_ctl import names
 from tests.conftest import ROOT
 from tests.net.nets import made_safe, nets, state_machines

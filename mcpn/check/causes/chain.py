@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mcpn.check.causes.demands import entered_again, split_edges
-from mcpn.check.causes.linear import csc_array, csr_array, splu
+from mcpn.check.causes.linear_systems import csc_array, csr_array, splu
 from mcpn.check.causes.prospects import Prospects
 from mcpn.net.events import What
 from mcpn.net.sections import Element

@@ -26,7 +26,7 @@ import networkx as nx
 import numpy as np
 
 from mcpn.check.causes.chain import CHUNK, Chain, Floats, ListedChain, totals
-from mcpn.check.causes.linear import LinearOperator, gmres, lu_factor, lu_solve
+from mcpn.check.causes.linear_systems import LinearOperator, gmres, lu_factor, lu_solve
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import ElementarySection
 from mcpn.mission.model import ABORT, FAIL, SUCCEED

@@ -15,7 +15,7 @@ from lxml import etree
 
 from mcpn.check.logic.formulas import OPERATORS, Sum, compare, every_path, some_path, within_limit
 from mcpn.check.logic.names import Names
-from mcpn.check.paths.formulas import Next, Until, always, eventually, is_of_paths
+from mcpn.check.ltl.formulas import Next, Until, always, eventually, is_of_paths
 from mcpn.errors import InputError, Source
 from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, Fires, Formula
 from mcpn.xmlio import parse_xml

@@ -2,7 +2,7 @@
 
 ``EX``, ``EU`` and ``EG`` are one step back, backward reachability along a set, and the states from which a
 maximal run stays in a set; each space has its own algorithms for these (:mod:`mcpn.space.algebra`). What is
-said of whole paths is asked of the product with an automaton (:mod:`mcpn.check.paths.product`). Fair
+said of whole paths is asked of the product with an automaton (:mod:`mcpn.check.ltl.product`). Fair
 states are found as Emerson and Lei do (*Efficient model checking in fragments of the propositional
 mu-calculus*, LICS 1986), in one region of the space after the other, since a cycle never leaves its region.
 
@@ -18,12 +18,12 @@ from operator import and_, or_
 from typing import TYPE_CHECKING, Any, Generic
 
 from mcpn.check.logic.formulas import EG, EU, EX, Justice
-from mcpn.check.paths.formulas import SomePath
+from mcpn.check.ltl.formulas import SomePath
 from mcpn.space.algebra import S, Space
 from mcpn.space.search.goal import TRUE, And, AtMost, Deadlock, Fires, Formula, Not, Or, Stable
 
 if TYPE_CHECKING:
-    from mcpn.check.paths.product import Product
+    from mcpn.check.ltl.product import Product
 
 
 class Evaluation(Generic[S]):
@@ -104,8 +104,8 @@ class Evaluation(Generic[S]):
 
     def product(self, formula: SomePath) -> Product[S]:
         """The space beside the automaton of what some path is to satisfy."""
-        from mcpn.check.paths.automaton import translated
-        from mcpn.check.paths.product import Constraint, Product
+        from mcpn.check.ltl.automaton import translated
+        from mcpn.check.ltl.product import Constraint, Product
 
         if formula not in self._products:
             fair = [Constraint(self.plain.states(c.states), c.transitions) for c in self.fair]

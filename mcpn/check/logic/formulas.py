@@ -7,7 +7,7 @@ is read (:mod:`mcpn.check.logic.names`).
 Paths are maximal: infinite, or ending in a state without successors. In such a state ``EX`` of anything is
 false, ``AX`` of anything true, and ``EG f`` and ``AF f`` are what ``f`` is.
 
-What a formula on paths (:mod:`mcpn.check.paths.formulas`) says by single states alone is written in CTL
+What a formula on paths (:mod:`mcpn.check.ltl.formulas`) says by single states alone is written in CTL
 (:func:`some_path`): so searches and closures answer most formulas of linear temporal logic, too.
 """
 
@@ -18,7 +18,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from mcpn.check.paths.formulas import Next, Release, SomePath, Until, always, is_of_paths, normal
+from mcpn.check.ltl.formulas import Next, Release, SomePath, Until, always, is_of_paths, normal
 from mcpn.errors import LimitError
 from mcpn.net.petri import PetriNet
 from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, And, AtMost, Formula, Not, Operator, Or, as_goal

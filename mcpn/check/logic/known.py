@@ -11,14 +11,14 @@ from mcpn.check.logic.formulas import EU
 from mcpn.check.logic.names import Names
 from mcpn.check.logic.simplify import at_first, simplified
 from mcpn.check.logic.witness import Explanation, NoRun, Witness
-from mcpn.check.paths.formulas import SomePath
+from mcpn.check.ltl.formulas import SomePath
 from mcpn.net.petri import EVENTS, Marking, PetriNet
 from mcpn.space.algebra import Edge
 from mcpn.space.run import Completion
 from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, And, Formula, Goal, as_goal, calm, holds
 
 if TYPE_CHECKING:
-    from mcpn.check.paths.search import FoundPath
+    from mcpn.check.ltl.search import FoundPath
 
 SOME_DEADLOCK = EU(TRUE, DEADLOCK)
 

@@ -10,7 +10,7 @@ from itertools import islice
 from typing import TYPE_CHECKING
 
 from mcpn.check.logic.formulas import Justice
-from mcpn.check.paths.formulas import Happens
+from mcpn.check.ltl.formulas import Happens
 from mcpn.errors import InputError
 from mcpn.mission.expansion.recovery import pausing, recovering
 from mcpn.mission.flatten import blocks_of

@@ -31,7 +31,7 @@ from typing import NamedTuple, NoReturn, TypeVar
 
 from mcpn.check.logic.formulas import OPERATORS, Sum, compare, every_path, some_path, within_limit
 from mcpn.check.logic.names import ENDINGS, WORDS, Names
-from mcpn.check.paths.formulas import Happens, Next, Release, Until, always, eventually
+from mcpn.check.ltl.formulas import Happens, Next, Release, Until, always, eventually
 from mcpn.errors import InputError
 from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, Fires, Formula, Or, Stable, marked
 

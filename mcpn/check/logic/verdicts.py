@@ -34,7 +34,7 @@ from mcpn.steps import Doing, step
 if TYPE_CHECKING:
     from mcpn.check.logic.contest import Property
     from mcpn.check.logic.local import LocalCheck
-    from mcpn.check.paths.parts import PathParts
+    from mcpn.check.ltl.parts import PathParts
     from mcpn.space.search.portfolio import Round
 
 # What searches is loaded when something is searched.
@@ -332,7 +332,7 @@ class _Answers:
         if not parts or not self.questions.searchable or self.net.priorities:
             return
         if self.paths is None:
-            from mcpn.check.paths.parts import PathParts
+            from mcpn.check.ltl.parts import PathParts
 
             self.paths = PathParts(self.net)
         self.searches += 1

@@ -18,7 +18,7 @@ from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import EG, EU, EX, Justice, is_temporal
 from mcpn.check.logic.names import Names
 from mcpn.check.logic.writing import show
-from mcpn.check.paths.formulas import SomePath
+from mcpn.check.ltl.formulas import SomePath
 from mcpn.net.formats.tina import quote
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.algebra import Edge, S
@@ -288,7 +288,7 @@ class _InSpace(Explanation, Generic[S]):
 
     def show_path(self, formula: SomePath) -> None:
         """Appends an accepted path of the product with the formula's automaton."""
-        from mcpn.check.paths.lasso import Lasso
+        from mcpn.check.ltl.lasso import Lasso
 
         begin = len(self.witness.steps)
         lasso = Lasso(self.evaluation.product(formula), self.witness.end)

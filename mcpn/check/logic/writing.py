@@ -18,7 +18,7 @@ from collections.abc import Iterable
 from mcpn.check.logic.formulas import EG, EU, EX
 from mcpn.check.logic.names import Names
 from mcpn.check.logic.syntax import BINDING, PLAIN, RESERVED, TIGHT
-from mcpn.check.paths.formulas import Happens, Next, Release, SomePath, Until, normal
+from mcpn.check.ltl.formulas import Happens, Next, Release, SomePath, Until, normal
 from mcpn.space.search.goal import And, AtMost, Fires, Formula, Not, Or
 
 _ON_PATHS = {EX: ("EX", "AX"), EG: ("EG", "AF"), EU: ("EF", "AG")}

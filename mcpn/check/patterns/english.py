@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mcpn.check.logic.names import Names
 from mcpn.check.logic.writing import show
-from mcpn.check.paths.formulas import SomePath, normal
+from mcpn.check.ltl.formulas import SomePath, normal
 from mcpn.net.events import Event, What
 from mcpn.space.search.goal import And, Formula, Not, Or
 

@@ -145,7 +145,7 @@ def _verify(study: Study, max_states: int | None, as_json: bool) -> None:
 
 def _resumed(controller: Controller, path: Path) -> tuple[Action, ...]:
     from mcpn.files import read_bounded
-    from mcpn.runtime.snapshots import SnapshotError
+    from mcpn.runtime.restoring import SnapshotError
 
     try:
         return controller.restore(read_bounded(path).decode())

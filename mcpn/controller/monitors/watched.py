@@ -17,8 +17,8 @@ from typing import Any, Literal
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import EG, EU
 from mcpn.check.logic.syntax import parse_open
-from mcpn.check.paths.automaton import Automaton, AutomatonEdge, kept, translated
-from mcpn.check.paths.formulas import Happens, always, eventually, is_of_paths, normal
+from mcpn.check.ltl.automaton import Automaton, AutomatonEdge, kept, translated
+from mcpn.check.ltl.formulas import Happens, always, eventually, is_of_paths, normal
 from mcpn.check.requirements import AskedRequirement
 from mcpn.controller.monitors.merging import merged
 from mcpn.errors import LimitError

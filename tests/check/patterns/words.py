@@ -18,7 +18,7 @@ import numpy.typing as npt
 from mcpn.check.logic.formulas import EG, EU, EX
 from mcpn.check.logic.names import Names
 from mcpn.check.logic.syntax import parse
-from mcpn.check.paths.formulas import Next, Release, SomePath, Until
+from mcpn.check.ltl.formulas import Next, Release, SomePath, Until
 from mcpn.net.petri import NetBuilder
 from mcpn.space.search.goal import And, AtMost, Deadlock, Formula, Not, Or
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from typing import Any, Generic
 
-from mcpn.check.paths.product import Product, ProductEdge, Sets
+from mcpn.check.ltl.product import Product, ProductEdge, Sets
 from mcpn.space.algebra import Edge, S
 
 

@@ -5,7 +5,7 @@ state and what is left then (Couvreur, *On-the-fly verification of linear tempor
 Oddoux, *Fast LTL to Büchi automata translation*, CAV 2001, whose simplifications are used). An edge bears the
 mark of each ``U`` that it does not put off; a run is accepted where it takes every mark again and again.
 
->>> from mcpn.check.paths.formulas import Until
+>>> from mcpn.check.ltl.formulas import Until
 >>> from mcpn.space.search.goal import TRUE, marked
 >>> p = marked(0)
 >>> automaton = translated(Until(TRUE, p))
@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from mcpn.check.paths.formulas import Next, Release, Until
+from mcpn.check.ltl.formulas import Next, Release, Until
 from mcpn.errors import LimitError
 from mcpn.space.components import strongly_connected
 from mcpn.space.search.goal import FALSE, TRUE, And, Formula, Or
@@ -98,14 +98,14 @@ def translated(formula: Formula) -> Automaton:
     """The automaton of the paths that satisfy a formula.
 
     Args:
-        formula: In normal form (:func:`mcpn.check.paths.formulas.normal`).
+        formula: In normal form (:func:`mcpn.check.ltl.formulas.normal`).
 
     Raises:
         LimitError: The automaton is too large.
 
     See Also:
-        :func:`mcpn.check.paths.formulas.normal`: what is translated.
-        :mod:`mcpn.check.paths.product`: where the automaton is run.
+        :func:`mcpn.check.ltl.formulas.normal`: what is translated.
+        :mod:`mcpn.check.ltl.product`: where the automaton is run.
     """
     start = _conjuncts(formula)
     numbers, queue = {start: 0}, [start]

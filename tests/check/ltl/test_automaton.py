@@ -14,12 +14,12 @@ from hypothesis import strategies as st
 from mcpn.check.logic.names import Names
 from mcpn.check.logic.syntax import parse_open
 from mcpn.check.logic.writing import show
-from mcpn.check.paths.automaton import translated
-from mcpn.check.paths.formulas import normal
-from mcpn.check.paths.hoa import classes, write_hoa
+from mcpn.check.ltl.automaton import translated
+from mcpn.check.ltl.formulas import normal
+from mcpn.check.ltl.hoa import classes, write_hoa
 from mcpn.net.petri import NetBuilder
 from mcpn.space.components import strongly_connected
-from tests.check.paths.translators import (
+from tests.check.ltl.translators import (
     LETTERS,
     OURS,
     Letter,

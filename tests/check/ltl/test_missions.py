@@ -13,7 +13,7 @@ from mcpn.check.engines import Asked
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.names import Names
 from mcpn.check.logic.questions import Questions
-from mcpn.check.paths.formulas import Happens, SomePath, normal
+from mcpn.check.ltl.formulas import Happens, SomePath, normal
 from mcpn.errors import ConfluenceError, DivergenceError, InputError, LimitError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
@@ -25,8 +25,8 @@ from mcpn.space.local.composing import composite_space
 from mcpn.space.markings.explicit import explore
 from mcpn.space.stable.alternatives import by_reduction
 from mcpn.testing import missions
-from tests.check.paths import tableau
-from tests.check.paths.test_paths import fits
+from tests.check.ltl import tableau
+from tests.check.ltl.test_paths import fits
 from tests.check.test_ctl import names, satisfy
 from tests.draws import fewer
 

@@ -18,8 +18,8 @@ from functools import partial, reduce
 from operator import or_
 from typing import Generic
 
-from mcpn.check.paths.automaton import Automaton, AutomatonEdge
-from mcpn.check.paths.formulas import Happens
+from mcpn.check.ltl.automaton import Automaton, AutomatonEdge
+from mcpn.check.ltl.formulas import Happens
 from mcpn.space.algebra import S, Space
 from mcpn.space.search.goal import Formula, Not
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 
-from mcpn.check.paths.automaton import Automaton
-from mcpn.check.paths.formulas import Happens, Next, Release, Until
+from mcpn.check.ltl.automaton import Automaton
+from mcpn.check.ltl.formulas import Happens, Next, Release, Until
 from mcpn.space.search.goal import And, Formula, Not, Or
 
 

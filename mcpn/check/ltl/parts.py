@@ -1,6 +1,6 @@
 """What is asked of paths from the initial marking, decided marking by marking as they are needed.
 
-The automaton of a formula is run beside the net (:mod:`mcpn.check.paths.search`). What is known to hold
+The automaton of a formula is run beside the net (:mod:`mcpn.check.ltl.search`). What is known to hold
 always, or never, of the conditions on markings that the formula speaks of is put in before: an automaton that
 then accepts nothing needs no marking at all; so does one that accepts nothing together with what is known to
 hold at some time on every path. Where steps that change nothing do not count, the net is made
@@ -13,10 +13,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import chain
 
-from mcpn.check.paths.automaton import translated
-from mcpn.check.paths.formulas import Release, Until, is_of_paths, normal
-from mcpn.check.paths.hoa import is_stutter_insensitive
-from mcpn.check.paths.search import FoundPath, PathSearch
+from mcpn.check.ltl.automaton import translated
+from mcpn.check.ltl.formulas import Release, Until, is_of_paths, normal
+from mcpn.check.ltl.hoa import is_stutter_insensitive
+from mcpn.check.ltl.search import FoundPath, PathSearch
 from mcpn.errors import LimitError
 from mcpn.net.petri import PetriNet
 from mcpn.net.reduce.reduction import Reduction, reduce_for_paths

@@ -15,10 +15,10 @@ from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.syntax import parse, parse_open
 from mcpn.check.logic.witness import explain
 from mcpn.check.logic.writing import show
-from mcpn.check.paths.automaton import translated
-from mcpn.check.paths.formulas import SomePath, is_of_paths, normal
-from mcpn.check.paths.parts import PathParts
-from mcpn.check.paths.search import PathSearch
+from mcpn.check.ltl.automaton import translated
+from mcpn.check.ltl.formulas import SomePath, is_of_paths, normal
+from mcpn.check.ltl.parts import PathParts
+from mcpn.check.ltl.search import PathSearch
 from mcpn.net.petri import Marking, NetBuilder, PetriNet
 from mcpn.space.algebra import Space
 from mcpn.space.arrays import ArraySpace
@@ -30,7 +30,7 @@ from tests.check.formulas import Edges, Written, edges_of
 from tests.check.formulas import formulas as on_states
 from tests.check.formulas import read as read_on_states
 from tests.check.formulas import satisfying as states_satisfying
-from tests.check.paths import tableau
+from tests.check.ltl import tableau
 from tests.check.test_ctl import names, satisfy
 from tests.draws import fewer
 from tests.net.nets import nets, reachable, state_machines

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias, cast
 
-from mcpn.check.paths.automaton import Automaton, AutomatonEdge
-from mcpn.check.paths.formulas import Happens
+from mcpn.check.ltl.automaton import Automaton, AutomatonEdge
+from mcpn.check.ltl.formulas import Happens
 from mcpn.net.petri import PetriNet
 from mcpn.space.search.goal import Formula, Goal, Not, as_goal, encode
 from mcpn.space.search.searches import MAX_BYTES, Searches

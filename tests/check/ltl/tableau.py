@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from mcpn.check.logic.formulas import OPERATORS
 from mcpn.check.logic.names import Names
 from mcpn.check.logic.syntax import ON_PATH, parse
-from mcpn.check.paths.formulas import Happens
+from mcpn.check.ltl.formulas import Happens
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.search.goal import Formula
 from tests.check import formulas as on_states
