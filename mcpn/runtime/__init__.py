@@ -72,7 +72,7 @@ _HOMES = {
     "QueueClosed": "queue",
     "QueueFull": "queue",
     "Refused": "tables",
-    "SnapshotError": "snapshots",
+    "SnapshotError": "restoring",
     "Step": "controller",
     "Watchdog": "journal",
     "Where": "controller",
