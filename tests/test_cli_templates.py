@@ -97,8 +97,9 @@ def test_nets_and_reports_are_written_with_them(mine: str) -> None:
 
 
 def test_missions_are_played_with_them(mine: str) -> None:
-    for more in ((), ("--tokens",)):
-        asked = ("simulate", ULYSSE, "--random", "400", *more)
+    Path("events.txt").write_text("MISSION_EV_START\nGPS_sensor_EV_OOS\n")
+    for how in (("--events", "events.txt"), ("--random", "400", "--tokens")):
+        asked = ("simulate", ULYSSE, *how)
         assert "EV_RD" in mcpn(*asked).stdout
         found = mcpn(*asked, "--templates", mine)
         assert found.returncode == 0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable
 
 from mcpn.bench.runs import BenchRun
@@ -16,7 +15,7 @@ def watched(monitors: Monitors, runs: Iterable[BenchRun]) -> dict[str, dict[str,
         monitors: Those of the mission; they begin anew with each run.
         runs: The runs.
     """
-    found = {name: Counter[str]() for name in monitors.values}
+    found = {name: dict.fromkeys(("violated", "satisfied", "open"), 0) for name in monitors.values}
     for run in runs:
         monitors.restart()
         for event in run.events:
@@ -24,4 +23,4 @@ def watched(monitors: Monitors, runs: Iterable[BenchRun]) -> dict[str, dict[str,
                 monitors.take(event.event)
         for name, value in monitors.values.items():
             found[name][value] += 1
-    return {name: dict(counts) for name, counts in found.items()}
+    return found

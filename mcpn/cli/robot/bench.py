@@ -231,7 +231,7 @@ def _print(told: dict[str, Any]) -> None:
     rows["events"] = f"{told['events']:,} in {told['seconds']:.2f} s"
     print_counts(rows)
     for name, counts in (told["monitors"] or {}).items():
-        click.echo(f"{name}: " + ", ".join(f"{value} in {count:,}" for value, count in counts.items()))
+        click.echo(f"{name}: " + ", ".join(f"{value} in {n:,}" for value, n in counts.items() if n))
     if told["no_risk"]:
         click.echo(f"no numbers of risk: {told['no_risk']}")
     if told["against"]:
