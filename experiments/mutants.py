@@ -53,7 +53,7 @@ AREAS = {
     "mcpn/net/reduce": "tests/net/test_reduce.py tests/space",
     "mcpn/space": "tests/space tests/check/test_engines.py",
     "mcpn/space/stable": "tests/space/test_confluence.py tests/space/test_alternatives.py tests/space",
-    "mcpn/space/local": "tests/space/test_local.py tests/check/test_local.py tests/space tests/test_once.py",
+    "mcpn/space/local": "tests/space/test_local.py tests/space tests/test_once.py",
     "mcpn/space/search": "tests/space/search tests/check/test_contest.py tests/check/test_properties.py",
     "mcpn/check": "tests/check",
     "mcpn/check/logic": "tests/check/test_syntax.py tests/check/test_ctl.py tests/check",

@@ -47,7 +47,7 @@ def read_drivers(path: Path) -> Plan:
         at = re.search(r"\(at line (\d+)", str(error))
         end = text.count("\n") + 1 if "end of document" in str(error) else None
         raise InputError.at(Source(str(path), int(at[1]) if at else end), f"no TOML: {error}") from None
-    reader = _Reader(lines_of(text))
+    reader = _DriversReader(lines_of(text))
     plan = reader.plan(path, said)
     if reader.problems:
         raise InputError(
@@ -83,7 +83,7 @@ def _places(said: Any, above: Place = ()) -> Iterator[Place]:
             yield from _places(value, (*above, key))
 
 
-class _Reader:
+class _DriversReader:
     def __init__(self, lines: Mapping[Place, int]) -> None:
         self.lines = lines
         self.problems: list[tuple[int, str]] = []

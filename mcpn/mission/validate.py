@@ -33,7 +33,7 @@ from mcpn.mission.near import Hints
 from mcpn.mission.requirement import Requirement
 from mcpn.mission.robot import Activity, Described, Element, Parameter
 from mcpn.mission.typecheck import find_misfits
-from mcpn.mission.world.errors import fact_errors
+from mcpn.mission.world.fact_errors import fact_errors
 
 _VALUE = re.compile(r"[A-Za-z0-9_]{1,64}")
 

@@ -52,7 +52,7 @@ def read_mission(
     """
     main = Path(path)
     root = Path(import_root) if import_root is not None else main.parent
-    reader = _Reader(main, root.resolve(), unsaved)
+    reader = _MissionReader(main, root.resolve(), unsaved)
     mission = reader.mission()
     problems = reader.problems
     if mission is not None and reader.complete:
@@ -69,7 +69,7 @@ def misfits_of(path: Path, *, unsaved: Mapping[Path, str] = NOTHING) -> list[Pro
         path: A file of a mission, a robot or protocols.
         unsaved: As of :func:`read_mission`.
     """
-    reader = _Reader(path, path.parent, unsaved)
+    reader = _MissionReader(path, path.parent, unsaved)
     reader.load()
     return reader.problems
 
@@ -79,7 +79,7 @@ def _by_place(problem: Problem) -> tuple[str, int, str]:
     return source.file, source.line or 0, problem.message
 
 
-class _Reader:
+class _MissionReader:
     def __init__(self, main: Path, root: Path, unsaved: Mapping[Path, str] = NOTHING) -> None:
         self.root = root
         self.unsaved = unsaved

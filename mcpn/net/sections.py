@@ -21,7 +21,7 @@ from mcpn.mission.robot import Activity, Fact, Hardware, Software
 from mcpn.mission.static.usage import Usage
 from mcpn.mission.world.conditions import all_flags
 from mcpn.mission.world.decisions import FactCase
-from mcpn.mission.world.usage import touched_by
+from mcpn.mission.world.fact_usage import touched_by
 from mcpn.net.compose import MissionNet, Parts, compose_parts
 from mcpn.net.templates import TemplateSet
 

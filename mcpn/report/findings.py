@@ -15,7 +15,7 @@ from mcpn.check.verdicts.mission import MissionCheck, check
 from mcpn.controller.generate import generate
 from mcpn.controller.targets.json import document
 from mcpn.errors import McpnError
-from mcpn.report.pictures.local import LocalPicture, local_pictures
+from mcpn.report.pictures.local_graphs import LocalPicture, local_pictures
 from mcpn.report.progress import Steps, counted, exploring
 
 if TYPE_CHECKING:

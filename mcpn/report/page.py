@@ -16,13 +16,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mcpn import __version__
+from mcpn.report.assets import environment
 from mcpn.report.pages.identity import identity
 from mcpn.report.pages.live import live_data
 from mcpn.report.pages.story import runs_of, story, verdict_of_all
 from mcpn.report.pages.tables import tables
 from mcpn.report.pictures.boxes import boxes
 from mcpn.report.pictures.layout import lay_out
-from mcpn.report.templates import environment
 
 if TYPE_CHECKING:
     from mcpn.errors import Problem, Source
@@ -110,7 +110,7 @@ def _lines_around(source: Source | None) -> Iterator[tuple[int, str, bool]]:
 
 def _script() -> tuple[str, str]:
     """The script of a page, and the digest by which the page allows it."""
-    folder = resources.files("mcpn.report.templates")
+    folder = resources.files("mcpn.report.assets")
     parts = (folder.joinpath(name).read_text(encoding="utf-8") for name in SCRIPTS)
     script = '"use strict";\n(() => {\n' + "\n".join(parts) + "})();\n"
     return script, base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()

@@ -27,12 +27,12 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from mcpn.runtime.controller import Controller, Step, Where
+    from mcpn.runtime.file_schema import ControllerFileError
     from mcpn.runtime.hooks import HookError, HookErrors
     from mcpn.runtime.journal import Journal, Watchdog
     from mcpn.runtime.monitors import Decision, Monitors
     from mcpn.runtime.queue import AsyncController, EventQueue, QueueClosed, QueueFull
     from mcpn.runtime.restoring import SnapshotError
-    from mcpn.runtime.shape import ControllerFileError
     from mcpn.runtime.tables import Action, ParameterValue, Refused
 
 __all__ = [
@@ -61,7 +61,7 @@ _HOMES = {
     "Action": "tables",
     "AsyncController": "queue",
     "Controller": "controller",
-    "ControllerFileError": "shape",
+    "ControllerFileError": "file_schema",
     "Decision": "monitors",
     "EventQueue": "queue",
     "HookError": "hooks",

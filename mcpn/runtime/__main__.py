@@ -5,8 +5,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from mcpn.runtime.file_schema import ControllerFileError
 from mcpn.runtime.monitors import Monitors, events_of, told
-from mcpn.runtime.shape import ControllerFileError
 
 
 def main(arguments: list[str]) -> int:

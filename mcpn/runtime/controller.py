@@ -11,9 +11,9 @@ from pathlib import Path
 from time import monotonic, perf_counter
 from typing import TYPE_CHECKING, Any
 
+from mcpn.runtime.file_schema import ENDS, ControllerFileError
 from mcpn.runtime.hooks import Hook, HookError, Hooks
 from mcpn.runtime.restoring import BEFORE, RUNNING, Saved, actions_to, read_snapshot
-from mcpn.runtime.shape import ENDS, ControllerFileError
 from mcpn.runtime.tables import START, Action, Inside, Refused, Tables, TableSection, read
 from mcpn.runtime.timers import Timers
 

@@ -12,7 +12,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from mcpn.runtime.shape import LISTS, MODES
+from mcpn.runtime.file_schema import LISTS, MODES
 
 Step = tuple[int | str, int, Set[int], Set[int]]
 """The state after an event, or the outcome with which the section is left; the actions; what has happened, or

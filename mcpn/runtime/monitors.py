@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mcpn.runtime.shape import ControllerFileError
+from mcpn.runtime.file_schema import ControllerFileError
 
 FORMAT, VERSION = "mcpn-monitors", 1
 VALUES = ("violated", "satisfied", "open")

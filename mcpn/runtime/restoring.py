@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
-from mcpn.runtime.shape import ENDS
+from mcpn.runtime.file_schema import ENDS
 from mcpn.runtime.tables import Action, Inside, Laws, Tables, TableSection
 
 SNAPSHOT, SNAPSHOT_VERSION = "mcpn-controller-snapshot", 1

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from mcpn.runtime.file_schema import MODULAR, ControllerFileError, check_shape, digest_of
 from mcpn.runtime.machines import MachineProtocol, RuleTables, TypeTables
-from mcpn.runtime.shape import MODULAR, ControllerFileError, check_shape, digest_of
 
 
 class Refused(Exception):

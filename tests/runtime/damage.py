@@ -9,7 +9,7 @@ from contextlib import suppress
 from typing import Any
 
 from mcpn.runtime import Controller, ControllerFileError, Refused, SnapshotError
-from mcpn.runtime.shape import digest_of
+from mcpn.runtime.file_schema import digest_of
 
 WRONG: tuple[Any, ...] = (
     None,

@@ -15,7 +15,7 @@
 #include "diagrams/store.hpp"
 #include "python/module.hpp"
 #include "search/lasso.hpp"
-#include "search/local.hpp"
+#include "search/on_the_fly.hpp"
 #include "search/tokens.hpp"
 
 namespace nb = nanobind;

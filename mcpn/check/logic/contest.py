@@ -47,7 +47,7 @@ def read_properties(path: Path, names: Names) -> list[Property]:
         LimitError: A formula is too large, see :func:`mcpn.check.logic.formulas.within_limit`.
     """
     root = parse_xml(path, MAX_BYTES)
-    reader = _Reader(str(path), names)
+    reader = _ContestReader(str(path), names)
     reader.expect(root, "property-set")
     return [reader.property(element) for element in root]
 
@@ -72,7 +72,7 @@ _ON_PATH: Mapping[str, Callable[..., Formula]] = {
 }
 
 
-class _Reader:
+class _ContestReader:
     def __init__(self, file: str, names: Names) -> None:
         self.file = file
         self.lookup = names

@@ -2,7 +2,7 @@
 
 Formulas are simplified, by invariants and by the initial marking; what asks for one reachable marking goes to
 a search, once where several formulas ask for the same; others are asked of few markings, as they are needed
-(:mod:`mcpn.check.logic.local`). What is left is asked of the space, built once. All that is asked shares it:
+(:mod:`mcpn.check.logic.on_the_fly`). What is left is asked of the space, built once. All questions share it:
 cheap ones first, each with a time slice that grows round by round, so that one hard question does not cost
 the easy ones. A typed formula comes with a run that shows its value, so that a way which tells none decides
 it only where no single run would show it, or where there is no space.
@@ -33,7 +33,7 @@ from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
     from mcpn.check.logic.contest import Property
-    from mcpn.check.logic.local import LocalCheck
+    from mcpn.check.logic.on_the_fly import OnTheFlyCheck
     from mcpn.check.ltl.parts import PathParts
     from mcpn.space.search.portfolio import Round
 
@@ -144,7 +144,7 @@ class _Answers:
         self.typed, self.asked = typed, dict(waiting)
         self.ways: dict[str, dict[str, None]] = {name: {} for name in waiting}  # that decided parts of it
         self.known = Known(self.net, settled=questions.on == "alternatives")
-        self.local: LocalCheck | None = None
+        self.on_the_fly: OnTheFlyCheck | None = None
         self.paths: PathParts | None = None
         self.rounds = self.searches = 0
 
@@ -307,15 +307,15 @@ class _Answers:
         ]
         if not parts or self.net.priorities:  # whose atoms are no conditions on tokens alone
             return
-        if self.local is None:
-            from mcpn.check.logic.local import LocalCheck
+        if self.on_the_fly is None:
+            from mcpn.check.logic.on_the_fly import OnTheFlyCheck
             from mcpn.space.search.searches import Searches
 
             if not Searches(self.net).fits:
                 return
-            self.local = LocalCheck(self.net, [part for part in self.parts() if not says_paths(part)])
+            self.on_the_fly = OnTheFlyCheck(self.net, [part for part in self.parts() if not says_paths(part)])
         for part in parts:
-            value = self.local.decide(part, steps, seed=self.rounds)
+            value = self.on_the_fly.decide(part, steps, seed=self.rounds)
             # A step is a run that the marking tells; what holds further on needs a run that is not known.
             if value is False or (value and (runs or not self.typed or isinstance(part, EX))):
                 yield from self.learn(part, value, EXPLICIT)

@@ -82,14 +82,14 @@ class Automaton:
 
 
 @dataclass(frozen=True)
-class _Way:
+class _Cover:
     """One way to satisfy some formulas: by this state, by the rest of the path, and what is put off."""
 
     literals: Literals
     left: frozenset[Formula]
     put_off: frozenset[Formula]
 
-    def covers(self, other: _Way) -> bool:
+    def covers(self, other: _Cover) -> bool:
         """Whether whatever goes the other way could as well go this one."""
         return self.literals <= other.literals and self.left <= other.left and self.put_off <= other.put_off
 
@@ -109,7 +109,7 @@ def translated(formula: Formula) -> Automaton:
     """
     start = _conjuncts(formula)
     numbers, queue = {start: 0}, [start]
-    ways: list[list[_Way]] = []
+    ways: list[list[_Cover]] = []
     for obligations in queue:
         ways.append(_ways(obligations))
         for way in ways[-1]:
@@ -146,11 +146,11 @@ def _conjuncts(formula: Formula) -> frozenset[Formula]:
     return frozenset(formula.operands if isinstance(formula, And) else (formula,))
 
 
-def _ways(obligations: frozenset[Formula]) -> list[_Way]:
+def _ways(obligations: frozenset[Formula]) -> list[_Cover]:
     """The ways to satisfy some formulas, but for those that another way makes needless."""
-    found: list[_Way] = []
+    found: list[_Cover] = []
     nothing = frozenset[Formula]()
-    stack = [(list(obligations), frozenset[Formula](), _Way(nothing, nothing, nothing))]
+    stack = [(list(obligations), frozenset[Formula](), _Cover(nothing, nothing, nothing))]
     while stack:
         todo, done, way = stack.pop()
         if not todo:
@@ -169,16 +169,16 @@ def _ways(obligations: frozenset[Formula]) -> list[_Way]:
                 stack += [([operand, *rest], done, way) for operand in operands]
             case Next((operand,)):
                 left = way.left | _conjuncts(operand)
-                stack.append((rest, done, _Way(way.literals, left - {TRUE}, way.put_off)))
+                stack.append((rest, done, _Cover(way.literals, left - {TRUE}, way.put_off)))
             case Until((before, reach)):
-                later = _Way(way.literals, way.left | {formula}, way.put_off | {formula})
+                later = _Cover(way.literals, way.left | {formula}, way.put_off | {formula})
                 stack.append(([before, *rest], done, later))
                 stack.append(([reach, *rest], done, way))
             case Release((freed, held)):
-                stack.append(([held, *rest], done, _Way(way.literals, way.left | {formula}, way.put_off)))
+                stack.append(([held, *rest], done, _Cover(way.literals, way.left | {formula}, way.put_off)))
                 stack.append(([freed, held, *rest], done, way))
             case _ if ~formula not in way.literals:
-                stack.append((rest, done, _Way(way.literals | {formula}, way.left, way.put_off)))
+                stack.append((rest, done, _Cover(way.literals | {formula}, way.left, way.put_off)))
     return [way for way in found if FALSE not in way.left]
 
 

@@ -57,7 +57,7 @@ def read_pattern(pattern: Pattern, names: Names) -> PatternText:
     Raises:
         InputError: An attribute is no formula, or names what is not there; with the pattern's line.
     """
-    reader = _Reader(pattern, names)
+    reader = _PatternReader(pattern, names)
     match pattern:
         case Visit() | Patrolling():
             text = reader.movement(pattern)
@@ -70,7 +70,7 @@ def read_pattern(pattern: Pattern, names: Names) -> PatternText:
     return PatternText(text.formula, text.sentence[0].upper() + text.sentence[1:])
 
 
-class _Reader:
+class _PatternReader:
     """Looks up what the attributes of a pattern say."""
 
     def __init__(self, pattern: Pattern, names: Names) -> None:

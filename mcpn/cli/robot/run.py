@@ -97,7 +97,7 @@ def run(
     from mcpn.drivers.running import RobotRun
     from mcpn.files import write_atomically
 
-    shown = None if as_json else _Shown()
+    shown = None if as_json else _EventLines()
 
     def save() -> None:
         if snapshot is not None:
@@ -212,7 +212,7 @@ async def _until_signal(runner: RobotRun, actions: tuple[Action, ...] | None, re
             signal.signal(number, handler)
 
 
-class _Shown:
+class _EventLines:
     """What happens, on the terminal: each event with its actions, and what runs then."""
 
     def __init__(self) -> None:

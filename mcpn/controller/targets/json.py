@@ -77,10 +77,10 @@ from mcpn.controller.modular import AnyController, ModularController, Rules
 from mcpn.mission.flatten import requirements_of
 from mcpn.mission.robot import Parameter
 from mcpn.mission.world.conditions import all_flags, flags
-from mcpn.mission.world.usage import FactUsage
+from mcpn.mission.world.fact_usage import FactUsage
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
-from mcpn.runtime.shape import FORMAT, digest_of
+from mcpn.runtime.file_schema import FORMAT, digest_of
 
 FILE_NAME = "controller.json"
 VERSION, WITH_ONCE, OF_RULES, WITH_FACTS, OF_RULES_WITH_FACTS = 2, 3, 4, 5, 6

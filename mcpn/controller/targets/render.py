@@ -1,4 +1,4 @@
-"""Text of generated code, from the templates in ``mcpn/controller/templates``."""
+"""Text of generated code, from the skeletons in ``mcpn/controller/targets/skeletons``."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 
-def render(template: str, **values: Any) -> str:
-    """A template filled in.
+def render(skeleton: str, **values: Any) -> str:
+    """A skeleton filled in.
 
     Args:
-        template: Its file's name.
+        skeleton: Its file's name.
         **values: What it speaks of; one that it needs and that is missing is an error.
     """
     # Code for robots is no HTML: names and texts are escaped for their language, by the target.
     environment = Environment(
-        loader=PackageLoader("mcpn.controller"),
+        loader=PackageLoader("mcpn.controller.targets", "skeletons"),
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    return environment.get_template(template).render(**values)
+    return environment.get_template(skeleton).render(**values)
 
 
 def rows(values: Sequence[object], indent: str = "    ", width: int = 100) -> str:

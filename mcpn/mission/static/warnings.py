@@ -9,7 +9,7 @@ from mcpn.errors import Problem, Source
 from mcpn.mission.flatten import ElementarySection, flatten
 from mcpn.mission.model import ABORT, Block, Holder, Mission, Objective, Use, walk
 from mcpn.mission.static.usage import Usage
-from mcpn.mission.world.warnings import fact_warnings
+from mcpn.mission.world.fact_warnings import fact_warnings
 from mcpn.sentences import shortened
 
 

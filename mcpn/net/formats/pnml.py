@@ -34,7 +34,7 @@ _SKIPPED = {"name", "graphics", "toolspecific"}
 _LABELS = {"place": {"initialMarking"}, "arc": {"inscription", "type"}}
 
 
-class _Reader:
+class _PnmlReader:
     """Collects a net's elements by id, then joins them."""
 
     def __init__(self, path: Path) -> None:
@@ -221,7 +221,7 @@ def read_pnml(path: Path) -> PetriNet:
     Raises:
         InputError: With file and line.
     """
-    return _Reader(path).read(parse_xml(path, MAX_FILE_BYTES))
+    return _PnmlReader(path).read(parse_xml(path, MAX_FILE_BYTES))
 
 
 def _tag(element: etree._Element) -> str:

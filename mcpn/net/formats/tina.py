@@ -40,7 +40,7 @@ _REFUSED = {"?-": "inhibitor", "!": "stopwatch", "!-": "stopwatch inhibitor"}
 
 
 @dataclass(frozen=True, slots=True)
-class _Token:
+class _TinaToken:
     kind: str
     text: str
     line: int
@@ -53,23 +53,23 @@ class _Token:
 class _Declaration:
     """The tokens of one declaration, read from left to right."""
 
-    def __init__(self, path: str, keyword: _Token) -> None:
+    def __init__(self, path: str, keyword: _TinaToken) -> None:
         self.path = path
         self.keyword = keyword
-        self.tokens: list[_Token] = []
+        self.tokens: list[_TinaToken] = []
         self.at = 0
 
-    def fail(self, message: str, token: _Token | None = None) -> NoReturn:
+    def fail(self, message: str, token: _TinaToken | None = None) -> NoReturn:
         token = token or self.keyword
         raise InputError.at(Source(self.path, token.line), f"column {token.column}: {message}")
 
-    def peek(self) -> _Token:
+    def peek(self) -> _TinaToken:
         if self.at < len(self.tokens):
             return self.tokens[self.at]
         last = self.tokens[-1] if self.tokens else self.keyword
-        return _Token("end", "", last.line, last.column + len(last.text))
+        return _TinaToken("end", "", last.line, last.column + len(last.text))
 
-    def skip(self, *symbols: str) -> _Token | None:
+    def skip(self, *symbols: str) -> _TinaToken | None:
         """The next token if it is one of these symbols, which it then leaves behind."""
         token = self.peek()
         if token.kind != "symbol" or token.text not in symbols:
@@ -125,7 +125,7 @@ class _Declaration:
         return name, kind.text, weight
 
 
-class _Reader:
+class _TinaReader:
     """Collects declarations, then makes the net of them."""
 
     def __init__(self, path: str) -> None:
@@ -177,17 +177,17 @@ class _Reader:
         if current:
             yield current
 
-    def tokens(self, text: str, line: int) -> list[_Token]:
+    def tokens(self, text: str, line: int) -> list[_TinaToken]:
         words, at = [], 0
         while at < len(text):
             match = _TOKEN.match(text, at)
             if not match:
                 wrong = "'{' without its '}' on the same line" if text[at] == "{" else repr(text[at])
-                here = _Token("symbol", text[at], line, at + 1)
+                here = _TinaToken("symbol", text[at], line, at + 1)
                 _Declaration(self.path, here).fail(f"found {wrong}, expected a name, an arc or an arrow")
             kind = match.lastgroup or ""
             if kind not in ("space", "comment"):
-                words.append(_Token(kind, match.group(), line, at + 1))
+                words.append(_TinaToken(kind, match.group(), line, at + 1))
             at = match.end()
         return words
 
@@ -322,7 +322,7 @@ def read_tina(path: Path, data: bytes) -> PetriNet:
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         raise InputError.at(Source(str(path), line), "not UTF-8 text") from error
-    return _Reader(str(path)).read(re.split(r"\r\n|\r|\n", text))
+    return _TinaReader(str(path)).read(re.split(r"\r\n|\r|\n", text))
 
 
 def write_tina(net: PetriNet) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 
 from mcpn.errors import InputError, LimitError, Source
 from mcpn.files import write_atomically
-from mcpn.report.templates import environment
+from mcpn.report.assets import environment
 
 KNOWN = (".svg", ".png")
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from mcpn._kernel import Checker, Goals, TokenNet
 from mcpn.check.logic.formulas import EG, EU, EX
-from mcpn.check.logic.local import LocalCheck
+from mcpn.check.logic.on_the_fly import OnTheFlyCheck
 from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.search.goal import TRUE, AtMost
 from tests.check.formulas import edges_of, formulas, read, satisfying
@@ -30,7 +30,7 @@ def test_it_agrees_with_the_definitions(net: PetriNet, data: st.DataObject) -> N
     places, transitions = [p.name for p in net.places], [t.name for t in net.transitions]
     drawn = data.draw(st.lists(formulas(places, transitions, leaves=8), min_size=1, max_size=4))
     cores = [read(formula, net) for formula in drawn]
-    check = LocalCheck(net, cores)
+    check = OnTheFlyCheck(net, cores)
     # Budgets that are too small leave nothing behind that is not so; seeds change no answer.
     rounds = data.draw(st.lists(st.integers(1, 40), max_size=6))
     for number, steps in enumerate((*rounds, 10**6)):
@@ -60,18 +60,18 @@ def test_endless_nets_are_answered_where_few_markings_decide() -> None:
     net = _counter(3)
     many, none = AtMost(((0, -1),), -40), AtMost(((0, 1),), 0)
     reached, never = EU(TRUE, many), EG(none)
-    check = LocalCheck(net, [reached, never])
+    check = OnTheFlyCheck(net, [reached, never])
     assert check.decide(reached, 10**5) is True  # places get wider twice on the way
     assert check.decide(never, 10**5) is False
     stays = EG(AtMost(((1, -1),), -3))  # some run never takes from the room, and is endless without a cycle
-    check = LocalCheck(net, [stays])
+    check = OnTheFlyCheck(net, [stays])
     assert check.decide(stays, 10**4) is None
 
 
 def test_memory_is_a_limit() -> None:
     net = _counter(0)
     far = EU(TRUE, AtMost(((0, -1),), -(10**6)))
-    check = LocalCheck(net, [far], max_bytes=1 << 20)
+    check = OnTheFlyCheck(net, [far], max_bytes=1 << 20)
     assert check.decide(far, 10**7) is None
     assert check.markings < 10**5
     assert check.decide(far, 10**7) is None

@@ -1,4 +1,4 @@
-"""Templates of pages and pictures, and how they are filled in: every text is escaped."""
+"""What pages and pictures are made of, and how it is filled in: every text is escaped."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 
 def environment() -> Environment:
-    """What fills in the templates."""
+    """What fills in the files of this folder."""
     made = Environment(
-        loader=PackageLoader("mcpn.report"),
+        loader=PackageLoader("mcpn.report", "assets"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

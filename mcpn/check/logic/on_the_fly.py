@@ -20,7 +20,7 @@ Kind = Literal["goal", "not", "all", "any", "next", "until", "always"]
 KINDS: dict[type, Kind] = {Not: "not", And: "all", Or: "any", EX: "next", EU: "until", EG: "always"}
 
 
-class LocalCheck:
+class OnTheFlyCheck:
     """Decides formulas at the initial marking of a net; formulas share what is found out.
 
     Args:

@@ -10,7 +10,7 @@ from mcpn.mission.graph import ObjectivesGraph
 from mcpn.mission.model import Mission, Objective, walk
 from mcpn.mission.robot import Fact
 from mcpn.mission.world.conditions import conditions, required, word
-from mcpn.mission.world.usage import FactUsage
+from mcpn.mission.world.fact_usage import FactUsage
 
 
 def fact_warnings(world: FactUsage, graph: ObjectivesGraph) -> Iterator[Problem]:

@@ -1,4 +1,4 @@
-#include "search/local.hpp"
+#include "search/on_the_fly.hpp"
 
 #include "diagrams/store.hpp"
 
