@@ -57,6 +57,11 @@ class Play:
             (marking,) = [m for e, m in self.edges(marking) if e == event]
         return marking
 
+    def without(self, dead: Iterable[str]) -> Marking:
+        """The start after the failure of some hardware, of what is not out of service already."""
+        failing = sorted(set(dead) - self.out(self.initial))
+        return self.after(self.initial, [f"{h}_EV_OOS" for h in failing])
+
     def reach(
         self,
         starts: Iterable[Marking],

@@ -106,7 +106,7 @@ def confirm(asked: Asked) -> None:
     def check(computed: list[CutSet], lost: list[frozenset[str]]) -> None:
         assert computed == minimal(lost)
 
-    at_start = {d: play.after(play.initial, [f"{h}_EV_OOS" for h in sorted(d)]) for d in subsets}
+    at_start = {d: play.without(d) for d in subsets}
     check(
         asked.cut_sets(None, Moment.START),
         [d for d in subsets if not play.mission_survives(at_start[d], d)],
@@ -303,7 +303,7 @@ def confirm_safety(asked: Asked, play: Play, everything: set[Marking]) -> None:
     assert dying is not None
     event("can be aborted")
     subsets = play.subsets()
-    start = {d: play.after(play.initial, [f"{h}_EV_OOS" for h in sorted(d)]) for d in subsets}
+    start = {d: play.without(d) for d in subsets}
     lost = [d for d in subsets if not play.mission_survives(start[d], d, safe)]
     assert asked.cuts.minimal(asked.cuts.defeating(dying, Moment.START)) == minimal(lost)
     open_ = [m for m in everything if not any(play.marks(place)(m) for place in (*safe, "MISSION_begin"))]

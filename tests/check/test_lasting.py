@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from pathlib import Path
 
 import pytest
@@ -12,14 +13,16 @@ from mcpn.check.verdicts.mission import check
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
-from mcpn.errors import LimitError
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Hardware
 from mcpn.net.compose import compose
 from mcpn.runtime.controller import Controller
 from tests.check.asked import ENGINES, Asked
-from tests.commands import mcpn
-from tests.mission.test_broken import NS
+from tests.controller.test_c import build, run_lines
+from tests.controller.test_python import Generated
+from tests.controller.test_scxml import INTERPRETERS
+from tests.controller.test_scxml import check as check_scxml
+from tests.controller.traces import Traced, random_events
 from tests.small import activity, mission, robot
 
 FORMS: tuple[Form, ...] = ("flat", "hierarchical", "modular")
@@ -68,16 +71,18 @@ def test_numbers_by_hand(engine: Engine) -> None:
     assert numbers.importance == pytest.approx({"h": 1.0})
 
 
+GOES = mission(
+    robot(
+        (Hardware(name="h", repairable=False), Hardware(name="g", initial="oos"), Hardware(name="k")),
+        activity("go", ("h",), ("g",)),
+    ),
+    Objective(name="one", activities=("go",)),
+)
+
+
 @pytest.mark.parametrize("form", FORMS)
 def test_a_controller_knows_what_is_out_and_what_stays_out(form: Form) -> None:
-    of = mission(
-        robot(
-            (Hardware(name="h", repairable=False), Hardware(name="g", initial="oos"), Hardware(name="k")),
-            activity("go", ("h",), ("g",)),
-        ),
-        Objective(name="one", activities=("go",)),
-    )
-    net = compose(of)
+    net = compose(GOES)
     told = document(generate(net, form), net)
     assert (told["out_of_service"], told["unrepairable"]) == (["g"], ["h"])
     controller = Controller.from_document(told)
@@ -93,23 +98,34 @@ def test_a_controller_knows_what_is_out_and_what_stays_out(form: Form) -> None:
     assert not {"out_of_service", "unrepairable"} & document(generate(plain, form), plain).keys()
 
 
-@pytest.mark.parametrize("target", ["c", "python", "scxml"])
-@pytest.mark.parametrize(
-    "hardware", [Hardware(name="h", repairable=False), Hardware(name="h", initial="oos")]
-)
-def test_other_targets_say_that_they_do_not_know_it(target: str, hardware: Hardware) -> None:
-    net = compose(going(hardware, goes("one")))
-    with pytest.raises(LimitError, match=r"h is .*, which controllers in .* do not know yet: JSON does"):
-        files(generate(net), net, target)
+HISTORY = ["", "g_EV_OOS", "h_EV_RD", "MISSION_EV_START", "h_EV_OOS", "h_EV_RD", "g_EV_RD", "OBJ_one_EV_OK"]
+HISTORY += ["", "h_EV_OOS", "h_EV_RD", "g_EV_RD", "MISSION_EV_START", "OBJ_one_EV_OK", "h_EV_RD", "g_EV_OOS"]
+STATUS = ["refused", "unknown", "taken", "taken", "unknown", "taken", "refused"]
+STATUS += ["taken", "unknown", "taken", "taken", "taken", "unknown", "taken"]
 
 
-def test_the_command_line_refuses_such_a_target(tmp_path: Path) -> None:
-    path = tmp_path / "m.xml"
-    path.write_text(
-        f'<mission name="m" {NS}><robot name="r"><hardware name="h" initial="oos"/>'
-        '<activity name="go" consumes="h"/></robot><objective name="o" activities="go"/></mission>'
-    )
-    done = mcpn("controller", str(path), "-o", str(tmp_path / "out"), "--target", "c")
-    assert done.returncode == 2
-    assert "out of service at the start" in done.stderr
-    assert not (tmp_path / "out").exists()
+@pytest.mark.parametrize("form", FORMS)
+def test_generated_code_knows_it_too(form: Form, tmp_path: Path) -> None:
+    net = compose(GOES)
+    controller = generate(net, form)
+    traced = Traced(document(controller, net))
+    lines = traced.lines(HISTORY)
+    assert [line.partition(":")[0] for line in lines] == STATUS
+    events = HISTORY + random_events(traced, random.Random(1), 300)
+    traced.restart()
+    lines = traced.lines(events)
+    ((_, text),) = files(controller, net, "python").items()
+    assert Generated(text).lines(events) == lines
+    assert run_lines(build(files(controller, net, "c"), tmp_path), events) == lines
+
+
+@pytest.mark.parametrize("name", list(INTERPRETERS))
+@pytest.mark.parametrize("flat", [True, False])
+def test_charts_know_it_too(name: str, flat: bool, tmp_path: Path) -> None:
+    net = compose(GOES)
+    controller = generate(net, "flat" if flat else "hierarchical")
+    ((file, text),) = files(controller, net, "scxml").items()
+    (tmp_path / file).write_text(text)
+    traced = Traced(document(controller, net))
+    events = HISTORY + random_events(traced, random.Random(1), 100)
+    check_scxml(name, tmp_path / file, controller, traced, events)

@@ -17,7 +17,6 @@ from mcpn.controller.targets.names import (
     c_string,
     comment,
     identifiers,
-    refuse_lasting,
 )
 from mcpn.controller.targets.render import render, rows
 from mcpn.controller.targets.tables import MachineNumbers, RuleNumbers
@@ -74,7 +73,6 @@ def write_c(controller: AnyController, mission_net: MissionNet) -> dict[str, str
         controller: The controller.
         mission_net: The mission's net, for the parameters.
     """
-    refuse_lasting(mission_net, "C")
     numbers: RuleNumbers | MachineNumbers
     if isinstance(controller, ModularController):
         numbers = RuleNumbers(controller, mission_net)
@@ -208,7 +206,8 @@ def _of_rules(n: RuleNumbers) -> list[Array]:
 def _of_sections(n: MachineNumbers | RuleNumbers) -> list[Array]:
     """Tables of sections, actions and parameters, whatever their types are."""
     none = n.none
-    change = {e: 2 * i for i, e in enumerate(n.failures)} | {e: 2 * i + 1 for i, e in enumerate(n.repairs)}
+    change: dict[int | None, int] = {e: 2 * i for i, e in enumerate(n.failures)}
+    change |= {e: 2 * i + 1 for i, e in enumerate(n.repairs)}
     nothing = 2 * len(n.faulty)
     events = [change.get(e, nothing) for e in range(len(n.events))]
     columns = list(zip(*n.action_rows, strict=True)) or [(), (), (), ()]

@@ -6,9 +6,6 @@ import re
 from collections.abc import Collection, Iterable
 from keyword import kwlist, softkwlist
 
-from mcpn.errors import LimitError
-from mcpn.net.compose import MissionNet
-
 C_KEYWORDS = frozenset(
     word
     for line in (
@@ -98,17 +95,3 @@ def comment(text: str) -> str:
     """A text for one line of a comment, in which nothing can end the comment."""
     # Backslashes first, so that the slashes that stand for them end nothing either.
     return re.sub(r"[^\x20-\x7e]", "?", text).replace("\\", "/").replace("*/", "* /").replace("/*", "/ *")
-
-
-def refuse_lasting(mission_net: MissionNet, target: str) -> None:
-    """Refuses hardware that is out of service at the start, or not repairable, which a target does not know.
-
-    Raises:
-        LimitError: The mission has some.
-    """
-    for hardware in mission_net.mission.hardware:
-        if hardware.initial == "oos" or not hardware.repairable:
-            what = "out of service at the start" if hardware.initial == "oos" else "not repairable"
-            raise LimitError(
-                f"{hardware.name} is {what}, which controllers in {target} do not know yet: JSON does"
-            )

@@ -69,6 +69,11 @@ class Numbers(Generic[Type]):
         controller, mission = self.controller, self.mission_net.mission
         self.hardware = [h.name for h in mission.hardware]
         self.faulty = list(controller.hardware)
+        out = {h.name for h in mission.hardware if h.initial == "oos"}
+        self.out = [number for number, name in enumerate(self.faulty) if name in out]
+        """Of what can fail, what is out of service at the start."""
+        self.lasting = {h.name for h in mission.hardware if not h.repairable}
+        """What is never repaired."""
         self.activities = [a.name for a in mission.activities if a.name in self.mission_net.usage.started]
         running = [a for a in mission.activities if a.name in set(self.activities)]
         self.alternatives = [f"{a.name}.{way.name}" for a in running for way in a.alternatives]
@@ -89,7 +94,9 @@ class Numbers(Generic[Type]):
         texts = {str(e) for section in controller.sections for e in section.events} | {str(START)}
         texts |= {str(Event(What.DECLARED, name)) for name in world.changing}
         for name in self.faulty:
-            texts |= {str(Event(What.OUT_OF_SERVICE, name)), str(Event(What.REPAIRED, name))}
+            texts.add(str(Event(What.OUT_OF_SERVICE, name)))
+            if name not in self.lasting:
+                texts.add(str(Event(What.REPAIRED, name)))
         self.events = sorted(texts, key=lambda text: text.encode("utf-8", "surrogatepass"))
         self._event = {text: number for number, text in enumerate(self.events)}
         self.start = self._event[str(START)]
@@ -149,9 +156,9 @@ class Numbers(Generic[Type]):
         return [self._event[str(Event(What.OUT_OF_SERVICE, name))] for name in self.faulty]
 
     @property
-    def repairs(self) -> list[int]:
-        """The event of its repair."""
-        return [self._event[str(Event(What.REPAIRED, name))] for name in self.faulty]
+    def repairs(self) -> list[int | None]:
+        """The event of its repair, of what is repaired."""
+        return [self._event.get(str(Event(What.REPAIRED, name))) for name in self.faulty]
 
     # --- tables ---
 

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 
 from mcpn.controller.hierarchy import SectionMachine
 from mcpn.controller.modular import AnyController, ModularController, Rule, Rules
-from mcpn.controller.targets.names import PYTHON_KEYWORDS, comment, identifiers, refuse_lasting
+from mcpn.controller.targets.names import PYTHON_KEYWORDS, comment, identifiers
 from mcpn.controller.targets.render import render
 from mcpn.controller.targets.tables import MachineNumbers, RuleNumbers, changes_of, guard_of
 from mcpn.net.compose import MissionNet
@@ -23,7 +23,6 @@ def write_python(controller: AnyController, mission_net: MissionNet) -> dict[str
         controller: The controller.
         mission_net: The mission's net, for the parameters.
     """
-    refuse_lasting(mission_net, "Python")
     numbers: MachineNumbers | RuleNumbers
     if isinstance(controller, ModularController):
         numbers = RuleNumbers(controller, mission_net)

@@ -31,7 +31,7 @@ from lxml import etree
 from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import Entry, Move, PlacedMachine, TableController
 from mcpn.controller.targets.json import laws
-from mcpn.controller.targets.names import comment, identifiers, refuse_lasting
+from mcpn.controller.targets.names import comment, identifiers
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.world.conditions import all_flags, flags
 from mcpn.net.compose import MissionNet
@@ -49,7 +49,6 @@ def write_scxml(controller: TableController, mission_net: MissionNet) -> dict[st
         controller: The controller.
         mission_net: The mission's net.
     """
-    refuse_lasting(mission_net, "SCXML")
     name = identifiers([controller.mission])[controller.mission].lower()
     return {f"{name}.scxml": _Document(controller, mission_net).text()}
 
@@ -64,6 +63,9 @@ class _Document:
         self.controller = controller
         self.laws = Laws(laws(mission_net))
         self.hardware = identifiers(controller.hardware, prefix="hardware_")
+        said = mission_net.mission.hardware
+        self.out = {h.name for h in said if h.initial == "oos"}
+        self.lasting = {h.name for h in said if not h.repairable}
         once = (s.names["once"].get(h, h) for s in controller.sections for h in controller.types[s.type].once)
         self.once = identifiers(dict.fromkeys(once), prefix="once_")
         self.happening: dict[str, list[tuple[str, str]]] = {handler: [] for handler in self.once}
@@ -93,14 +95,16 @@ class _Document:
         for end in (word for route, word in ENDS.items() if route in reached):
             _add(mission, "final", id=end)
         for name, identifier in self.hardware.items():
-            region = _add(whole, "state", id=identifier, initial=f"{identifier}.ready")
+            first = "out" if name in self.out else "ready"
+            region = _add(whole, "state", id=identifier, initial=f"{identifier}.{first}")
             for state, what, other in (
                 ("ready", What.OUT_OF_SERVICE, "out"),
                 ("out", What.REPAIRED, "ready"),
             ):
-                event = event_name(Event(what, name))
                 status = _add(region, "state", id=f"{identifier}.{state}")
-                _add(status, "transition", event=event, target=f"{identifier}.{other}")
+                if state == "ready" or name not in self.lasting:
+                    event = event_name(Event(what, name))
+                    _add(status, "transition", event=event, target=f"{identifier}.{other}")
         for name, identifier in self.once.items():
             region = _add(whole, "state", id=identifier, initial=f"{identifier}.open")
             region.append(_comment(f"handler {name}"))
