@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from math import inf, sqrt
 from statistics import NormalDist
 
+from mcpn.bench.demands import Demand
 from mcpn.bench.places import ControllerPlace
 from mcpn.bench.world import World
 from mcpn.runtime.machines import TypeTables
@@ -111,8 +112,16 @@ def one_run(
     events: list[TracedEvent] = []
     timers: dict[str, float] = {}
     waiting = list(script)[::-1]
+    asked: tuple[Demand, ...] = ()
     while node.place.outcome is None and len(events) < most_events:
-        if node.at_once:
+        failed = None
+        if asked:
+            first, *rest = asked
+            asked = tuple(rest)
+            if rng.random() >= world.demands.probability[first.hardware]:
+                continue
+            failed, event = first, first.event
+        elif node.at_once:
             event = node.at_once[0] if len(node.at_once) == 1 else rng.choice(node.at_once)
         else:
             if node.degraded and node.seen != seen:
@@ -121,23 +130,28 @@ def one_run(
             timer = min(timers, key=timers.__getitem__) if timers else None
             ends = inf if timer is None else timers[timer]
             told = waiting[-1][0] if waiting else inf
-            first = min(now + drawn, ends, told)
-            if first == inf:
+            soonest = min(now + drawn, ends, told)
+            if soonest == inf:
                 break
-            now = first
-            if told == first:
+            now = soonest
+            if told == soonest:
                 event = waiting.pop()[1]
-            elif timer is not None and ends == first:
+            elif timer is not None and ends == soonest:
                 event = f"OBJ_{timer}_EV_TIMEOUT"
             else:
                 at = bisect_right(node.rates, rng.random() * node.rates[-1])
                 event = node.events[min(at, len(node.events) - 1)]
-        seen = node.seen
+        if failed is None:  # what fails on demand fails with what has started it
+            seen = node.seen
         step = world.after(node, event)
         events.append(TracedEvent(now, event, step is None))
         if step is None:
             continue
         node, actions = step
+        if failed is None:
+            asked = world.demands.started(node.place.inside, actions)
+        else:
+            asked = world.demands.following(failed, asked, node.place.inside, actions)
         for action in actions:
             if action.verb == "arm" and action.objective is not None and action.seconds is not None:
                 timers[action.objective] = now + action.seconds / 3600

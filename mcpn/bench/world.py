@@ -1,9 +1,10 @@
 """A robot and its world as fake drivers: what may happen where the controller is, and how soon.
 
 The model is that of the numbers of risk (:mod:`mcpn.check.causes.risk`), played instead of solved, and played
-on the controller instead of the net: exponential durations, failures and repairs; an objective whose present
-run cannot succeed any more fails at once. Timers, which numbers of risk do not know, run out in virtual time.
-Each place of the controller and what each event does there are asked of the runtime once.
+on the controller instead of the net: exponential durations, failures and repairs; hardware that fails as an
+alternative starts; an objective whose present run cannot succeed any more fails at once. Timers, which
+numbers of risk do not know, run out in virtual time. Each place of the controller and what each event does
+there are asked of the runtime once.
 """
 
 from __future__ import annotations
@@ -12,8 +13,8 @@ from collections import deque
 from dataclasses import dataclass, field
 from itertools import accumulate
 
+from mcpn.bench.demands import Demands
 from mcpn.bench.places import ControllerPlace, Places
-from mcpn.errors import LimitError
 from mcpn.mission.flatten import ElementarySection
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
@@ -50,9 +51,6 @@ class World:
         mission_net: The mission, whose file gives rates and durations.
         tables: Its controller.
         duration: Mean hours of objectives that have none in the file.
-
-    Raises:
-        LimitError: Some hardware fails on demand.
     """
 
     def __init__(self, mission_net: MissionNet, tables: Tables, duration: float | None = None) -> None:
@@ -61,11 +59,8 @@ class World:
         self.places = Places(tables)
         self._objectives: dict[str, ElementarySection] = {o.name: o for o in mission_net.graph.walk()}
         self._duration = duration
+        self.demands = Demands(mission_net)
         mission = mission_net.mission
-        for hardware in mission.hardware:
-            if hardware.demand_probability:
-                message = f"{hardware.name} fails on demand, which the bench does not play yet"
-                raise LimitError(f"{hardware.source}: {message}" if hardware.source else message)
         self._rates: dict[Event, float] = {}
         for hardware in mission.hardware:
             self._rates[Event(What.OUT_OF_SERVICE, hardware.name)] = hardware.failure_rate or 0.0
@@ -161,11 +156,13 @@ class World:
                 step = section.move(state, text, happened)
                 if step is None or isinstance(step[0], str):
                     continue
-                if objective in section.state(step[0]).objectives:
-                    reached = step[0], (happened | step[2]) - step[3]
-                    if reached not in known:
-                        known.add(reached)
-                        queue.append(reached)
+                inside = section.state(step[0])
+                if objective in inside.objectives:
+                    asked = self.demands.started(inside, step[1])
+                    first = step[0], (happened | step[2]) - step[3]
+                    fresh = set(self.demands.ends(section, first, asked)) - known
+                    known |= fresh
+                    queue.extend(sorted(fresh, key=lambda at: at[0]))
         return False
 
     def _goes_on(self, objective: str, event: Event) -> bool:

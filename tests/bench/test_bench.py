@@ -37,6 +37,7 @@ from mcpn.space.stable.alternatives import direct
 from mcpn.testing import missions
 from tests import small
 from tests.check.dense import interrupted_missions, with_numbers
+from tests.check.test_demands import BY_HAND
 from tests.commands import mcpn
 from tests.conftest import ROOT, ULYSSE
 from tests.controller.test_c import build, run_lines
@@ -59,6 +60,7 @@ def world(mission_net: MissionNet, duration: float | None = None) -> World:
 @given(
     st.one_of(
         UNTIMED.flatmap(with_numbers),
+        UNTIMED.flatmap(lambda of: with_numbers(of, demands=True)),
         interrupted_missions(),
     )
 )
@@ -95,6 +97,31 @@ def test_one_objective_and_one_sensor() -> None:
     low, high = interval(found.outcomes["success"], 4000, NEVER)
     assert low <= 0.8 / (1 + 0.25 * 2.0) <= high
     assert found.outcomes["success"] + found.outcomes["failure"] == 4000
+
+
+@BY_HAND
+def test_what_fails_on_demand(of: Mission, success: float, degraded: float) -> None:
+    found = bench(world(compose(of)), 4000, 1)
+    low, high = interval(found.outcomes["success"], 4000, NEVER)
+    assert low <= success <= high
+    assert found.outcomes["success"] + found.outcomes["failure"] == 4000
+    mean, deviation = found.degraded
+    assert abs(mean - degraded) <= 6 * deviation
+
+
+def test_what_always_fails_on_demand_gives_no_hope() -> None:
+    """``a`` prefers h, which fails as soon as it is asked: it runs in g, or fails if g has gone."""
+    lost = Hardware(name="h", demand_probability=1.0)
+    of = small.robot((lost, Hardware(name="g", failure_rate=1.0)), small.activity("a", ("h",), ("g",)))
+    only = Objective(name="x", activities=("a",), duration=1.0, failure_probability=0.0)
+    played = world(compose(small.mission(of, only)))
+    runs = [one_run(played, random.Random(seed)) for seed in range(2000)]
+    low, high = interval(sum(run.outcome == "success" for run in runs), 2000, NEVER)
+    assert low <= 0.5 <= high
+    for run in runs:
+        assert [event.event for event in run.events[:2]] == ["MISSION_EV_START", "h_EV_OOS"]
+        assert run.events[1].hours == 0.0
+        assert len(run.events) == (3 if run.outcome == "success" else 4)
 
 
 def test_the_same_seed_gives_the_same_runs() -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 from hypothesis import event, given
 from hypothesis import strategies as st
@@ -21,9 +19,7 @@ from mcpn.testing import missions
 from tests.check.asked import ENGINES
 from tests.check.dense import Dense, with_numbers
 from tests.check.test_risk_interrupted import assert_same
-from tests.commands import mcpn
 from tests.draws import fewer
-from tests.mission.test_broken import NS
 from tests.shares import returns_early
 from tests.small import activity, mission, robot
 
@@ -49,10 +45,7 @@ def asking(*blocks: Objective | Each, repair: float | None = None) -> Mission:
 
 
 ROUNDS = Each(name="v", values=("x", "y", "z"), blocks=(does("o", "c"),))
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize(
+BY_HAND = pytest.mark.parametrize(
     ("of", "success", "degraded"),
     [
         (asking(does("one", "a")), 1 - P * Q, P * (1 - Q)),
@@ -68,6 +61,10 @@ ROUNDS = Each(name="v", values=("x", "y", "z"), blocks=(does("o", "c"),))
         (asking(does("one", "c", retries=5)), 1 - P, 0.0),
     ],
 )
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@BY_HAND
 def test_numbers_by_hand(engine: Engine, of: Mission, success: float, degraded: float) -> None:
     found = by(engine, of)
     assert found.success == pytest.approx(success)
@@ -108,16 +105,3 @@ def test_numbers_are_those_of_a_dense_solve(of: Mission, data: st.DataObject) ->
     numbers = Dense(found, graph).numbers()
     for each in computed.values():
         assert_same(each, numbers)
-
-
-def test_the_bench_does_not_play_it(tmp_path: Path) -> None:
-    path = tmp_path / "m.xml"
-    path.write_text(
-        f'<mission name="m" {NS}><robot name="r"><hardware name="h" demand_probability="0.1"/>'
-        '<activity name="go" consumes="h"/></robot>'
-        '<objective name="o" activities="go" duration="1"/></mission>'
-    )
-    done = mcpn("bench", path)
-    assert done.returncode == 2
-    assert "h fails on demand, which the bench does not play yet" in done.stderr
-    assert "demand" not in mcpn("check", path).stderr

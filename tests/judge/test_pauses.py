@@ -15,10 +15,11 @@ from mcpn.mission.writer import written
 from mcpn.net.compose import compose
 from mcpn.report.pictures.boxes import boxes
 from tests.commands import mcpn
-from tests.judge.interpreter import DECLARED, FAILURE, SUCCESS, Happening, Interpreter
+from tests.judge.interpreter import DECLARED, Happening, Interpreter
 from tests.judge.lockstep import Judge
 from tests.judge.test_abort import BEGIN
 from tests.judge.test_interpreter import play
+from tests.judge.test_recovery import bad, ok
 from tests.small import activity, mission, robot
 
 RAIN: Happening = (DECLARED, "rain")
@@ -90,14 +91,6 @@ def test_all_that_play_it_agree(of: Mission) -> None:
     verdict = Judge(of).judge()
     assert verdict.kind == "agree"
     assert "modular controller" in verdict.pairs
-
-
-def ok(*names: str) -> list[Happening]:
-    return [(SUCCESS, name) for name in names]
-
-
-def bad(name: str) -> Happening:
-    return FAILURE, name
 
 
 @pytest.mark.parametrize(

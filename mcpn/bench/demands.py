@@ -1,0 +1,113 @@
+"""Hardware that fails on demand, as the bench plays it: what starts on an event is asked, one by one.
+
+The order is that of the numbers of risk (:mod:`mcpn.check.causes.demands`): resources as the activities of
+the section come upon them, then activities, then alternatives. What starts is read from the controller's
+actions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple, TypeAlias
+
+from mcpn.net.compose import MissionNet
+from mcpn.net.events import Event, What
+from mcpn.net.sections import SectionParts, Used
+from mcpn.runtime.tables import Action, Inside, TableSection
+
+
+class Demand(NamedTuple):
+    """Hardware that an alternative consumes which has just started; in the order in which they are asked."""
+
+    rank: tuple[int, int, int]
+    activity: str
+    alternative: str
+    hardware: str
+
+    @property
+    def event(self) -> str:
+        """The event that it fails."""
+        return str(Event(What.OUT_OF_SERVICE, self.hardware))
+
+
+Move: TypeAlias = tuple[int, frozenset[str]]
+"""A state of a section, and what has happened then."""
+
+
+class Demands:
+    """What may fail on demand as alternatives start.
+
+    Args:
+        mission_net: The mission, whose file says how probable that is.
+    """
+
+    def __init__(self, mission_net: MissionNet) -> None:
+        mission = mission_net.mission
+        self.probability = {h.name: h.demand_probability for h in mission.hardware if h.demand_probability}
+        self._ways = {
+            (activity.name, way.name): (number, [k for k in way.consumes if k in self.probability])
+            for activity in mission.activities
+            for number, way in enumerate(activity.alternatives)
+        }
+        parts = SectionParts(mission_net.usage)
+        self._used: dict[str, Used] = {}
+        for section in mission_net.graph.sections if self.probability else ():
+            self._used.update(dict.fromkeys((o.name for o in section.walk()), parts.alone(section).used))
+
+    def started(self, inside: Inside, actions: Iterable[Action]) -> tuple[Demand, ...]:
+        """What is asked after an event, in order.
+
+        Args:
+            inside: What runs then.
+            actions: What the controller has ordered.
+        """
+        if not self.probability or not inside.objectives:
+            return ()
+        used, found = self._used[inside.objectives[0]], list[Demand]()
+        for action in actions:
+            activity, alternative = action.activity, action.alternative
+            if activity is not None and alternative is not None:
+                number, consumed = self._ways[activity, alternative]
+                found += (
+                    Demand((used.number[k], used.task[activity], number), activity, alternative, k)
+                    for k in consumed
+                )
+        return tuple(sorted(found))
+
+    def following(
+        self, failed: Demand, rest: Sequence[Demand], inside: Inside, actions: Iterable[Action]
+    ) -> tuple[Demand, ...]:
+        """What is still asked, and what is asked besides, after something has failed on demand.
+
+        Args:
+            failed: What has failed.
+            rest: What was to be asked after it.
+            inside: What runs then.
+            actions: What the controller has ordered.
+        """
+        still = {
+            of
+            for of in rest
+            if of.hardware != failed.hardware and inside.mode.get(of.activity) == of.alternative
+        }
+        return tuple(sorted(still.union(self.started(inside, actions))))
+
+    def ends(self, section: TableSection, at: Move, asked: Sequence[Demand]) -> Iterator[Move]:
+        """The states of a section that are possible when some hardware has been asked.
+
+        Args:
+            section: The section.
+            at: Where it is before.
+            asked: What is asked, in order.
+        """
+        if not asked:
+            yield at
+            return
+        first, rest = asked[0], asked[1:]
+        if self.probability[first.hardware] < 1:
+            yield from self.ends(section, at, rest)
+        step = section.move(at[0], first.event, at[1])
+        assert step is not None, "what is in service may always fail"
+        assert not isinstance(step[0], str), "hardware that fails ends no section"
+        lost = step[0], (at[1] | step[2]) - step[3]
+        yield from self.ends(section, lost, self.following(first, rest, section.state(step[0]), step[1]))
