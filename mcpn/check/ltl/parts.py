@@ -179,6 +179,8 @@ class PathParts:
         if self._net.priorities or len(found) < len(goals) or not is_stutter_insensitive(path):
             return None
         reduction = reduce_for_paths(self._net, {place for goal in found for place in wanted(goal)})
+        if _size(reduction.net) == _size(self._net):
+            return None  # it would only be searched in another order
         there = {
             condition: renamed(goal, reduction.place_index.__getitem__)
             for condition, goal in goals.items()
@@ -216,6 +218,10 @@ class PathParts:
             return formula
 
         return put(path)
+
+
+def _size(net: PetriNet) -> tuple[int, int]:
+    return len(net.places), len(net.transitions)
 
 
 def _conditions(path: Formula) -> Iterator[Formula]:

@@ -18,7 +18,7 @@ from mcpn.check.logic.writing import show
 from mcpn.check.ltl.automaton import translated
 from mcpn.check.ltl.formulas import SomePath, is_of_paths, normal
 from mcpn.check.ltl.parts import PathParts
-from mcpn.check.ltl.search import PathSearch
+from mcpn.check.ltl.search import FoundPath, PathSearch
 from mcpn.net.petri import Marking, NetBuilder, PetriNet
 from mcpn.space.algebra import Space
 from mcpn.space.arrays import ArraySpace
@@ -164,6 +164,21 @@ def test_what_is_shown_of_paths_reads_back(data: st.DataObject) -> None:
             assert satisfy(Evaluation(space), again) == satisfy(Evaluation(space), formula)
 
 
+def assert_found(found: FoundPath, net: PetriNet, written: Written, edges: Edges) -> None:
+    """A path that a search has found is one of the net, and satisfies the formula however it goes on."""
+    marking, run = net.initial, list[tuple[Marking, int | None]]()
+    for t in found.run:
+        assert t in net.enabled(marking)
+        run.append((marking, t))
+        marking = net.fire(marking, t)
+    if found.cycle is not None:
+        assert marking == run[found.cycle][0]
+        assert tableau.on_lasso(written, net, edges, run, found.cycle)
+    for choice in range(3) if found.cycle is None else ():
+        further, begin = gone_on(net, marking, choice)
+        assert tableau.on_lasso(written, net, edges, run + further, len(run) + begin)
+
+
 @given(NETS, st.data())
 def test_a_search_finds_what_tableaux_find(net: PetriNet, data: st.DataObject) -> None:
     assume(reachable(net)[2])
@@ -177,20 +192,9 @@ def test_a_search_finds_what_tableaux_find(net: PetriNet, data: st.DataObject) -
         for seed in range(3):
             found = search.search(100_000, seed)
             assert found.outcome == ("found" if expected else "none")
-            if not expected:
-                continue
-            marking, run = net.initial, list[tuple[Marking, int | None]]()
-            for t in found.run:
-                assert t in net.enabled(marking)
-                run.append((marking, t))
-                marking = net.fire(marking, t)
-            event(f"repeats: {found.cycle is not None}")
-            if found.cycle is not None:
-                assert marking == run[found.cycle][0]
-                assert tableau.on_lasso(written, net, edges, run, found.cycle)
-            for choice in range(3) if found.cycle is None else ():
-                further, begin = gone_on(net, marking, choice)
-                assert tableau.on_lasso(written, net, edges, run + further, len(run) + begin)
+            if expected:
+                event(f"repeats: {found.cycle is not None}")
+                assert_found(found, net, written, edges)
 
 
 def test_a_search_for_paths_says_which_limit_it_hit() -> None:
@@ -262,19 +266,8 @@ def test_a_path_of_a_smaller_net_is_one_of_the_net(net: PetriNet, data: st.DataO
     smaller = None if asked is None or asked.reduction is None else asked.reduction
     fewer = smaller is not None and len(smaller.net.places) < len(net.places)
     event(f"in a smaller net: {fewer}, {found.outcome}, repeats: {found.cycle is not None}")
-    if not expected:
-        return
-    marking, run = net.initial, list[tuple[Marking, int | None]]()
-    for t in found.run:
-        assert t in net.enabled(marking)
-        run.append((marking, t))
-        marking = net.fire(marking, t)
-    if found.cycle is not None:
-        assert marking == run[found.cycle][0]
-        assert tableau.on_lasso(written, net, edges, run, found.cycle)
-    for choice in range(3) if found.cycle is None else ():
-        further, begin = gone_on(net, marking, choice)
-        assert tableau.on_lasso(written, net, edges, run + further, len(run) + begin)
+    if expected:
+        assert_found(found, net, written, edges)
 
 
 def test_what_comes_on_every_path_is_known_before_the_search() -> None:
