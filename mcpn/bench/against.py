@@ -5,18 +5,33 @@ from __future__ import annotations
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 from mcpn.bench.places import ControllerPlace, Places
 from mcpn.controller.modular import AnyController
 from mcpn.controller.targets import files
 from mcpn.errors import LimitError
 from mcpn.net.compose import MissionNet
+from mcpn.runtime.tables import Action
 
-Answer = tuple[str, frozenset[str], frozenset[str], str]
-"""The status and the actions in order, the functioning mode, the events possible next, the outcome."""
+
+class Generated(Protocol):
+    """Generated code that runs."""
+
+    def answers(self, runs: list[list[str]]) -> list[str]:
+        """What it says on the events of some runs, a line for each."""
+
+    def expected(self, status: str, actions: Sequence[Action], place: ControllerPlace) -> str:
+        """What it is to say.
+
+        Args:
+            status: Of the event: ``taken``, ``refused`` or ``unknown``.
+            actions: What the runtime does.
+            place: Where it is then.
+        """
 
 
 @dataclass(frozen=True)
@@ -35,7 +50,7 @@ class Difference:
 
 
 class Program:
-    """A program made of generated code.
+    """A program made of generated code in C or Python, its lines with modes and events in order.
 
     Args:
         controller: The controller.
@@ -72,14 +87,25 @@ class Program:
         done = subprocess.run(self._command, input=text, capture_output=True, text=True)
         if done.returncode:
             raise LimitError(f"the generated program has ended with {done.returncode}: {done.stderr[:500]}")
-        return done.stdout.splitlines()
+        return [_in_order(line) for line in done.stdout.splitlines()]
+
+    def expected(self, status: str, actions: Sequence[Action], place: ControllerPlace) -> str:
+        """The status with the actions, the functioning mode, the events possible next, the outcome."""
+        said = f"{status}: {'; '.join(map(str, actions))}"
+        mode = " ".join(f"{activity}.{way}" for activity, way in place.inside.mode.items())
+        return _in_order(f"{said} | {mode} | {' '.join(place.possible)} | {place.outcome or '-'}")
 
 
-def compare(program: Program, places: Places, runs: Iterable[list[str]]) -> Difference | None:
-    """Gives the events of runs to a program; the first difference to the runtime, if there is one.
+def _in_order(line: str) -> str:
+    said, *parts = line.split("|")
+    return " | ".join([" ".join(said.split()), *(" ".join(sorted(part.split())) for part in parts)])
+
+
+def compare(program: Generated, places: Places, runs: Iterable[list[str]]) -> Difference | None:
+    """Gives the events of runs to generated code; the first difference to the runtime, if there is one.
 
     Args:
-        program: The program.
+        program: What runs the code.
         places: The runtime's places.
         runs: The events of each run.
     """
@@ -88,28 +114,13 @@ def compare(program: Program, places: Places, runs: Iterable[list[str]]) -> Diff
     for run in every:
         place = places.start
         for number, event in enumerate(run, 1):
-            line = next(said, "nothing")
+            found = next(said, "nothing")
             step = places.after(place, event)
             status = "refused" if event in places.tables.known else "unknown"
+            actions: tuple[Action, ...] = ()
             if step is not None:
-                place, status = step[0], "taken"
-            actions = "; ".join(map(str, step[1])) if step is not None else ""
-            expected = f"{status}: {actions}".strip(), *_of(place)
-            if _read(line) != expected:
-                words = " | ".join(
-                    (expected[0], " ".join(sorted(expected[1])), " ".join(sorted(expected[2])), expected[3])
-                )
-                return Difference(tuple(run[:number]), words, line)
+                status, (place, actions) = "taken", step
+            expected = program.expected(status, actions, place)
+            if found != expected:
+                return Difference(tuple(run[:number]), expected, found)
     return None
-
-
-def _of(place: ControllerPlace) -> tuple[frozenset[str], frozenset[str], str]:
-    mode = frozenset(f"{activity}.{way}" for activity, way in place.inside.mode.items())
-    return mode, frozenset(place.possible), place.outcome or "-"
-
-
-def _read(line: str) -> Answer | None:
-    parts = [" ".join(part.split()) for part in line.split("|")]
-    if len(parts) != 4:
-        return None
-    return parts[0], frozenset(parts[1].split()), frozenset(parts[2].split()), parts[3]

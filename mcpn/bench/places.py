@@ -18,6 +18,7 @@ class ControllerPlace:
         snapshot: The runtime's.
         section: The section that runs, and the number of its state.
         inside: What runs.
+        gone: Hardware out of service.
         happened: Handlers that happen once and have, and what is true of facts.
         outcome: How the mission has ended.
         possible: The events that can be taken.
@@ -27,6 +28,7 @@ class ControllerPlace:
     snapshot: str
     section: tuple[str, int] | None
     inside: Inside
+    gone: frozenset[str]
     happened: frozenset[str]
     outcome: str | None
     possible: tuple[str, ...]
@@ -73,6 +75,12 @@ class Places:
             happened = frozenset(json.loads(snapshot)["happened"])
             section = None if where.section is None else (where.section, where.state)
             self._known[snapshot] = ControllerPlace(
-                snapshot, section, where.inside, happened, controller.outcome, controller.possible
+                snapshot,
+                section,
+                where.inside,
+                controller.out_of_service,
+                happened,
+                controller.outcome,
+                controller.possible,
             )
         return self._known[snapshot]

@@ -6,6 +6,7 @@ import json
 import random
 import runpy
 import shutil
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -14,16 +15,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.bench.against import Program, compare
-from mcpn.bench.places import Places
+from mcpn.bench.places import ControllerPlace, Places
 from mcpn.bench.runs import bench, interval, one_run
 from mcpn.bench.sequences import sequences
+from mcpn.bench.statechart import Statechart
 from mcpn.bench.world import World
 from mcpn.check.causes.prospects import Prospects
 from mcpn.check.causes.risk import risk
 from mcpn.controller.generate import generate
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
-from mcpn.errors import ConfluenceError, LimitError
+from mcpn.errors import ConfluenceError, LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Hardware
 from mcpn.mission.writer import write_mission
@@ -193,6 +195,75 @@ def test_generated_code_on_the_same_runs(target: str, ulysse_net: MissionNet, tm
     difference = compare(Damaged(), places, runs)
     assert difference is not None
     assert list(difference.events) == runs[1][: 41 - len(runs[0])]
+
+
+BRANCHED = missions(events=1, facts=2, timeouts=1, objectives=3, sections=4, awkward_names=True)
+
+
+@pytest.mark.long
+@fewer(0.2)
+@given(BRANCHED, st.integers(0, 2**32), st.booleans())
+def test_scxml_in_lockstep(mission: Mission, seed: int, flat: bool) -> None:
+    """On any mission, as python-statemachine runs it; a tenth of the events are impossible or unknown."""
+    pytest.importorskip("statemachine.io.scxml.processor", reason="needs mcpn[scxml]")
+    mission_net = compose(mission)
+    try:
+        controller = generate(mission_net, "flat" if flat else "hierarchical", max_states=200)
+        statechart = Statechart(controller, mission_net)
+    except (SemanticsError, LimitError) as error:
+        returns_early(type(error).__name__)
+        return
+    places = Places(Tables(document(controller, mission_net)))
+    rng = random.Random(seed)
+    runs = [drawn(places, rng) for _ in range(3)]
+    assert compare(statechart, places, runs) is None
+
+    class Deaf(Statechart):
+        """It misses the last event."""
+
+        def answers(self, runs: list[list[str]]) -> list[str]:
+            *told, _ = super().answers(runs)
+            return [*told, told[-1] if told else "before"]
+
+    run = next((run for run in runs if places.after(reached(places, run[:-1]), run[-1]) is not None), None)
+    if run is not None and len(run) > 1:
+        expected = places.after(reached(places, run[:-1]), run[-1])
+        assert expected is not None
+        difference = compare(Deaf(controller, mission_net), places, [run])
+        same = reached(places, run[:-1]) is expected[0] and not expected[1]
+        assert same or (difference is not None and list(difference.events) == run)
+
+
+def drawn(places: Places, rng: random.Random) -> list[str]:
+    """Up to thirty events at random."""
+    place, events = places.start, list[str]()
+    while len(events) < 30 and place.possible:
+        noise = rng.random() < 0.1
+        events.append(rng.choice([*places.tables.known, "no_such_EV"] if noise else place.possible))
+        place = reached(places, events[-1:], place)
+    return events
+
+
+def reached(places: Places, events: list[str], place: ControllerPlace | None = None) -> ControllerPlace:
+    place = place or places.start
+    for event in events:
+        step = places.after(place, event)
+        place = place if step is None else step[0]
+    return place
+
+
+def test_the_command_runs_scxml(written: str) -> None:
+    pytest.importorskip("statemachine.io.scxml.processor", reason="needs mcpn[scxml]")
+    found = mcpn("bench", written, "--runs", "50", "--against", "scxml", "--json")
+    assert found.returncode == 0, found.stderr
+    told = {"target": "scxml", "agrees": True, "events": [], "expected": None, "found": None}
+    assert json.loads(found.stdout)["against"] == told
+
+
+def test_without_the_interpreter_of_scxml(ulysse_net: MissionNet, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "statemachine.io.scxml.processor", None)
+    with pytest.raises(LimitError, match="needs python-statemachine: pip install 'mcpn"):
+        Statechart(generate(ulysse_net), ulysse_net)
 
 
 # --- sequences ---

@@ -42,21 +42,17 @@ def qt_rows(path: Path, events: list[str]) -> list[tuple[list[str], list[str], l
 
 def python_statemachine(path: Path, events: list[str]) -> Answers:
     """The interpreter of python-statemachine."""
-    module = pytest.importorskip("statemachine.io.scxml.processor")
-    processor = module.SCXMLProcessor()
-    processor.parse_scxml(path.stem, path.read_text())
+    pytest.importorskip("statemachine.io.scxml.processor", reason="needs python-statemachine")
+    from mcpn.bench.statechart import answer, interpreted
+
+    processor = interpreted(path.read_text())
     found: Answers = []
     machine: Any = None
     for event in ["", *events]:
-        printed = io.StringIO()
-        with contextlib.redirect_stdout(printed):
-            if event:
-                machine.send(event)
-            else:
-                machine = processor.start()
         if event:
-            names = set(machine.configuration_values)
-            leaves = {n for n in names if "." in n or n in ("before", "success", "failure")}
-            # What an expression says stands behind its label.
-            found.append(([line.split(": ")[0] for line in printed.getvalue().splitlines()], leaves))
+            labels, active = answer(machine, event)
+            found.append((labels, set(active)))
+        else:
+            with contextlib.redirect_stdout(io.StringIO()):
+                machine = processor.start()
     return found

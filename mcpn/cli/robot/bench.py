@@ -23,12 +23,15 @@ from mcpn.cli.shared import (
 from mcpn.errors import InputError, LimitError
 
 if TYPE_CHECKING:
-    from mcpn.bench.against import Difference
+    from mcpn.bench.against import Difference, Generated
     from mcpn.bench.runs import Bench, BenchRun
     from mcpn.check.causes.risk import Risk
+    from mcpn.controller.modular import AnyController
     from mcpn.net.compose import MissionNet
     from mcpn.net.templates import TemplateSet
     from mcpn.study import Study
+
+TARGETS = ("c", "python", "scxml")
 
 
 @click.command()
@@ -46,7 +49,7 @@ if TYPE_CHECKING:
     "--duration", type=click.FloatRange(0.0, min_open=True), help="Mean hours where none are given."
 )
 @click.option("--faults", type=FILE, help="Events that happen besides: on each line hours and an event.")
-@click.option("--against", type=click.Choice(["c", "python"]), help="Compare generated code on all runs.")
+@click.option("--against", type=click.Choice(TARGETS), help="Compare generated code on all runs.")
 @click.option("--traces", type=FILE, help="Directory for a journal of each of the first ten failures.")
 @click.option("--monitors", "watching", is_flag=True, help="Watch the mission's requirements on all runs.")
 @limit_option
@@ -125,10 +128,10 @@ def bench(
 
         told["monitors"] = watched(monitors_for(study, max_states), every)
     if against is not None:
-        from mcpn.bench.against import Program, compare
+        from mcpn.bench.against import compare
 
         with tempfile.TemporaryDirectory() as folder:
-            program = Program(controller, mission_net, against, Path(folder))
+            program = _generated(against, controller, mission_net, Path(folder))
             every = (one_run_of(world, seed, number, script) for number in range(runs))
             difference = compare(program, world.places, ([e.event for e in run.events] for run in every))
         told["against"] = _difference(against, difference)
@@ -138,6 +141,19 @@ def bench(
         _print(told)
     if not _agrees(told):
         click.get_current_context().exit(EXIT_FAILED)
+
+
+def _generated(target: str, controller: AnyController, mission_net: MissionNet, folder: Path) -> Generated:
+    if target == "scxml":
+        from mcpn.bench.statechart import Statechart
+        from mcpn.controller.modular import ModularController
+
+        if isinstance(controller, ModularController):
+            raise LimitError("--against scxml: the controller is modular, and SCXML has no such form")
+        return Statechart(controller, mission_net)
+    from mcpn.bench.against import Program
+
+    return Program(controller, mission_net, target, folder)
 
 
 def _refuse_without_duration(mission_net: MissionNet) -> None:

@@ -24,7 +24,7 @@ must know asks first, or watches whether the configuration or the log changes.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 
 from lxml import etree
 
@@ -58,24 +58,56 @@ def event_name(event: Event | str) -> str:
     return str(event).replace(".", "-")
 
 
-class _Document:
+class Regions:
+    """The identifiers of states by what they stand for.
+
+    Args:
+        controller: The controller.
+        mission_net: The mission's net.
+    """
+
     def __init__(self, controller: TableController, mission_net: MissionNet) -> None:
-        self.controller = controller
-        self.laws = Laws(laws(mission_net))
         self.hardware = identifiers(controller.hardware, prefix="hardware_")
         said = mission_net.mission.hardware
         self.out = {h.name for h in said if h.initial == "oos"}
         self.lasting = {h.name for h in said if not h.repairable}
         once = (s.names["once"].get(h, h) for s in controller.sections for h in controller.types[s.type].once)
         self.once = identifiers(dict.fromkeys(once), prefix="once_")
-        self.happening: dict[str, list[tuple[str, str]]] = {handler: [] for handler in self.once}
-        self.world = mission_net.usage.world
-        every = [flag for fact in self.world.facts.values() for flag in all_flags(fact)]
+        every = [flag for fact in mission_net.usage.world.facts.values() for flag in all_flags(fact)]
         self.facts = identifiers(sorted(every), prefix="fact_")
-        self.turning: dict[tuple[str, str], list[dict[str, str]]] = {}
         timed = [s.name for s in mission_net.graph.walk() if s.timeout is not None]
         self.timers = identifiers(timed, prefix="timer_")
         self.ids = identifiers([s.name for s in controller.sections], prefix="section_")
+
+    def active(
+        self, section: tuple[str, int] | None, outcome: str | None, gone: Set[str], happened: Set[str]
+    ) -> frozenset[str]:
+        """The states that are active and have none inside, timers aside.
+
+        Args:
+            section: The section that runs, and the number of its state.
+            outcome: How the mission has ended, if it has.
+            gone: Hardware out of service.
+            happened: Handlers that happen once and have, and what is true of facts.
+        """
+        found = {f"{self.ids[section[0]]}.{section[1]}" if section else outcome or "before"}
+        for names, true, words in (
+            (self.hardware, gone, ("ready", "out")),
+            (self.once, happened, ("open", "happened")),
+            (self.facts, happened, ("off", "on")),
+        ):
+            found |= {f"{identifier}.{words[name in true]}" for name, identifier in names.items()}
+        return frozenset(found)
+
+
+class _Document(Regions):
+    def __init__(self, controller: TableController, mission_net: MissionNet) -> None:
+        super().__init__(controller, mission_net)
+        self.controller = controller
+        self.laws = Laws(laws(mission_net))
+        self.happening: dict[str, list[tuple[str, str]]] = {handler: [] for handler in self.once}
+        self.world = mission_net.usage.world
+        self.turning: dict[tuple[str, str], list[dict[str, str]]] = {}
 
     def text(self) -> str:
         c = self.controller
@@ -133,7 +165,7 @@ class _Document:
                 if other == self._turned(name, changes):
                     told = Event(What.DECLARED, event)
                     inside = (self.ids[s.name] for s in self.controller.sections if told in s.events)
-                    condition = " && ".join(f"!In('{each}')" for each in inside)
+                    condition = " && ".join(f"In('{each}') === false" for each in inside)
                     guarded = {"cond": condition} if condition else {}
                     target = f"{identifier}.{other}"
                     _add(status, "transition", event=event_name(told), **guarded, target=target)
