@@ -16,7 +16,7 @@ from mcpn.net.sections import SectionParts, Used
 from mcpn.runtime.tables import Action, Inside, TableSection
 
 
-class Demand(NamedTuple):
+class StartDemand(NamedTuple):
     """Hardware that an alternative consumes which has just started; in the order in which they are asked."""
 
     rank: tuple[int, int, int]
@@ -54,7 +54,7 @@ class Demands:
         for section in mission_net.graph.sections if self.probability else ():
             self._used.update(dict.fromkeys((o.name for o in section.walk()), parts.alone(section).used))
 
-    def started(self, inside: Inside, actions: Iterable[Action]) -> tuple[Demand, ...]:
+    def started(self, inside: Inside, actions: Iterable[Action]) -> tuple[StartDemand, ...]:
         """What is asked after an event, in order.
 
         Args:
@@ -63,20 +63,20 @@ class Demands:
         """
         if not self.probability or not inside.objectives:
             return ()
-        used, found = self._used[inside.objectives[0]], list[Demand]()
+        used, found = self._used[inside.objectives[0]], list[StartDemand]()
         for action in actions:
             activity, alternative = action.activity, action.alternative
             if activity is not None and alternative is not None:
                 number, consumed = self._ways[activity, alternative]
                 found += (
-                    Demand((used.number[k], used.task[activity], number), activity, alternative, k)
+                    StartDemand((used.number[k], used.task[activity], number), activity, alternative, k)
                     for k in consumed
                 )
         return tuple(sorted(found))
 
     def following(
-        self, failed: Demand, rest: Sequence[Demand], inside: Inside, actions: Iterable[Action]
-    ) -> tuple[Demand, ...]:
+        self, failed: StartDemand, rest: Sequence[StartDemand], inside: Inside, actions: Iterable[Action]
+    ) -> tuple[StartDemand, ...]:
         """What is still asked, and what is asked besides, after something has failed on demand.
 
         Args:
@@ -92,7 +92,7 @@ class Demands:
         }
         return tuple(sorted(still.union(self.started(inside, actions))))
 
-    def ends(self, section: TableSection, at: Move, asked: Sequence[Demand]) -> Iterator[Move]:
+    def ends(self, section: TableSection, at: Move, asked: Sequence[StartDemand]) -> Iterator[Move]:
         """The states of a section that are possible when some hardware has been asked.
 
         Args:

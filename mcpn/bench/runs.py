@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from math import inf, sqrt
 from statistics import NormalDist
 
-from mcpn.bench.demands import Demand
+from mcpn.bench.demands import StartDemand
 from mcpn.bench.places import ControllerPlace
 from mcpn.bench.world import World
 from mcpn.runtime.machines import TypeTables
@@ -112,7 +112,7 @@ def one_run(
     events: list[TracedEvent] = []
     timers: dict[str, float] = {}
     waiting = list(script)[::-1]
-    asked: tuple[Demand, ...] = ()
+    asked: tuple[StartDemand, ...] = ()
     while node.place.outcome is None and len(events) < most_events:
         failed = None
         if asked:
