@@ -1,4 +1,4 @@
-"""The main job by an installed mcpn alone: write a mission, check it, ask why it fails, run its controller.
+"""The main job by an installed mcpn alone: a mission is written, checked and run, its causes asked, its controller run.
 
 ``python .ci/main_job.py`` needs the package and nothing else: no compiler, no checkout, no network.
 """
@@ -54,6 +54,9 @@ def main() -> None:
             assert found["verdicts"]["success_reachable"] is True
             sizes.add(tuple(found["alternatives"].values()))
         assert len(sizes) == 1, sizes
+        ran = mcpn("run", mission, "--drivers", str(Path("first_one", "drivers.toml")))
+        assert isinstance(ran, dict)
+        assert (ran["outcome"], ran["refused"]) == ("success", 0), ran
         causes = mcpn("causes", mission)
         assert isinstance(causes, dict)
         assert causes["mission"]["cut_sets"]

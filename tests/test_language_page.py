@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 import re
 import subprocess
 import sys
@@ -61,7 +62,8 @@ def run(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]:
 def test_init_writes_a_mission_that_holds(tmp_path: Path) -> None:
     assert run("init", "first_one", folder=tmp_path).returncode == 0
     folder = tmp_path / "first_one"
-    assert sorted(p.name for p in folder.iterdir()) == ["mission.xml", "protocols.xml", "robot.xml"]
+    names = ["drivers.toml", "mission.xml", "played.py", "protocols.xml", "robot.xml"]
+    assert sorted(p.name for p in folder.iterdir()) == names
     found = check(compose(read_mission(folder / "mission.xml")), engine="local")
     assert found.passed
     assert found.mission_net.mission.name == "first_one"
@@ -74,6 +76,23 @@ def test_init_writes_a_mission_that_holds(tmp_path: Path) -> None:
     wrong = run("init", "1st", folder=tmp_path)
     assert wrong.returncode == 2
     assert not (tmp_path / "1st").exists()
+
+
+def test_init_writes_a_mission_that_runs(tmp_path: Path) -> None:
+    """Out of the box, with a robot that is played: every place is visited, and nothing refused."""
+    assert run("init", "first_one", folder=tmp_path).returncode == 0
+    written = ("first_one/mission.xml", "--drivers", "first_one/drivers.toml")
+    ran = run("run", *written, "--journal", "log.jsonl", folder=tmp_path)
+    assert (ran.returncode, ran.stderr) == (0, "")
+    said = [line.strip() for line in ran.stdout.splitlines()]
+    places = [line.removeprefix("drive: to ") for line in said if line.startswith("drive: ")]
+    assert places == ["a", "b", "c", "base"]
+    assert [line.split() for line in said if line.startswith(("outcome", "refused"))] == [
+        ["outcome", "success"],
+        ["refused", "0"],
+    ]
+    replayed = run("simulate", written[0], "--events", "log.jsonl", "--json", folder=tmp_path)
+    assert json.loads(replayed.stdout)["outcome"] == "success"
 
 
 def test_the_printed_schema_judges_as_the_reader_does(tmp_path: Path) -> None:

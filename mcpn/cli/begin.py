@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from importlib.abc import Traversable
 
 FILES = ("mission.xml", "robot.xml", "protocols.xml")
+PLAYED = ("drivers.toml", "played.py")
+"""What the small mission runs with: drivers that play a robot."""
+
 EXAMPLES = ("courier", "drone", "glider", "rover", "ulysse")
 """Missions of different robots; ulysse is the paper's."""
 LANGUAGE = "mission"
@@ -24,26 +27,32 @@ LANGUAGE = "mission"
 @click.option("--example", type=click.Choice(EXAMPLES), help="Write this mission; ulysse is the paper's.")
 @json_option
 def init(folder: Path, example: str | None, as_json: bool) -> None:
-    """Write a small mission to start from into the new folder NAME, or one of the examples."""
+    """Write a small mission to start from into the new folder NAME, or one of the examples.
+
+    With the small one come drivers that play its robot, so that mcpn run runs it.
+    """
     from mcpn.files import write_folder
     from mcpn.mission.language.datatypes import NAME
 
     name = folder.name
     if not NAME.matches(name):
         raise InputError.at(None, f"a mission cannot be called {name!r}, expected {NAME.expected}")
-    for file in FILES:
+    files = FILES if example is not None else (*FILES, *PLAYED)
+    for file in files:
         if (folder / file).exists():
             raise InputError.at(Source(str(folder / file)), "is there already, and is not overwritten")
-    texts = {file: _start(example).joinpath(file).read_text(encoding="utf-8") for file in FILES}
+    texts = {file: _start(example).joinpath(file).read_text(encoding="utf-8") for file in files}
     if example is None:
         texts = {file: text.replace("NAME", name) for file, text in texts.items()}
     write_folder(folder, texts)
-    paths = [str(folder / file) for file in FILES]
+    paths = [str(folder / file) for file in files]
     if as_json:
         emit_json({"files": paths})
     else:
         click.echo("\n".join(paths))
         click.echo(f"verify it: mcpn check {folder / FILES[0]}", err=True)
+        if example is None:
+            click.echo(f"run it: mcpn run {folder / FILES[0]} --drivers {folder / PLAYED[0]}", err=True)
 
 
 def _start(example: str | None) -> Traversable:
