@@ -1,4 +1,4 @@
-"""The main job by an installed mcpn alone: a mission is written, checked and run, its causes asked, its controller run.
+"""The main job by an installed mcpn alone: a mission is written, checked, run and explained.
 
 ``python .ci/main_job.py`` needs the package and nothing else: no compiler, no checkout, no network.
 """
