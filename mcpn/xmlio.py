@@ -24,10 +24,28 @@ def parse_xml(path: Path, limit: int, text: str | None = None) -> etree._Element
     Raises:
         InputError: The file cannot be read, is not well-formed XML, or has a document type declaration.
     """
-    data = read_bounded(path, limit) if text is None else text.encode()
+    if text is None:
+        return parse_bytes(path, read_bounded(path, limit))
+    return parse_bytes(path, text.encode(), "utf-8")
+
+
+def parse_bytes(path: Path, data: bytes, encoding: str | None = None) -> etree._Element:
+    """The root element of what an XML file holds, or is to hold.
+
+    Args:
+        path: The file that errors say.
+        data: What it holds.
+        encoding: How that is encoded, whatever it says itself.
+
+    Returns:
+        As :func:`parse_xml`.
+
+    Raises:
+        InputError: As :func:`parse_xml`.
+    """
     # huge_tree stays off: libxml2 then refuses elements nested more than 256 deep.
     parser = etree.XMLParser(
-        encoding=None if text is None else "utf-8",
+        encoding=encoding,
         resolve_entities=False,
         no_network=True,
         load_dtd=False,

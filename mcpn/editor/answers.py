@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from bisect import bisect_right
 from collections.abc import Callable, Iterable, Iterator
 from difflib import get_close_matches
 from pathlib import Path
@@ -11,7 +12,7 @@ from lsprotocol import types as lsp
 from pygls.workspace import TextDocument
 
 from mcpn.editor.project import Project
-from mcpn.editor.scan import ScannedElement, enclosing, scan
+from mcpn.editor.scan import ScannedElement
 from mcpn.editor.symbols import EXITS, Symbol, attribute_of, scope_of, symbols
 from mcpn.errors import Problem
 from mcpn.mission.language.datatypes import BOOLEAN, NAME
@@ -36,13 +37,13 @@ class Answers:
 
     def symbols(self, file: Path) -> list[Symbol]:
         """The names in all files that name the same things as a file."""
-        files = ((f, self.project.text(f)) for f in self.project.together(file))
-        return [symbol for f, text in files if text is not None for symbol in symbols(str(f), text)]
+        files = self.project.together(file)
+        return [symbol for f in files for symbol in symbols(str(f), self.project.scan(f).elements)]
 
     def at(self, file: Path, position: lsp.Position) -> Symbol | None:
         """The name at a place."""
         offset = self.document(file).offset_at_position(position)
-        here = symbols(str(file), self.project.text(file) or "")
+        here = symbols(str(file), self.project.scan(file).elements)
         return next((s for s in here if s.begin <= offset <= s.end), None)
 
     def meant(self, file: Path, position: lsp.Position) -> list[Symbol]:
@@ -59,8 +60,13 @@ class Answers:
 
     def range(self, file: Path, begin: int, end: int) -> lsp.Range:
         """A range of characters of a file."""
-        document = self.document(file)
-        return lsp.Range(document.client_position_at_offset(begin), document.client_position_at_offset(end))
+        scan, codec = self.project.scan(file), self.document(file).position_codec
+
+        def position(offset: int) -> lsp.Position:
+            line = bisect_right(scan.lines, offset) - 1
+            return lsp.Position(line, codec.client_num_units(scan.text[scan.lines[line] : offset]))
+
+        return lsp.Range(position(begin), position(end))
 
     def renamed(self, file: Path, position: lsp.Position, name: str) -> lsp.WorkspaceEdit | None:
         """The edits that give another name to what is named at a place; ``None`` where that is no name."""
@@ -77,7 +83,7 @@ class Answers:
     def hover(self, file: Path, position: lsp.Position, known: Findings) -> lsp.Hover | None:
         """What the language says of what stands at a place, and what is known of what it names."""
         offset = self.document(file).offset_at_position(position)
-        elements = scan(self.project.text(file) or "")
+        elements = self.project.scan(file).elements
         element = next((e for e in reversed(elements) if e.begin <= offset < e.end), None)
         if element is None or element.tag not in language():
             return None
@@ -95,11 +101,10 @@ class Answers:
 
     def completion(self, file: Path, position: lsp.Position) -> list[lsp.CompletionItem]:
         """What may stand at a place: elements, attributes, names and values."""
-        text = self.project.text(file) or ""
-        offset = self.document(file).offset_at_position(position)
-        element = next((e for e in reversed(scan(text[:offset])) if not e.closed), None)
+        scan, offset = self.project.scan(file), self.document(file).offset_at_position(position)
+        text, element = scan.text, scan.open_at(offset)
         if element is None or element.begin + 1 + len(element.tag) >= offset:
-            around = enclosing(text[: element.begin] if element else text, offset)
+            around = scan.around(element.begin if element else offset)
             roots = frozenset(root.TAG for root in ROOTS)
             tags = language().get(around.tag, Tag()).children if around else roots
             return [_item(tag, language()[tag].words, lsp.CompletionItemKind.Class) for tag in sorted(tags)]
@@ -131,10 +136,15 @@ class Answers:
 
     # --- problems ---
 
-    def diagnostics(self, file: Path) -> dict[Path, list[lsp.Diagnostic]]:
-        """The problems of the missions that a file is part of, by file."""
+    def diagnostics(self, file: Path, *, at_once: bool = False) -> dict[Path, list[lsp.Diagnostic]]:
+        """The problems of the missions that a file is part of, by file.
+
+        Args:
+            file: The file.
+            at_once: Whether what was suspicious before is told, where nothing is wrong.
+        """
         found: dict[Path, list[lsp.Diagnostic]] = {f: [] for f in self.project.together(file)}
-        errors, warnings = self.project.problems(file)
+        errors, warnings = self.project.problems(file, at_once=at_once)
         unknown = self.unknown(file) if errors else []
         for severity, problems in (
             (lsp.DiagnosticSeverity.Error, errors),
@@ -156,11 +166,10 @@ class Answers:
 
     def _of_problem(self, file: Path, problem: Problem, unknown: Iterable[Symbol]) -> lsp.Range:
         """The name that a problem speaks of in its line, else the start tag there, else the line."""
-        text, line = self.project.text(file) or "", (problem.source and problem.source.line) or 1
-        begins = [0, *(m.end() for m in re.finditer("\n", text))]
-        begin = begins[min(line, len(begins)) - 1]
-        end = begins[line] if line < len(begins) else len(text)
-        here = [e for e in scan(text) if e.begin < end and e.end > begin]
+        scan, line = self.project.scan(file), (problem.source and problem.source.line) or 1
+        begin = scan.lines[min(line, len(scan.lines)) - 1]
+        end = scan.lines[line] if line < len(scan.lines) else len(scan.text)
+        here = scan.between(begin, end)
         words = set(re.findall(r"[\w.]+", problem.message))
         for symbol in unknown:
             if Path(symbol.file) == file and begin <= symbol.begin < end and symbol.name in words:

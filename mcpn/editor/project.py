@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from mcpn.editor.scan import scan
+from mcpn.editor.scan import Scan, scan
 from mcpn.errors import InputError, LimitError, Problem
 from mcpn.mission.flatten import flatten
+from mcpn.mission.language.drafts import Draft
 from mcpn.mission.model import Import, Mission
 from mcpn.mission.static.usage import Usage
 from mcpn.mission.static.warnings import static_warnings
@@ -17,15 +19,27 @@ MOST_FILES = 200
 """In how many files beside an open one, or above it, missions are looked for that import it."""
 
 
+class Memory:
+    """What was found of files, for when they are looked at again after an edit."""
+
+    def __init__(self) -> None:
+        self.scans = defaultdict[Path, Scan](Scan)
+        self.drafts = defaultdict[Path, Draft](Draft)
+        self.warnings: dict[Path, list[Problem]] = {}
+        """By mission what was suspicious when that was last looked for."""
+
+
 class Project:
     """Files of missions as an editor has them.
 
     Args:
         unsaved: By file its text, where that is typed and not saved; files are resolved.
+        memory: What was found of these files before.
     """
 
-    def __init__(self, unsaved: Mapping[Path, str]) -> None:
+    def __init__(self, unsaved: Mapping[Path, str], memory: Memory | None = None) -> None:
         self.unsaved = unsaved
+        self.memory = memory or Memory()
 
     def text(self, file: Path) -> str | None:
         """The text of a file; ``None`` where there is none to read."""
@@ -35,6 +49,12 @@ class Project:
             return file.read_text("utf-8")
         except (OSError, ValueError):
             return None
+
+    def scan(self, file: Path) -> Scan:
+        """The elements of a file, as its text is now."""
+        scan = self.memory.scans[file]
+        scan.of(self.text(file) or "")
+        return scan
 
     def missions(self, file: Path) -> list[Path]:
         """The missions that a file is part of: itself, or those near it that import it."""
@@ -48,24 +68,30 @@ class Project:
         """A mission's file and those that it imports, at any depth."""
         found = [mission]
         for file in found:
-            for element in scan(self.text(file) or ""):
+            for element in self.scan(file).elements:
                 if element.tag == Import.TAG and (href := element.texts.get("href")):
                     target = (file.parent / href).resolve()
                     if target not in found and target.is_file():
                         found.append(target)
         return found
 
-    def problems(self, file: Path) -> tuple[list[Problem], list[Problem]]:
+    def problems(self, file: Path, *, at_once: bool = False) -> tuple[list[Problem], list[Problem]]:
         """What is wrong in the missions that a file is part of, and what is suspicious, as ``check`` says it.
 
         Of a file of no mission what does not fit the language is told.
+
+        Args:
+            file: The file.
+            at_once: Whether what was suspicious before is told, where nothing is wrong.
         """
         errors, warnings = dict[Problem, None](), dict[Problem, None]()
         missions = self.missions(file)
         for mission in missions:
             try:
-                valid = read_mission(mission, unsaved=self.unsaved)
-                warnings |= dict.fromkeys(static_warnings(Usage(valid, flatten(valid))))
+                valid = read_mission(mission, unsaved=self.unsaved, draft=self.memory.drafts[mission])
+                if not at_once:
+                    self.memory.warnings[mission] = static_warnings(Usage(valid, flatten(valid)))
+                warnings |= dict.fromkeys(self.memory.warnings.get(mission, ()))
             except InputError as error:
                 errors |= dict.fromkeys(error.problems)
             except LimitError as error:

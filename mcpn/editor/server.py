@@ -16,8 +16,10 @@ from pygls.workspace import TextDocument
 
 from mcpn import __version__
 from mcpn.editor.answers import SOURCE, Answers
-from mcpn.editor.project import Project
+from mcpn.editor.project import Memory, Project
 
+PAUSE = 0.3
+"""For how many seconds nothing is typed before it is looked for what is suspicious."""
 SYNC = lsp.TextDocumentSyncKind.Incremental
 
 
@@ -29,7 +31,9 @@ class MissionServer(LanguageServer):
         self.told: dict[Path, set[Path]] = {}
         self.names: dict[str, str] = {}
         self.problems: dict[Path, list[lsp.Diagnostic]] = {}
+        self.memory = Memory()
         self.under_way: asyncio.Task[None] | None = None
+        self.paused: asyncio.Task[None] | None = None
 
     def answers(self) -> Answers:
         """Answers about the files as they are typed now."""
@@ -38,7 +42,7 @@ class MissionServer(LanguageServer):
             for uri, document in self.workspace.text_documents.items()
             if (path := file_of(uri)) is not None
         }
-        project = Project(unsaved)
+        project = Project(unsaved, self.memory)
 
         def document(file: Path) -> TextDocument:
             for uri, known in self.workspace.text_documents.items():
@@ -48,9 +52,14 @@ class MissionServer(LanguageServer):
 
         return Answers(project, document)
 
-    def tell(self, file: Path) -> None:
-        """Sends the problems of a file and of those that belong to it."""
-        found = self.answers().diagnostics(file)
+    def tell(self, file: Path, *, at_once: bool = False) -> None:
+        """Sends the problems of a file and of those that belong to it.
+
+        Args:
+            file: The file.
+            at_once: Whether what was suspicious before is told, where nothing is wrong.
+        """
+        found = self.answers().diagnostics(file, at_once=at_once)
         for other in self.told.get(file, set()) - found.keys():
             found[other] = []
         self.told[file] = set(found)
@@ -59,6 +68,17 @@ class MissionServer(LanguageServer):
             self.text_document_publish_diagnostics(
                 lsp.PublishDiagnosticsParams(other.as_uri(), [*diagnostics, *more])
             )
+
+    def tell_typed(self, file: Path) -> None:
+        """Sends what is wrong at once, and what is suspicious once nothing is typed."""
+        if self.paused is not None:
+            self.paused.cancel()
+        self.tell(file, at_once=True)
+        self.paused = asyncio.ensure_future(self._told(file))
+
+    async def _told(self, file: Path) -> None:
+        await asyncio.sleep(PAUSE)
+        self.tell(file)
 
     def explore(self, file: Path) -> None:
         """Begins to find out what the states say, in a process of its own; an older one is ended."""
@@ -114,9 +134,9 @@ def server() -> MissionServer:
             ls.explore(file)
 
     @made.feature(lsp.TEXT_DOCUMENT_DID_CHANGE)
-    def changed(ls: MissionServer, params: lsp.DidChangeTextDocumentParams) -> None:
+    async def changed(ls: MissionServer, params: lsp.DidChangeTextDocumentParams) -> None:
         if (file := file_of(params.text_document.uri)) is not None:
-            ls.tell(file)
+            ls.tell_typed(file)
 
     @made.feature(lsp.TEXT_DOCUMENT_DID_SAVE)
     async def saved(ls: MissionServer, params: lsp.DidSaveTextDocumentParams) -> None:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cache
 
-from mcpn.editor.scan import ScannedAttribute, ScannedElement, scan
+from mcpn.editor.scan import ScannedAttribute, ScannedElement
 from mcpn.mission.language.forms import Field, form_of, language
-from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission, Protocol
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, Protocol
 from mcpn.mission.robot import Activity, Element
 
 EXITS = (SUCCEED, FAIL, ABORT)
@@ -35,7 +36,7 @@ class Symbol:
             where that is the mission. ``None`` in formulas, which may name what stands in any protocol.
         name: The name.
         file: The file.
-        begin: Where it begins in its text.
+        place: Where it begins in its element.
         declares: Whether it is declared here.
         element: The element that says it.
     """
@@ -44,9 +45,14 @@ class Symbol:
     scope: str | None
     name: str
     file: str
-    begin: int
+    place: int
     declares: bool
     element: ScannedElement
+
+    @property
+    def begin(self) -> int:
+        """Where it begins in its text."""
+        return self.element.begin + self.place
 
     @property
     def end(self) -> int:
@@ -59,18 +65,29 @@ class Symbol:
         return same and (self.scope == other.scope or None in (self.scope, other.scope))
 
 
-def symbols(file: str, text: str) -> list[Symbol]:
-    """The names in a text, declared and used, in its order."""
-    return [symbol for element in scan(text) for symbol in _of(file, element)]
+def symbols(file: str, elements: Iterable[ScannedElement]) -> list[Symbol]:
+    """The names in the elements of a file, declared and used, in their order; elements keep them."""
+    found = list[Symbol]()
+    for element in elements:
+        if element.names is None:
+            element.names = list(_of(file, element))
+        found += element.names
+    return found
 
 
 def attribute_of(element: ScannedElement, name: str) -> Field | None:
     """What the language knows of an attribute of an element; ``None`` for one that it has not."""
     tag = language().get(element.tag)
-    if tag is None:
-        return None
-    of_form = {a.tag: a for a in form_of(tag.form(element.texts)).attributes}
-    return of_form.get(name) or tag.attributes.get(name)
+    return (
+        None if tag is None else _attributes(element.tag, tag.forms.index(tag.form(element.texts))).get(name)
+    )
+
+
+@cache
+def _attributes(tag: str, number: int) -> dict[str, Field]:
+    """Attributes of an element that is read as one of its classes, and those that others of its name have."""
+    known = language()[tag]
+    return {**known.attributes, **{a.tag: a for a in form_of(known.forms[number]).attributes}}
 
 
 def scope_of(kind: str, element: ScannedElement) -> str:
@@ -80,28 +97,26 @@ def scope_of(kind: str, element: ScannedElement) -> str:
 
 
 def _of(file: str, element: ScannedElement) -> Iterator[Symbol]:
+    tag = language().get(element.tag)
+    if tag is None or not element.attributes:
+        return
+    form = tag.form(element.texts)
+    known = _attributes(element.tag, tag.forms.index(form))
     for attribute in element.attributes:
-        known = attribute_of(element, attribute.name)
-        if known is None:
+        field = known.get(attribute.name)
+        if field is None:
             continue
-        declares = attribute.name == "name" and _kind_of(element)
+        declares = form.NAMED if attribute.name == "name" and issubclass(form, Element) else ""
         if declares and attribute.value:
             scope = scope_of(declares, element)
-            yield Symbol(declares, scope, attribute.value, file, attribute.begin, True, element)
-        elif known.type is not None and (kind := known.datatype.refers):
+            yield Symbol(declares, scope, attribute.value, file, attribute.place, True, element)
+        elif field.type is not None and (kind := field.datatype.refers):
             for word in _NAME.finditer(attribute.value):
                 if kind != "block" or word[0] not in EXITS:
-                    begin = attribute.begin + word.start()
-                    yield Symbol(kind, scope_of(kind, element), word[0], file, begin, False, element)
+                    place = attribute.place + word.start()
+                    yield Symbol(kind, scope_of(kind, element), word[0], file, place, False, element)
         elif attribute.name == "formula":
             yield from _in_formula(file, element, attribute)
-
-
-def _kind_of(element: ScannedElement) -> str:
-    """What the name of an element names, where others refer to it; empty for others."""
-    tag = language().get(element.tag)
-    form = tag.form(element.texts) if tag else Mission
-    return form.NAMED if issubclass(form, Element) else ""
 
 
 def _in_formula(file: str, element: ScannedElement, attribute: ScannedAttribute) -> Iterator[Symbol]:
@@ -112,5 +127,5 @@ def _in_formula(file: str, element: ScannedElement, attribute: ScannedAttribute)
             kind, begin, name = "block", begin + of.start("name"), of["name"]
         if kind is not None:
             last = name.rpartition(".")[2]
-            begin += attribute.begin + len(name) - len(last)
-            yield Symbol(kind, None, last, file, begin, False, element)
+            place = attribute.place + begin + len(name) - len(last)
+            yield Symbol(kind, None, last, file, place, False, element)

@@ -6,7 +6,7 @@ RELAX NG failure, so elements and attributes are compared with the language once
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import get_args
@@ -28,11 +28,15 @@ def _validator() -> etree.RelaxNG:
         return etree.RelaxNG(etree.parse(file))
 
 
-def find_misfits(root: etree._Element) -> list[tuple[int, str]]:
+def find_misfits(
+    root: etree._Element, new: tuple[etree._Element, Iterable[etree._Element]] | None = None
+) -> list[tuple[int, str]]:
     """What in a document does not fit the schema.
 
     Args:
         root: The root element of a mission, robot or protocols file.
+        new: Where it is known what may be wrong: an excerpt (if it fits the schema, so does the whole), and
+            the elements that may be wrong by themselves or in what they hold.
 
     Returns:
         Lines and messages; empty where the document is valid.
@@ -42,11 +46,14 @@ def find_misfits(root: etree._Element) -> list[tuple[int, str]]:
         found = f"expected a mission file (namespace {NAMESPACE}), found the root element {root.tag}"
         return [(_line(root), found)]
     validator = _validator()
-    if validator.validate(root):
+    excerpt, suspects = new or (root, root.iter())
+    if validator.validate(excerpt):
         return []
-    told = list(_misfits(root))
+    told = list(_misfits(suspects))
     if told:
         return told
+    if new and validator.validate(root):
+        return []
     lines = {entry.line for entry in validator.error_log} or {_line(root)}
     return [(_line(e), _contents(e)) for e in root.iter() if _line(e) in lines][:1] or [
         (min(lines), "does not fit the mission language")
@@ -58,9 +65,9 @@ def _line(element: etree._Element) -> int:
     return line if isinstance(line, int) else 1
 
 
-def _misfits(root: etree._Element) -> Iterator[tuple[int, str]]:
+def _misfits(among: Iterable[etree._Element]) -> Iterator[tuple[int, str]]:
     tags = language()
-    for element in root.iter():
+    for element in among:
         tag, line = etree.QName(element).localname, _line(element)
         parent = element.getparent()
         yield from _misplaced(element)

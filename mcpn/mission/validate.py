@@ -12,7 +12,7 @@ from mcpn.mission.expansion.pauses import no_siblings, pause_problems
 from mcpn.mission.expansion.recovery import problems as recoveries
 from mcpn.mission.language.datatypes import NAME
 from mcpn.mission.language.forms import form_of
-from mcpn.mission.language.repeats import cycles, duplicates, elements, repeats
+from mcpn.mission.language.repeats import cycles, duplicates, repeats, unseen
 from mcpn.mission.model import (
     ABORT,
     FAIL,
@@ -38,11 +38,13 @@ from mcpn.mission.world.fact_errors import fact_errors
 _VALUE = re.compile(r"[A-Za-z0-9_]{1,64}")
 
 
-def find_errors(mission: Mission) -> list[Problem]:
+def find_errors(mission: Mission, *, read: bool = False, before: Mission | None = None) -> list[Problem]:
     """What makes a mission invalid, what the schema says of files included.
 
     Args:
         mission: Any mission, read or built in Python.
+        read: Whether it was read of files that fit the schema, so that its values are of the right types.
+        before: A valid mission; of elements that it has as well, what they say by themselves is right.
 
     Returns:
         Every problem, with its line; empty for a valid mission, which is not looked at again. Where values
@@ -50,7 +52,8 @@ def find_errors(mission: Mission) -> list[Problem]:
     """
     if mission.checked:
         return []
-    problems = list(find_misfits(mission)) or list(_Checks(mission).errors())
+    problems = [] if read else list(find_misfits(mission))
+    problems = problems or list(_Checks(mission, before).errors())
     if not problems:
         object.__setattr__(mission, "checked", True)
     return problems
@@ -70,8 +73,9 @@ def valid(mission: Mission) -> Mission:
 
 
 class _Checks:
-    def __init__(self, mission: Mission) -> None:
+    def __init__(self, mission: Mission, before: Mission | None = None) -> None:
         self.mission = mission
+        self.before = before
         self.activities: Mapping[str, Activity] = {a.name: a for a in mission.activities}
         # Faults stand for hardware that nobody consumes by its name.
         self.hardware = {h.name: h for robot in mission.robots for h in robot.hardware}
@@ -92,7 +96,7 @@ class _Checks:
 
     def errors(self) -> Iterator[Problem]:
         mission = self.mission
-        for element in elements(mission):
+        for element in unseen(mission, self.before):
             yield from self.attributes(element)
         yield from duplicates("robot", mission.robots)
         yield from duplicates("resource", (*mission.hardware, *mission.software))

@@ -14,22 +14,30 @@ from typing import Any
 from lxml import etree
 
 from mcpn.errors import InputError, Problem, Source
-from mcpn.mission.language.forms import Field, form_of, language
+from mcpn.files import read_bounded
+from mcpn.mission.language.drafts import Draft, Edit, Made, tag_of
+from mcpn.mission.language.forms import ROOTS, Field, form_of, language
 from mcpn.mission.model import Import, Mission, Parallel, Protocol
 from mcpn.mission.robot import Robot
 from mcpn.mission.schema import find_misfits
 from mcpn.mission.validate import find_errors
-from mcpn.xmlio import parse_xml
+from mcpn.xmlio import parse_bytes
 
 NOTHING: Mapping[Path, str] = {}
 MAX_FILE_BYTES = 16 << 20
 MAX_IMPORTS = 1000
 MAX_DEPTH = 64
 MAX_ELEMENTS = 200_000
+_ASIDE = {Import.TAG, Protocol.TAG, *(root.TAG for root in ROOTS)}
+"""What is more than a part of the element that it stands in."""
 
 
 def read_mission(
-    path: Path | str, *, import_root: Path | str | None = None, unsaved: Mapping[Path, str] = NOTHING
+    path: Path | str,
+    *,
+    import_root: Path | str | None = None,
+    unsaved: Mapping[Path, str] = NOTHING,
+    draft: Draft | None = None,
 ) -> Mission:
     """Reads a mission with its imports, and checks it.
 
@@ -37,6 +45,8 @@ def read_mission(
         path: The mission file.
         import_root: The directory that imports must stay in; that of the file by default.
         unsaved: By resolved file the text that is read instead of what the file holds.
+        draft: What was read of these files before: what has not changed since is not read again. It keeps
+            what is read now.
 
     Returns:
         A valid mission, every element with its file and line.
@@ -52,11 +62,13 @@ def read_mission(
     """
     main = Path(path)
     root = Path(import_root) if import_root is not None else main.parent
-    reader = _MissionReader(main, root.resolve(), unsaved)
+    reader = _MissionReader(main, root.resolve(), unsaved, draft)
     mission = reader.mission()
     problems = reader.problems
     if mission is not None and reader.complete:
-        problems = [*problems, *find_errors(mission)]
+        problems = [*problems, *find_errors(mission, read=True, before=draft.mission if draft else None)]
+    if draft is not None and mission is not None and not problems:
+        draft.mission = mission
     if mission is None or problems:
         raise InputError(sorted(set(problems), key=_by_place))
     return mission
@@ -80,9 +92,16 @@ def _by_place(problem: Problem) -> tuple[str, int, str]:
 
 
 class _MissionReader:
-    def __init__(self, main: Path, root: Path, unsaved: Mapping[Path, str] = NOTHING) -> None:
+    def __init__(
+        self, main: Path, root: Path, unsaved: Mapping[Path, str] = NOTHING, draft: Draft | None = None
+    ) -> None:
         self.root = root
         self.unsaved = unsaved
+        self.draft = draft
+        self.lines: list[bytes] = []  # of the file that is read
+        self.known: tuple[Made, Edit] | None = None  # what it was read as before
+        self.misplaced: set[Path] = set()
+        """Files in which something is wrong that the schema does not say: a draft is not to keep them."""
         self.problems: list[Problem] = []
         self.complete = True
         self.elements = 0
@@ -96,51 +115,93 @@ class _MissionReader:
         root = self.load()
         if root is None:
             return None
-        if _tag(root) != Mission.TAG:
-            self.wrong(root, f"expected a mission, found <{_tag(root)}>")
+        if tag_of(root) != Mission.TAG:
+            self.wrong(self.source(root), f"expected a mission, found <{tag_of(root)}>")
             self.complete = False
             return None
         self.chain.append(self.path.resolve())
         self.seen.update(self.chain)
-        mission: Mission = self.element(root)
+        mission: Mission = self.read(root).value
         return replace(mission, robots=tuple(self.robots), protocols=tuple(self.protocols))
 
-    def element(self, element: etree._Element) -> Any:
+    def read(self, root: etree._Element) -> Made:
+        """What a file says that fits the schema; the draft keeps it."""
+        path, lines, known = self.path, self.lines, self.known
+        if self.draft is None:
+            return self.element(root)
+        self.draft.files.pop(path, None)  # what of it is kept may be moved
+        made = self.element(root, *(known or (None, None)))
+        if path not in self.misplaced:
+            self.draft.files[path] = lines, made
+        return made
+
+    def element(self, element: etree._Element, before: Made | None = None, edit: Edit | None = None) -> Made:
         """What an element of a file that fits the schema says; the robots and protocols are kept aside."""
         texts = {str(name): str(text) for name, text in element.attrib.items()}
-        of = language()[_tag(element)].form(texts)
+        tag = tag_of(element)
+        of = language()[tag].form(texts)
         form = form_of(of)
-        values = _said(texts, form.attributes) | {"source": self.source(element)}
+        source = self.source(element)
+        values = _said(texts, form.attributes) | {"source": source}
         if "mandatory" in texts:
             self.mandatory(element, values)
-        members = [self.element(child) for child in element]
+        made = self.members(element, before, edit)
+        members = [each.value for each in made]
         for content in form.contents if members else ():
             values[content.name] = tuple(member for member in members if isinstance(member, content.classes))
         for content in form.contents:
             if (brief := content.short) and not values.get(content.name):
-                single = {"name": values["name"], "source": values["source"]} | _said(texts, (brief,))
+                single = {"name": values["name"], "source": source} | _said(texts, (brief,))
                 values[content.name] = (content.classes[0](**single),)
-        made = of(**values)
-        match made:
+        value = of(**values)
+        self.aside(value)
+        return Made(tag, value, made, source.line or 1, made[-1].last if made else source.line or 1)
+
+    def members(self, element: etree._Element, before: Made | None, edit: Edit | None) -> list[Made]:
+        """What the elements inside say; those that an edit has not changed are not read again."""
+        if before is None or edit is None or before.tag != tag_of(element):
+            return [self.element(child) for child in element]
+        count = len(element)
+        first, behind = edit.kept(before, count)
+        made = before.members[:first]
+        self.again(made)
+        for place, old in enumerate(edit.between_kept(before, count), first):
+            made.append(self.element(element[place], old, edit))
+        last = before.members[len(before.members) - behind :]
+        for each in last if edit.more else ():
+            each.move(edit.more)
+        self.again(last)
+        return [*made, *last]
+
+    def again(self, made: Iterable[Made]) -> None:
+        """What elements say of files and of what is kept aside, if they are not read again."""
+        for each in made:
+            if each.tag in _ASIDE:
+                self.again(each.members)
+                self.aside(each.value)
+
+    def aside(self, value: Any) -> None:
+        match value:
             case Import():
-                self.imported(element, made.href)
+                self.imported(value)
             case Robot():
-                self.robots.append(made)
+                self.robots.append(value)
             case Protocol():
-                self.protocols.append(made)
-        return made
+                self.protocols.append(value)
 
     def mandatory(self, element: etree._Element, values: dict[str, Any]) -> None:
         # Where it is false the validator of missions says so, of files and of those built in Python.
         parent = element.getparent()
-        if values["mandatory"] and (parent is None or _tag(parent) != Parallel.TAG):
-            self.wrong(element, "mandatory is for children of a parallel block, expected none here")
+        if values["mandatory"] and (parent is None or tag_of(parent) != Parallel.TAG):
+            self.misplaced.add(self.path)
+            self.wrong(values["source"], "mandatory is for children of a parallel block, expected none here")
 
     def load(self) -> etree._Element | None:
         """The root of the file if that fits the schema, or ``None`` after noting why it does not."""
         try:
             typed = self.unsaved.get(self.path.resolve()) if self.unsaved else None
-            element = parse_xml(self.path, MAX_FILE_BYTES, typed)
+            data = read_bounded(self.path, MAX_FILE_BYTES) if typed is None else typed.encode()
+            element = parse_bytes(self.path, data, None if typed is None else "utf-8")
         except InputError as error:
             self.problems.extend(error.problems)
             self.complete = False
@@ -148,12 +209,21 @@ class _MissionReader:
         if not self.bounded(element):
             self.complete = False
             return None
-        misfits = find_misfits(element)
+        misfits = self.misfits(element, data.split(b"\n"))
         self.problems.extend(Problem(Source(str(self.path), line), message) for line, message in misfits)
         if misfits:
             self.complete = False
             return None
         return element
+
+    def misfits(self, root: etree._Element, lines: list[bytes]) -> list[tuple[int, str]]:
+        """What of the file does not fit the schema; what has not changed since it did is not looked at."""
+        self.lines = lines
+        self.known = None if self.draft is None else self.draft.edit(self.path, lines)
+        if self.known is None or self.known[0].tag != tag_of(root):
+            return find_misfits(root)
+        before, edit = self.known
+        return find_misfits(root, (edit.excerpt(root, before), edit.changed(root, before)))
 
     def bounded(self, root: etree._Element) -> bool:
         depth = 0
@@ -161,21 +231,24 @@ class _MissionReader:
             depth += 1 if event == "start" else -1
             self.elements += event == "start"
             if depth > MAX_DEPTH:
-                self.wrong(element, f"nested more than {MAX_DEPTH} deep, the limit on nesting")
+                self.wrong(self.source(element), f"nested more than {MAX_DEPTH} deep, the limit on nesting")
                 return False
             if self.elements > MAX_ELEMENTS:
-                self.wrong(element, f"more than {MAX_ELEMENTS} elements in all files, the limit on them")
+                self.wrong(
+                    self.source(element), f"more than {MAX_ELEMENTS} elements in all files, the limit on them"
+                )
                 return False
         return True
 
-    def wrong(self, element: etree._Element, message: str) -> None:
-        self.problems.append(Problem(self.source(element), message))
+    def wrong(self, source: Source | None, message: str) -> None:
+        self.problems.append(Problem(source, message))
 
     def source(self, element: etree._Element) -> Source:
         line = element.sourceline
         return Source(str(self.path), line if isinstance(line, int) else None)
 
-    def imported(self, element: etree._Element, href: str) -> None:
+    def imported(self, made: Import) -> None:
+        href = made.href
         try:
             target = self.path.parent / href
             real = target.resolve()
@@ -183,42 +256,38 @@ class _MissionReader:
             kind = "a file" if target.is_file() else "a directory" if target.is_dir() else "no such file"
         except (OSError, ValueError, RuntimeError) as error:
             what = getattr(error, "strerror", None) or error
-            self.not_imported(element, f"{href[:80]!r}: {what}")
+            self.not_imported(made, f"{href[:80]!r}: {what}")
             return
         if not inside or ":" in href.split("/")[0]:
-            self.not_imported(element, f"{href} leaves the mission's directory")
+            self.not_imported(made, f"{href} leaves the mission's directory")
         elif real in self.chain:
-            self.not_imported(element, f"{href} closes a cycle of imports")
+            self.not_imported(made, f"{href} closes a cycle of imports")
         elif real not in self.seen:
             self.seen.add(real)
             if len(self.seen) > MAX_IMPORTS:
-                self.not_imported(element, f"{href}: more than {MAX_IMPORTS} files, the limit on imports")
+                self.not_imported(made, f"{href}: more than {MAX_IMPORTS} files, the limit on imports")
             elif len(self.chain) > MAX_DEPTH:
-                self.not_imported(element, f"{href}: more than {MAX_DEPTH} files deep, the limit on imports")
+                self.not_imported(made, f"{href}: more than {MAX_DEPTH} files deep, the limit on imports")
             elif kind != "a file":
-                self.not_imported(element, f"{href}: {kind}")
+                self.not_imported(made, f"{href}: {kind}")
             elif not self.file(target, real):
-                self.not_imported(element, f"{href}: expected <robot> or <protocols>, found <mission>")
+                self.not_imported(made, f"{href}: expected <robot> or <protocols>, found <mission>")
 
     def file(self, path: Path, real: Path) -> bool:
         """Reads an imported file; whether it is none that holds a mission."""
         importing, self.path = self.path, path
         self.chain.append(real)
         root = self.load()
-        fits = root is None or _tag(root) != Mission.TAG
+        fits = root is None or tag_of(root) != Mission.TAG
         if root is not None and fits:
-            self.element(root)
+            self.read(root)
         self.chain.pop()
         self.path = importing
         return fits
 
-    def not_imported(self, element: etree._Element, why: str) -> None:
+    def not_imported(self, made: Import, why: str) -> None:
         self.complete = False
-        self.wrong(element, f"import of {why}")
-
-
-def _tag(element: etree._Element) -> str:
-    return etree.QName(element).localname
+        self.wrong(made.source, f"import of {why}")
 
 
 def _said(texts: Mapping[str, str], attributes: Iterable[Field]) -> dict[str, Any]:

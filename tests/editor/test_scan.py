@@ -7,7 +7,7 @@ from hypothesis import event, example, given
 from hypothesis import strategies as st
 from lxml import etree
 
-from mcpn.editor.scan import enclosing, scan
+from mcpn.editor.scan import Scan, ScannedElement, enclosing, scan
 from mcpn.editor.symbols import symbols
 from mcpn.mission.model import Mission
 from mcpn.mission.renaming import renamed
@@ -46,12 +46,74 @@ def test_any_text_is_scanned(text: str) -> None:
     enclosing(text, len(text) // 2)
 
 
+EDITS = st.sampled_from(
+    [
+        "",
+        " ",
+        "\n",
+        '"',
+        "<",
+        ">",
+        "/>",
+        "</",
+        "<!--",
+        "-->",
+        'name="x"',
+        "a",
+        "1",
+        "<hardware name='h'/>",
+        "</a>",
+    ]
+)
+
+
+@given(mission=missions(), data=st.data())
+def test_an_edit_is_scanned_as_the_whole_is(mission: Mission, data: st.DataObject) -> None:
+    text, kept = write_mission(mission).decode(), Scan()
+    kept.of(text)
+    for _ in range(data.draw(st.integers(1, 5))):
+        at = data.draw(st.integers(0, len(text)))
+        removed = data.draw(st.integers(0, 3) | st.integers(0, 80))
+        text = text[:at] + data.draw(EDITS) + text[at + removed :]
+        symbols("m.xml", kept.elements)  # which elements keep
+        found, whole = kept.of(text), scan(text)
+
+        def shown(of: list[ScannedElement]) -> list[object]:
+            number = {id(e): n for n, e in enumerate(of)}
+            return [
+                (
+                    e.tag,
+                    e.begin,
+                    e.end,
+                    e.closed,
+                    e.holds,
+                    number.get(id(e.parent)),
+                    [(a.name, a.value, a.begin, a.element is e) for a in e.attributes],
+                )
+                for e in of
+            ]
+
+        def named(of: list[ScannedElement]) -> list[object]:
+            return [(s.kind, s.scope, s.name, s.begin, s.declares) for s in symbols("m.xml", of)]
+
+        assert shown(found) == shown(whole)
+        assert named(found) == named(whole)
+        place = data.draw(st.integers(0, len(text)))
+        typed = next((e for e in reversed(scan(text[:place])) if not e.closed), None)
+        if (inside := kept.open_at(place)) is not None:
+            assert typed is not None
+            assert (inside.tag, inside.begin, inside.texts) == (typed.tag, typed.begin, typed.texts)
+        else:
+            around, expected = kept.around(place), enclosing(text, place)
+            assert (around and around.begin) == (expected and expected.begin)
+
+
 @given(mission=missions(), data=st.data())
 def test_another_name_in_all_its_places_is_the_mission_of_that_name(
     mission: Mission, data: st.DataObject, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     text = write_mission(mission).decode()
-    known = symbols("m.xml", text)
+    known = symbols("m.xml", scan(text))
     symbol = data.draw(st.sampled_from([s for s in known if s.declares and s.kind != "alternative"]))
     event(symbol.kind)
     for place in sorted((s for s in known if symbol.means(s)), key=lambda s: -s.begin):

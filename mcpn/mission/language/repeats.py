@@ -11,15 +11,24 @@ from mcpn.mission.language.forms import form_of
 from mcpn.mission.robot import Element
 
 
-def elements(mission: Element) -> Iterator[Element]:
-    """Every named element of a mission, itself first, in document order."""
-    stack: list[Any] = [mission]
+def unseen(mission: Element, before: Element | None = None) -> Iterator[Element]:
+    """Every named element of a mission, itself first, in document order, but for those that another has.
+
+    Args:
+        mission: The mission.
+        before: What it was before an edit; elements of it that were kept are passed over.
+    """
+    stack: list[tuple[Any, Any]] = [(mission, before)]
     while stack:
-        element = stack.pop()
+        element, old = stack.pop()
         if isinstance(element, Element):
             yield element
         for content in reversed(form_of(type(element)).contents):
-            stack.extend(reversed(getattr(element, content.name)))
+            members, others = getattr(element, content.name), getattr(old, content.name, ())
+            known = set(map(id, others))
+            alike = others if len(others) == len(members) else (None,) * len(members)
+            pairs = zip(reversed(members), reversed(alike), strict=True)
+            stack.extend(pair for pair in pairs if id(pair[0]) not in known)
 
 
 def duplicates(kind: str, of: Iterable[Element]) -> Iterator[Problem]:

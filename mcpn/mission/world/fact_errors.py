@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from functools import cached_property
 
 from mcpn.errors import Problem, Source
 from mcpn.mission.language.datatypes import CONDITION, OCCASION, OUTCOME, VALUE
@@ -29,7 +30,12 @@ class _FactChecks:
         self.facts = {fact.name: fact for fact in mission.facts}
         texts = (mission.blocks, *(protocol.blocks for protocol in mission.protocols))
         self.blocks: list[Block] = [block for blocks in texts for block in walk(blocks)]
-        self.elementary = {block.name: None for block in self.blocks if isinstance(block, Objective)}
+        self.changing = {event.name for event in mission.events if event.sets}
+
+    @cached_property
+    def elementary(self) -> dict[str, None]:
+        """Names of elementary objectives."""
+        return {block.name: None for block in self.blocks if isinstance(block, Objective)}
 
     def errors(self) -> Iterator[Problem]:
         mission = self.mission
@@ -47,7 +53,8 @@ class _FactChecks:
             yield from self.changes(f"event {event.name}", event.sets, of_event=True)
         yield from self.handled(mission.handlers)
         for block in self.blocks:
-            yield from self.handled(block.handlers)
+            if block.handlers:
+                yield from self.handled(block.handlers)
             for route in block.routes:
                 who = f"a route of {block.name} asks for"
                 yield from self.condition(route.source, who, route.when)
@@ -57,7 +64,7 @@ class _FactChecks:
                 if not OUTCOME.allows(route.on):
                     found = f"on of a route of {block.name} is {route.on}"
                     yield Problem(route.source, f"{found}, expected {OUTCOME.allowed}")
-            if isinstance(block, Objective):
+            if isinstance(block, Objective) and block.sets:
                 yield from self.changes(f"objective {block.name}", block.sets)
 
     def values(self, fact: Fact) -> Iterator[Problem]:
@@ -95,9 +102,8 @@ class _FactChecks:
 
     def handled(self, handlers: Iterable[Handler]) -> Iterator[Problem]:
         """An event that changes facts happens as a failure of hardware does, whatever runs."""
-        changing = {event.name for event in self.mission.events if event.sets}
         for handler in handlers:
-            if handler.event in changing:
+            if handler.event in self.changing:
                 message = f"the event {handler.event} changes facts: it interrupts nothing"
                 remedy = "set the facts on the start of the objective that another event leads to"
                 yield Problem(handler.source, f"{message}; {remedy}")

@@ -1,0 +1,154 @@
+"""A mission that is being written: what stands on lines that have not changed is not read again.
+
+An edit changes a few lines of one file. What was read of all others is kept, element by element, so that the
+checks of a mission, too, can pass over the elements that they have seen.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterator
+from copy import deepcopy
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+from lxml import etree
+
+if TYPE_CHECKING:
+    from mcpn.mission.model import Mission
+
+MAX_LINES = 65_000
+"""libxml2 does not know the lines of longer files one from another."""
+
+
+@dataclass(slots=True)
+class Made:
+    """What an element of a file was read as.
+
+    Args:
+        tag: Its name.
+        value: The element of the model.
+        members: What stands inside.
+        line: Its line.
+        last: The line of the last element in it, or its own.
+    """
+
+    tag: str
+    value: Any
+    members: list[Made]
+    line: int
+    last: int
+
+    def move(self, lines: int) -> None:
+        """Notes that it stands so many lines further down now; nobody but a draft has it."""
+        stack = [self]
+        while stack:
+            made = stack.pop()
+            made.line += lines
+            made.last += lines
+            object.__setattr__(made.value.source, "line", made.line)
+            stack += made.members
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """Lines that have changed.
+
+    Args:
+        first: The first of them, as they were counted before.
+        last: The last of them; of lines that are new alone, the one behind them.
+        more: How many lines there are more now.
+    """
+
+    first: int
+    last: int
+    more: int
+
+    @classmethod
+    def between(cls, before: list[bytes], now: list[bytes]) -> Edit:
+        """The edit that makes some lines of others."""
+        least, same, behind = min(len(before), len(now)), 0, 0
+        while same < least and before[same] == now[same]:
+            same += 1
+        while behind < least - same and before[-1 - behind] == now[-1 - behind]:
+            behind += 1
+        first, last = same + 1, len(before) - behind
+        return cls(min(first, last), max(first, last), len(now) - len(before))
+
+    def kept(self, made: Made, members: int) -> tuple[int, int]:
+        """How many of the first members of an element, and of the last ones, are as before.
+
+        Args:
+            made: What the element was read as; the edit is in it, or beside it.
+            members: How many it has now.
+        """
+        # A member stands behind the line of the last element of the one before, and before that of the next.
+        before = made.members
+        first = max(bisect_left(before, self.first, key=lambda m: m.line) - 1, 0)
+        behind = max(len(before) - bisect_right(before, self.last, key=lambda m: m.last) - 1, 0)
+        return (first, behind) if first + behind <= members else (0, 0)
+
+    def between_kept(self, made: Made, members: int) -> list[Made | None]:
+        """For each member that may be another, what it may have been."""
+        first, behind = self.kept(made, members)
+        old = made.members[first : len(made.members) - behind]
+        new = members - first - behind
+        return [*old] if len(old) == new else [None] * new
+
+    def excerpt(self, element: etree._Element, made: Made) -> etree._Element:
+        """What may be other than before in an element, and so much around it that all fits if that does.
+
+        What an element may hold is some elements in any number, and in a series others behind them: what
+        does not fit is seen of what is new and of what stands beside it.
+        """
+        # The start tag ends on the line of the first member, at the latest; by another one all may not fit.
+        if not made.members or self.first <= made.members[0].line:
+            return deepcopy(element)
+        count = len(element)
+        first, behind = self.kept(made, count)
+        names = cast(dict[str, str], element.nsmap)
+        copy = etree.Element(element.tag, {str(k): str(v) for k, v in element.items()}, names)
+        copy.text = element.text
+        for place, old in enumerate(self.between_kept(made, count), first):
+            child = element[place]
+            of = self.excerpt(child, old) if old and old.tag == tag_of(child) else deepcopy(child)
+            of.tail = child.tail
+            copy.append(of)
+        for place in dict.fromkeys((count - behind, count - 1) if behind else ()):
+            copy.append(deepcopy(element[place]))
+        return copy
+
+    def changed(self, element: etree._Element, made: Made) -> Iterator[etree._Element]:
+        """An element and those in it that may be other than before, or hold others, in document order."""
+        if made.tag != tag_of(element):
+            yield from element.iter()
+            return
+        yield element
+        count = len(element)
+        for place, old in enumerate(self.between_kept(made, count), self.kept(made, count)[0]):
+            yield from self.changed(element[place], old) if old else element[place].iter()
+
+
+class Draft:
+    """What was read of a mission before, for who reads it again after an edit.
+
+    It has the mission to itself: who keeps elements of it may find them on other lines.
+    """
+
+    def __init__(self) -> None:
+        self.files: dict[Path, tuple[list[bytes], Made]] = {}
+        self.mission: Mission | None = None
+        """The last one that was valid."""
+
+    def edit(self, file: Path, lines: list[bytes]) -> tuple[Made, Edit] | None:
+        """What a file was read as, and where its lines are others now; ``None`` if it was not read."""
+        if file not in self.files:
+            return None
+        before, made = self.files[file]
+        return (made, Edit.between(before, lines)) if max(len(before), len(lines)) <= MAX_LINES else None
+
+
+def tag_of(element: etree._Element) -> str:
+    """The name of an element without its namespace."""
+    return etree.QName(element).localname
