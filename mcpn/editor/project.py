@@ -9,7 +9,7 @@ from pathlib import Path
 from mcpn.editor.scan import Scan, scan
 from mcpn.errors import InputError, LimitError, Problem
 from mcpn.mission.flatten import flatten
-from mcpn.mission.language.drafts import Draft
+from mcpn.mission.language.drafts import MissionDraft
 from mcpn.mission.model import Import, Mission
 from mcpn.mission.static.usage import Usage
 from mcpn.mission.static.warnings import static_warnings
@@ -24,7 +24,7 @@ class Memory:
 
     def __init__(self) -> None:
         self.scans = defaultdict[Path, Scan](Scan)
-        self.drafts = defaultdict[Path, Draft](Draft)
+        self.drafts = defaultdict[Path, MissionDraft](MissionDraft)
         self.warnings: dict[Path, list[Problem]] = {}
         """By mission what was suspicious when that was last looked for."""
 

@@ -15,7 +15,7 @@ from lxml import etree
 
 from mcpn.errors import InputError, Problem, Source
 from mcpn.files import read_bounded
-from mcpn.mission.language.drafts import Draft, Edit, Made, tag_of
+from mcpn.mission.language.drafts import Edit, Made, MissionDraft, tag_of
 from mcpn.mission.language.forms import ROOTS, Field, form_of, language
 from mcpn.mission.model import Import, Mission, Parallel, Protocol
 from mcpn.mission.robot import Robot
@@ -37,7 +37,7 @@ def read_mission(
     *,
     import_root: Path | str | None = None,
     unsaved: Mapping[Path, str] = NOTHING,
-    draft: Draft | None = None,
+    draft: MissionDraft | None = None,
 ) -> Mission:
     """Reads a mission with its imports, and checks it.
 
@@ -93,7 +93,7 @@ def _by_place(problem: Problem) -> tuple[str, int, str]:
 
 class _MissionReader:
     def __init__(
-        self, main: Path, root: Path, unsaved: Mapping[Path, str] = NOTHING, draft: Draft | None = None
+        self, main: Path, root: Path, unsaved: Mapping[Path, str] = NOTHING, draft: MissionDraft | None = None
     ) -> None:
         self.root = root
         self.unsaved = unsaved

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from mcpn.errors import InputError
 from mcpn.mission.language import drafts
-from mcpn.mission.language.drafts import Draft
+from mcpn.mission.language.drafts import MissionDraft
 from mcpn.mission.language.forms import form_of
 from mcpn.mission.model import Mission
 from mcpn.mission.robot import Described
@@ -53,7 +53,7 @@ def placed(element: Any) -> list[Any]:
     return found
 
 
-def read(text: str, draft: Draft | None) -> tuple[object, ...]:
+def read(text: str, draft: MissionDraft | None) -> tuple[object, ...]:
     """The mission of a text with the lines of its elements, or what is wrong."""
     try:
         mission = read_mission(FILE, unsaved={FILE: text}, draft=draft)
@@ -64,7 +64,7 @@ def read(text: str, draft: Draft | None) -> tuple[object, ...]:
 
 @given(mission=missions(), data=st.data())
 def test_an_edit_is_read_as_the_whole_is(mission: Mission, data: st.DataObject) -> None:
-    lines, draft = write_mission(mission).decode().split("\n"), Draft()
+    lines, draft = write_mission(mission).decode().split("\n"), MissionDraft()
     read("\n".join(lines), draft)
     for _ in range(data.draw(st.integers(1, 6))):
         edited = list(lines)
@@ -100,21 +100,21 @@ INSIDE = (*PARAMETERS[:3], "<objective name='b' activities='a'/>", *PARAMETERS[3
 )
 def test_what_an_excerpt_leaves_out_counts(old: str, new: str) -> None:
     inside = "\n".join(("<objective name='g'>", *INSIDE, "</objective>"))
-    text, draft = f"{HEAD}\n{inside}\n</mission>", Draft()
+    text, draft = f"{HEAD}\n{inside}\n</mission>", MissionDraft()
     assert isinstance(read(text, draft)[0], Mission)
     assert read(text.replace(old, new), draft) == read(text.replace(old, new), None)
 
 
 @pytest.mark.parametrize("name", BROKEN)
 def test_a_broken_mission_is_as_broken_after_a_right_one(name: str) -> None:
-    draft = Draft()
+    draft = MissionDraft()
     text = BROKEN[name][0]
     for typed in (text, text.replace(">", ">\n"), text):  # each from what was kept of the others
         assert read(typed, draft) == read(typed, None)
 
 
 def test_what_has_not_changed_is_not_read_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    path, draft = ULYSSE.parent / "protocols.xml", Draft()
+    path, draft = ULYSSE.parent / "protocols.xml", MissionDraft()
     text = path.read_text()
     before = read_mission(ULYSSE, unsaved={path: text}, draft=draft)
     edited = text.replace("\n", "\n\n", 1).replace('timeout="', 'timeout="1', 1)

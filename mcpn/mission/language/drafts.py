@@ -130,7 +130,7 @@ class Edit:
             yield from self.changed(element[place], old) if old else element[place].iter()
 
 
-class Draft:
+class MissionDraft:
     """What was read of a mission before, for who reads it again after an edit.
 
     It has the mission to itself: who keeps elements of it may find them on other lines.
