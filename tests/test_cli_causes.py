@@ -118,7 +118,7 @@ def test_without_scipy_rates_name_their_extra_and_the_rest_is_answered(
 ) -> None:
     path = tmp_path / "m.xml"
     path.write_text(TIMED)
-    for name in ("chain", "linear_systems", "risk", "section_chains"):
+    for name in ("chain", "elimination", "linear_systems", "passages", "risk", "section_chains"):
         monkeypatch.delitem(sys.modules, f"mcpn.check.causes.{name}", raising=False)
     for name in ("scipy", "scipy.linalg", "scipy.sparse", "scipy.sparse.linalg"):
         monkeypatch.setitem(sys.modules, name, None)

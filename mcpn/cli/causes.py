@@ -83,8 +83,7 @@ def causes(
     states of the whole mission, or with local those of each type of section. Of missions with more than 50
     objectives, runs and FMECA rows are of those that --objective names, or of all with --fmeca.
     """
-    if not rates:
-        without_threads_of_numpy()
+    without_threads_of_numpy()
     from mcpn.check.causes.fmeca import fmeca as table_of
     from mcpn.files import write_atomically
     from mcpn.opening import open_study

@@ -19,6 +19,7 @@ from mcpn.cli.shared import (
     limit_option,
     scheduler_option,
     templates_option,
+    without_threads_of_numpy,
 )
 from mcpn.errors import InputError, Source
 
@@ -52,6 +53,7 @@ def report(
 
     The page opens from disk, needs no network, and can be printed or sent.
     """
+    without_threads_of_numpy()
     from mcpn.files import write_atomically
     from mcpn.opening import open_study
     from mcpn.report.page import page

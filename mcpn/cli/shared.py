@@ -101,7 +101,7 @@ def choice_object(choice: Choice | NoSpace) -> dict[str, str | None]:
 
 
 def without_threads_of_numpy() -> None:
-    """Keeps numpy from starting threads for its linear algebra, which most commands do not use."""
+    """Keeps numpy from starting threads for its linear algebra: small products only wait for them."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 

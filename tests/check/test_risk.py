@@ -5,16 +5,19 @@ from __future__ import annotations
 import math
 import random
 import statistics
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from itertools import product
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.check.causes import chain, section_chains
+from mcpn.check.causes import chain, linear_systems, passages, section_chains
+from mcpn.check.causes.elimination import Elimination
 from mcpn.check.causes.prospects import Prospects
 from mcpn.check.causes.risk import Risk, risk
 from mcpn.check.spaces import spaces_of
@@ -283,15 +286,29 @@ def test_a_large_section_is_a_limit_that_is_named() -> None:
         sections_numbers(compose(row_of_sections(4)), max_states=3)
 
 
-@pytest.mark.parametrize("direct", [1024, 0], ids=["by elimination", "by iteration"])
-def test_sections_in_a_loop(direct: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(section_chains, "MOST_DENSE", direct)
+WAYS = {"by sections": (passages, "MOST_DENSE"), "by iteration": (linear_systems, "MOST_DENSE")}
+"""Ways to solve loops of sections, and the limit that is 0 where no other way may be taken."""
+
+
+@contextmanager
+def solved(way: str) -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        if way != "by sections":
+            patch.setattr(passages, "MOST_BYTES", 0)
+        if way in WAYS:
+            patch.setattr(*WAYS[way], 0)
+        yield
+
+
+@pytest.mark.parametrize("way", [*WAYS, "directly"])
+def test_sections_in_a_loop(way: str) -> None:
     h = Hardware(name="H", failure_rate=LAMBDA, repair_rate=MU)
     ways: dict[str, list[tuple[str, ...]]] = {"free": [()], "a": [("H",)]}
     first = objective("x", "free", 3.0)
     found = mission([h], ways, first, replace(objective("y", "a"), failure="x"))
-    assert_same(numbers(found), sections_numbers(found))
-    assert sections_numbers(found).success == pytest.approx(1)
+    with solved(way):
+        assert_same(numbers(found), sections_numbers(found))
+        assert sections_numbers(found).success == pytest.approx(1)
 
 
 @st.composite
@@ -331,9 +348,37 @@ def test_rounding_is_no_degraded_mode() -> None:
 
 
 @fewer(0.5)
-@given(loops())
-def test_sections_that_lead_back_are_those_of_the_whole(found: MissionNet) -> None:
-    assert_same(numbers(found), sections_numbers(found))
+@given(loops(), st.sampled_from([*WAYS, "directly"]))
+def test_sections_that_lead_back_are_those_of_the_whole(found: MissionNet, way: str) -> None:
+    with solved(way):
+        assert_same(numbers(found), sections_numbers(found))
+
+
+@pytest.mark.parametrize("back", ["x0", "x{before}"])
+def test_equal_sections_in_a_row_are_eliminated_once(back: str) -> None:
+    """Forty sections that lead back where they fail: few products, and the numbers of iteration."""
+    hardware = [Hardware(name=f"h{i}", failure_rate=0.1 * (i + 1), repair_rate=1.0) for i in range(3)]
+    blocks = [
+        replace(
+            objective(f"x{i}", "a" if i % 2 else "b", 0.5),
+            failure_probability=0.1,
+            failure=back.format(before=max(0, i - 1)),
+        )
+        for i in range(40)
+    ]
+    found = mission(hardware, {"a": [("h0",), ("h1",)], "b": [("h2",), ()]}, *blocks)
+    plans = list[Elimination]()
+
+    def planned(*given: Any) -> Elimination:
+        plans.append(Elimination(*given))
+        return plans[-1]
+
+    with solved("by sections"), pytest.MonkeyPatch.context() as patch:
+        patch.setattr(passages, "Elimination", planned)
+        by_sections = sections_numbers(found)
+    assert max(plan.products for plan in plans) <= 40
+    with solved("by iteration"):
+        assert_same(by_sections, sections_numbers(found))
 
 
 class Simulation:

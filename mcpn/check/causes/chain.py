@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mcpn.check.causes.demands import entered_again, split_edges
-from mcpn.check.causes.linear_systems import csc_array, csr_array, splu
+from mcpn.check.causes.linear_systems import CHUNK, Floats, csc_array, csr_array, splu
 from mcpn.check.causes.prospects import Prospects
 from mcpn.net.events import What
 from mcpn.net.sections import Element
@@ -27,11 +27,7 @@ from mcpn.net.templates import Role
 from mcpn.space.arrays import ArraySet, ArraySpace
 from mcpn.space.markings.graph import Ints, Mask, StateGraph
 
-Floats = npt.NDArray[np.float64]
 T = TypeVar("T", bound=np.generic)
-
-CHUNK = 64
-"""Right-hand sides of a system that are solved at a time."""
 
 UNKNOWNS = 1 << 12
 """Unknowns of systems that are solved together, unless one alone has more."""

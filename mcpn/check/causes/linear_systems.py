@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
 from mcpn.errors import LimitError
 
 try:
@@ -11,4 +16,34 @@ try:
 except ImportError as error:
     raise LimitError("probabilities need scipy: pip install 'mcpn[risk]'") from error
 
-__all__ = ["LinearOperator", "csc_array", "csr_array", "gmres", "lu_factor", "lu_solve", "splu"]
+__all__ = ["csc_array", "csr_array", "lu_factor", "lu_solve", "solver_of", "splu"]
+
+Floats = npt.NDArray[np.float64]
+
+CHUNK = 64
+"""Right-hand sides of a system that are solved at a time."""
+
+MOST_DENSE = 4096
+"""Unknowns of a system that is solved directly; a larger one by iteration."""
+
+PRECISION = 1e-13
+"""Of the iteration, relative to the right side."""
+
+
+def solver_of(system: Callable[[Floats], Floats], size: int) -> Callable[[Floats], Floats]:
+    """Solves a linear system, given as what it makes of the columns of a matrix, for any right side."""
+    if size <= MOST_DENSE:
+        parts = np.array_split(np.eye(size), -(-size // CHUNK), axis=1)
+        factors = lu_factor(np.hstack([system(part) for part in parts]))
+        return lambda right: np.asarray(lu_solve(factors, right), np.float64)
+    operator = LinearOperator((size, size), lambda x: system(x.reshape(-1, 1))[:, 0], dtype=np.float64)
+
+    def iterated(right: Floats) -> Floats:
+        found = np.empty(right.shape)
+        for i, column in enumerate(right.T):
+            found[:, i], failed = gmres(operator, column, rtol=PRECISION, atol=0.0, restart=100, maxiter=20)
+            if failed:
+                raise LimitError(f"the values at {size} entries of sections in loops did not settle")
+        return found
+
+    return iterated

@@ -17,7 +17,7 @@ to earlier ones, the values at those entries are the unknowns of a linear system
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any
@@ -25,8 +25,9 @@ from typing import Any
 import networkx as nx
 import numpy as np
 
-from mcpn.check.causes.chain import CHUNK, Chain, Floats, ListedChain, totals
-from mcpn.check.causes.linear_systems import LinearOperator, gmres, lu_factor, lu_solve
+from mcpn.check.causes.chain import Chain, ListedChain, totals
+from mcpn.check.causes.linear_systems import Floats
+from mcpn.check.causes.passages import LoopSection, SectionLoop, WayThrough
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import ElementarySection
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
@@ -38,12 +39,6 @@ ENDS = (SUCCEED, FAIL, ABORT)
 
 MOST_HARDWARE = 16
 """Hardware resources whose status is remembered from one section to the next, at most."""
-
-MOST_DENSE = 4096
-"""Unknowns of a system that is solved directly; a larger one by iteration."""
-
-PRECISION = 1e-13
-"""Of the iteration, relative to the values at the exits."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,8 +178,8 @@ class Outlook:
     ) -> None:
         self.model = model
         self._chains: dict[Any, Chain] = dict(like._chains) if like else {}
-        self._passages: dict[str, _Passage] = {}
-        passage = cache(_Passage)
+        self._passages: dict[str, WayThrough] = {}
+        passage = cache(WayThrough)
         for name, section in model.sections.items():
             own, used = (
                 tuple(rates.get(of, (0.0, 0.0)) for of in each)
@@ -199,7 +194,7 @@ class Outlook:
                 self._chains[key] = Chain(*key)
             self._passages[name] = passage(self._chains[key], used[: len(used) - len(own)])
 
-    def passage(self, name: str) -> _Passage:
+    def passage(self, name: str) -> WayThrough:
         """The way through a section: one for all that are alike under the rates."""
         return self._passages[name]
 
@@ -248,139 +243,24 @@ class Outlook:
         values[: len(ENDS)] = gained[: len(ENDS)]
         systems: dict[Hashable, Callable[[Floats], Floats]] = {}
         for members, heads in self.model.loops:
-            self._sweep(members, inner, values, gained)
+            within = slice(self.model.here(members[0]).start, self.model.here(members[-1]).stop)
+            steps = {name: self._passages[name].back(values[self.model.after(name)]) for name in members}
+            known = gained[within] + np.concatenate(list(steps.values()))
+            known[~inner[within]] = 0.0
             if len(heads):
-                loop = _Loop(self, members, heads, inner)
+                loop = self._loop(members, heads - within.start, inner[within])
                 if loop.kind not in systems:
-                    systems[loop.kind] = _linear(loop.less, len(heads))
-                values[heads] = systems[loop.kind](values[heads])
-                self._sweep(members, inner, values, gained)
+                    systems[loop.kind] = loop.system()
+                known = systems[loop.kind](known)
+            values[within] = known
         return values
 
-    def _sweep(
-        self, members: Sequence[str], inner: Mask, values: Floats, gained: Floats | None = None
-    ) -> None:
-        """Sets the values of sections from those of later ones, and of those they lead back to."""
+    def _loop(self, members: Sequence[str], heads: Ints, inner: Mask) -> SectionLoop:
+        model, begin, steps = self.model, self.model.here(members[0]).start, list[LoopSection]()
         for name in members:
-            # What leads back to this section came before it here, and has seen the value that was known.
-            here = self.model.here(name)
-            value = self._passages[name].back(values[self.model.after(name)])
-            value = value if gained is None else value + gained[here]
-            values[here] = np.where(inner[here, None], value, 0.0)
-
-
-class _Loop:
-    """Sections that lead to each other, and what their entries that are led back to say of each other.
-
-    Args:
-        outlook: The mission.
-        members: The sections.
-        heads: Those entries.
-        inner: Entries outside of which every value is 0.
-
-    Attributes:
-        kind: Equal for loops that differ in where their entries are alone.
-    """
-
-    def __init__(self, outlook: Outlook, members: Sequence[str], heads: Ints, inner: Mask) -> None:
-        model = outlook.model
-        self.begin = model.here(members[0]).start
-        self.size = model.here(members[-1]).stop - self.begin  # sections of a loop are numbered in a row
-        self.heads = heads - self.begin
-        self.steps: list[tuple[_Passage, Ints, slice, Mask]] = []
-        for name in members:
-            after, here = model.after(name) - self.begin, model.here(name)
             # What is not of the loop is known: here it counts as 0, the value at the last number.
-            after[(after < 0) | (after >= self.size)] = self.size
-            within = slice(here.start - self.begin, here.stop - self.begin)
-            self.steps.append((outlook.passage(name), after, within, inner[here]))
-        told = ((id(passage), after.tobytes(), inner.tobytes()) for passage, after, _, inner in self.steps)
-        self.kind: Hashable = (self.heads.tobytes(), *told)
-
-    def less(self, matrix: Floats) -> Floats:
-        """Values at those entries, less what they make of themselves on one way through the loop."""
-        found = np.zeros((self.size + 1, matrix.shape[1]))
-        found[self.heads] = matrix
-        for passage, after, within, inner in self.steps:
-            found[within] = np.where(inner[:, None], passage.back(found[after]), 0.0)
-        return np.asarray(matrix - found[self.heads], np.float64)
-
-
-def _linear(system: Callable[[Floats], Floats], size: int) -> Callable[[Floats], Floats]:
-    """Solves a linear system, given as what it makes of the columns of a matrix, for any right side."""
-    if size <= MOST_DENSE:
-        parts = np.array_split(np.eye(size), -(-size // CHUNK), axis=1)
-        factors = lu_factor(np.hstack([system(part) for part in parts]))
-        return lambda right: np.asarray(lu_solve(factors, right), np.float64)
-    operator = LinearOperator((size, size), lambda x: system(x.reshape(-1, 1))[:, 0], dtype=np.float64)
-
-    def iterated(right: Floats) -> Floats:
-        found = np.empty(right.shape)
-        for i, column in enumerate(right.T):
-            found[:, i], failed = gmres(operator, column, rtol=PRECISION, atol=0.0, restart=100, maxiter=20)
-            if failed:
-                raise LimitError(f"the values at {size} entries of sections in loops did not settle")
-        return found
-
-    return iterated
-
-
-@dataclass(frozen=True, eq=False)
-class _Passage:
-    """The way through one section, from values at its exits to values at its entry.
-
-    Args:
-        chain: The section's.
-        beside: Failures and repairs per hour of other hardware that it or later ones use.
-    """
-
-    chain: Chain
-    beside: Sequence[tuple[float, float]]
-
-    def _each_beside(self, values: Floats, maps: Iterable[Sequence[Sequence[float]]]) -> Floats:
-        """Values after a map of two states to two for each resource beside the section."""
-        found = values
-        for number, of in enumerate(maps):
-            found = np.asarray(of) @ found.reshape(1 << number, 2, -1)
-        return found.reshape(values.shape)
-
-    @cached_property
-    def _kernels(self) -> tuple[Floats, Ints]:
-        """The chain's kernels at the rates at which products of functions of the hardware beside decay.
-
-        Returns:
-            The kernels, and by product the number of its kernel.
-        """
-        found = np.zeros(1)
-        for fails, back in self.beside:
-            found = np.add.outer(found, (0.0, fails + back)).reshape(-1)
-        decays, numbers = np.unique(found, return_inverse=True)
-        return self.chain.kernels(decays), numbers
-
-    def back(self, values: Floats) -> Floats:
-        """Expected values.
-
-        Args:
-            values: By status beside, exit and own status there, and a free axis.
-
-        Returns:
-            By entry, and the free axis.
-        """
-        if not self.beside:
-            return self.chain.expected(values[0])
-        kernels, numbers = self._kernels
-        # The share of time out of service, and the difference that the status makes.
-        shares = [fails / ((fails + back) or 1.0) for fails, back in self.beside]
-        products = self._each_beside(values, (((1.0 - out, out), (1.0, -1.0)) for out in shares))
-        after = (((1.0, out), (1.0, out - 1.0)) for out in shares)
-        found = self._each_beside(kernels[numbers] @ products, after)
-        return found.reshape(-1, values.shape[-1])
-
-    def may_come_to(self, flags: Mask) -> Mask:
-        """By entry, whether what is flagged, by status beside, exit and own status there, is possible."""
-        if not self.beside:
-            return self.chain.may_come_to(flags[0])
-        at_once, later = (pairs.T.astype(np.float64) for pairs in self.chain.possible)
-        before = flags.astype(np.float64)
-        after = self._each_beside(before, (((1, fails > 0), (back > 0, 1)) for fails, back in self.beside))
-        return np.asarray(before @ at_once + after @ later > 0, np.bool_).reshape(-1)
+            after, here = model.after(name) - begin, model.here(name)
+            after[(after < 0) | (after >= len(inner))] = len(inner)
+            at = slice(here.start - begin, here.stop - begin)
+            steps.append(LoopSection(self._passages[name], after, at, inner[at]))
+        return SectionLoop(steps, heads)

@@ -1,0 +1,174 @@
+"""Block elimination of linear systems; expressions of equal blocks are evaluated once.
+
+A system ``x_i = sum_j A_ij x_j + b_i`` has one vector of unknowns for each section of a loop, all of one
+length, and a dense matrix for each pair of sections of which the first leads to the second. Vectors are
+eliminated in rounds: of those that fill in fewest blocks, some that are not neighbours (multiple minimum
+degree: Liu, ACM Transactions on Mathematical Software 11, 1985). Sections of one type have equal matrices,
+and a round leaves of a row of equal sections one half as long, of equal ones again (cyclic reduction). So
+matrices are expressions first, each is evaluated once, and a row of *n* equal sections takes some ``log n``
+products, wherever it leads back to.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from mcpn.check.causes.linear_systems import Floats, lu_factor, lu_solve
+
+Factors = tuple[Floats, npt.NDArray[np.int32]]
+"""A matrix, factored."""
+
+SPREAD = 4
+"""Unknowns may be eliminated together with one that fills in fewer blocks, up to this factor."""
+
+
+class _Eliminated(NamedTuple):
+    """Unknowns that are eliminated together, in the order of their solving; pairs by the matrix between them.
+
+    Args:
+        solving: By matrix of an unknown to itself, or ``None``, the unknowns.
+        before: By matrix, the unknowns that need an eliminated one, and these.
+        behind: By matrix, eliminated unknowns, and those that they need.
+    """
+
+    solving: Mapping[int | None, list[int]]
+    before: Mapping[int, list[tuple[int, int]]]
+    behind: Mapping[int, list[tuple[int, int]]]
+
+
+class Elimination:
+    """The plan of an elimination.
+
+    Args:
+        blocks: By pair of unknowns the name of the matrix between them; equal matrices have equal names.
+        count: The number of unknowns.
+
+    Attributes:
+        products: Matrices that are factored, and products of two matrices, one of them inverted or not.
+        matrices: All that are computed.
+    """
+
+    def __init__(self, blocks: Mapping[tuple[int, int], Hashable], count: int) -> None:
+        self.count = count
+        self._number: dict[Hashable, int] = {}
+        self._terms: list[tuple[str, tuple[int, ...]]] = []
+        needs: list[dict[int, int]] = [{} for _ in range(count)]
+        known: dict[Hashable, int] = {}
+        for (i, j), name in blocks.items():
+            if name not in known:
+                known[name] = self._of("given", len(known))
+            needs[i][j] = known[name]
+        self._names = list(known)
+        self._rounds = self._planned(needs)
+        kinds = [kind for kind, _ in self._terms]
+        self.products = len(kinds) - kinds.count("given") - kinds.count("sum")
+        self.matrices = len(kinds)
+
+    def _of(self, kind: str, *parts: int) -> int:
+        """The number of an expression; equal expressions have one."""
+        if (found := self._number.get((kind, *parts))) is None:
+            found = self._number[kind, *parts] = len(self._terms)
+            self._terms.append((kind, parts))
+        return found
+
+    def _sum(self, *parts: int) -> int:
+        """That of a sum; a sum of sums is one sum, in one order, so that equal ones are found."""
+        each: list[int] = []
+        for part in parts:
+            kind, terms = self._terms[part]
+            each += terms if kind == "sum" else (part,)
+        return self._of("sum", *sorted(each))
+
+    def _planned(self, needs: list[dict[int, int]]) -> list[_Eliminated]:
+        users: list[set[int]] = [set() for _ in needs]
+        for i, row in enumerate(needs):
+            for j in row.keys() - {i}:
+                users[j].add(i)
+        left, rounds = list(range(len(needs))), list[_Eliminated]()
+        while left:
+            fill = {i: len(users[i]) * len(needs[i].keys() - {i}) for i in left}
+            most, beside, chosen = SPREAD * max(1, min(fill.values())), set[int](), list[int]()
+            for i in left:
+                if fill[i] <= most and i not in beside:
+                    chosen.append(i)
+                    beside |= users[i] | needs[i].keys()
+            solving, before, behind = defaultdict(list), defaultdict(list), defaultdict(list)
+            for i in chosen:
+                own = needs[i].pop(i, None)
+                factors = None if own is None else self._of("factored", own)
+                solving[factors].append(i)
+                row = {
+                    j: a if factors is None else self._of("solved", factors, a) for j, a in needs[i].items()
+                }
+                for j, a in row.items():
+                    behind[a].append((i, j))
+                    users[j].discard(i)
+                for user in users[i]:
+                    a = needs[user].pop(i)
+                    before[a].append((user, i))
+                    for j, b in row.items():
+                        made = self._of("product", a, b)
+                        known = needs[user].get(j)
+                        needs[user][j] = made if known is None else self._sum(known, made)
+                        if j != user:
+                            users[j].add(user)
+            gone = set(chosen)
+            left = [i for i in left if i not in gone]
+            rounds.append(_Eliminated(solving, before, behind))
+        return rounds
+
+    def factored_with(self, given: Callable[[Hashable], Floats]) -> Callable[[Floats], Floats]:
+        """Evaluates the matrices.
+
+        Args:
+            given: The matrix of a name.
+
+        Returns:
+            What solves the system for a right side: both by unknown, place in it, and a free axis.
+        """
+        values: list[Floats] = []
+        factors: dict[int, Factors] = {}
+        for number, (kind, parts) in enumerate(self._terms):
+            if kind == "given":
+                found = given(self._names[parts[0]])
+            elif kind == "sum":
+                found = np.asarray(sum(values[part] for part in parts))
+            elif kind == "product":
+                found = values[parts[0]] @ values[parts[1]]
+            elif kind == "solved":
+                found = lu_solve(factors[parts[0]], values[parts[1]])
+            else:
+                found = np.eye(len(values[parts[0]])) - values[parts[0]]
+                factors[number] = lu_factor(found)
+            values.append(found)
+        return lambda right: self._solved(values, factors, right)
+
+    def _solved(
+        self,
+        values: Sequence[Floats],
+        factors: Mapping[int, Factors],
+        right: Floats,
+    ) -> Floats:
+        _, size, columns = right.shape
+        found = np.array(right.transpose(1, 0, 2))  # a matrix is applied to many unknowns at once
+
+        def added(of: Mapping[int, list[tuple[int, int]]]) -> None:
+            for matrix, pairs in of.items():
+                to, by = np.array(pairs).T
+                made = values[matrix] @ found[:, by].reshape(size, -1)
+                np.add.at(found.swapaxes(0, 1), to, made.reshape(size, -1, columns).swapaxes(0, 1))
+
+        for each in self._rounds:
+            for number, members in each.solving.items():
+                if number is not None:
+                    solved = lu_solve(factors[number], found[:, members].reshape(size, -1))
+                    found[:, members] = solved.reshape(size, -1, columns)
+            added(each.before)
+        for each in reversed(self._rounds):
+            added(each.behind)
+        return found.transpose(1, 0, 2)

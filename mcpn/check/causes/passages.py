@@ -1,0 +1,199 @@
+"""The way through a section, from values at its exits to values at its entry; loops of sections.
+
+Sections that lead to each other are a linear system in the values at their entries. It is solved in one of
+three ways, whichever is expected to take least: section by section, what sections of one type make of it
+computed once (:mod:`mcpn.check.causes.elimination`); or for the entries that are led back to alone, as what
+one way through the loop makes of their values, directly or by iteration.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from mcpn.check.causes.chain import Chain
+from mcpn.check.causes.elimination import Elimination
+from mcpn.check.causes.linear_systems import MOST_DENSE, Floats, solver_of
+from mcpn.space.markings.graph import Ints, Mask
+
+MOST_BYTES = 1 << 30
+"""Of the matrices between sections; where they would take more, they are not made."""
+
+
+@dataclass(frozen=True, eq=False)
+class WayThrough:
+    """The way through one section, from values at its exits to values at its entry.
+
+    Args:
+        chain: The section's.
+        beside: Failures and repairs per hour of other hardware that it or later ones use.
+    """
+
+    chain: Chain
+    beside: Sequence[tuple[float, float]]
+
+    def _each_beside(self, values: Floats, maps: Iterable[Sequence[Sequence[float]]]) -> Floats:
+        """Values after a map of two states to two for each resource beside the section."""
+        found = values
+        for number, of in enumerate(maps):
+            found = np.asarray(of) @ found.reshape(1 << number, 2, -1)
+        return found.reshape(values.shape)
+
+    @cached_property
+    def _kernels(self) -> tuple[Floats, Ints]:
+        """The chain's kernels at the rates at which products of functions of the hardware beside decay.
+
+        Returns:
+            The kernels, and by product the number of its kernel.
+        """
+        found = np.zeros(1)
+        for fails, back in self.beside:
+            found = np.add.outer(found, (0.0, fails + back)).reshape(-1)
+        decays, numbers = np.unique(found, return_inverse=True)
+        return self.chain.kernels(decays), numbers
+
+    def back(self, values: Floats) -> Floats:
+        """Expected values.
+
+        Args:
+            values: By status beside, exit and own status there, and a free axis.
+
+        Returns:
+            By entry, and the free axis.
+        """
+        if not self.beside:
+            return self.chain.expected(values[0])
+        kernels, numbers = self._kernels
+        # The share of time out of service, and the difference that the status makes.
+        shares = [fails / ((fails + back) or 1.0) for fails, back in self.beside]
+        products = self._each_beside(values, (((1.0 - out, out), (1.0, -1.0)) for out in shares))
+        after = (((1.0, out), (1.0, out - 1.0)) for out in shares)
+        found = self._each_beside(kernels[numbers] @ products, after)
+        return found.reshape(-1, values.shape[-1])
+
+    def may_come_to(self, flags: Mask) -> Mask:
+        """By entry, whether what is flagged, by status beside, exit and own status there, is possible."""
+        if not self.beside:
+            return self.chain.may_come_to(flags[0])
+        at_once, later = (pairs.T.astype(np.float64) for pairs in self.chain.possible)
+        before = flags.astype(np.float64)
+        after = self._each_beside(before, (((1, fails > 0), (back > 0, 1)) for fails, back in self.beside))
+        return np.asarray(before @ at_once + after @ later > 0, np.bool_).reshape(-1)
+
+    @property
+    def work(self) -> int:
+        """Multiplications of :meth:`back` for each place of the free axis."""
+        return self.chain.listed.statuses * self.chain.listed.columns << len(self.beside)
+
+
+class LoopSection(NamedTuple):
+    """A section of a loop.
+
+    Args:
+        passage: The way through it.
+        after: The entries behind it, as of :meth:`WayThrough.back`, numbered in the loop; what is not of the
+            loop has the number after all of these.
+        here: Its own.
+        inner: By entry of its own, whether it has a value other than 0.
+    """
+
+    passage: WayThrough
+    after: Ints
+    here: slice
+    inner: Mask
+
+
+class _Between(NamedTuple):
+    """What one section of a loop makes of the values of another, or of its own.
+
+    Args:
+        passage: The way through it.
+        after: The entries of the other behind it, and one number more for what is not of the other.
+        inner: By entry of its own, whether it has a value other than 0.
+    """
+
+    passage: WayThrough
+    after: Ints
+    inner: Mask
+
+    @property
+    def work(self) -> int:
+        """Multiplications that the matrix takes."""
+        return len(self.inner) * self.passage.work
+
+    def matrix(self) -> Floats:
+        """The matrix of it."""
+        size = len(self.inner)
+        found = self.passage.back(np.eye(size + 1, size)[self.after])
+        return np.where(self.inner[:, None], found, 0.0)
+
+
+class SectionLoop:
+    """Sections that lead to each other.
+
+    Args:
+        steps: The sections, in the order of their entries.
+        heads: The entries that are led back to.
+
+    Attributes:
+        kind: Equal for loops that differ in where their entries are alone.
+    """
+
+    def __init__(self, steps: Sequence[LoopSection], heads: Ints) -> None:
+        self.steps = steps
+        self.heads = heads
+        self.size = steps[-1].here.stop
+        self.width = steps[0].here.stop
+        told = ((id(step.passage), step.after.tobytes(), step.inner.tobytes()) for step in steps)
+        self.kind: Hashable = (heads.tobytes(), *told)
+
+    def system(self) -> Callable[[Floats], Floats]:
+        """What solves it: values at entries, of what is gained there; both with a free axis."""
+        heads, made = len(self.heads), self._eliminated() if 8 * self.width**2 <= MOST_BYTES else None
+        if made is not None:
+            plan, given = made
+            work = plan.products * self.width**3 + sum(of.work for of in given.values())
+            through = heads * sum(step.passage.work for step in self.steps) + heads**3
+            if plan.matrices * 8 * self.width**2 <= MOST_BYTES and (heads > MOST_DENSE or work <= through):
+                solve = plan.factored_with(lambda name: given[name].matrix())
+                shape = len(self.steps), self.width, -1
+                return lambda gained: solve(gained.reshape(shape)).reshape(gained.shape)
+        at_heads = solver_of(self._less, heads)
+
+        def solved(gained: Floats) -> Floats:
+            found = self._swept(gained)
+            found = self._swept(gained, at_heads(found[self.heads]))
+            return found[: self.size]
+
+        return solved
+
+    def _eliminated(self) -> tuple[Elimination, dict[Hashable, _Between]]:
+        """How sections are eliminated, and the blocks between them by name."""
+        names, given = dict[tuple[int, int], Hashable](), dict[Hashable, _Between]()
+        for i, (passage, after, _, inner) in enumerate(self.steps):
+            for j in np.unique(after // self.width).tolist():
+                if j < len(self.steps):
+                    there = np.where(after // self.width == j, after % self.width, self.width)
+                    name = id(passage), there.tobytes(), inner.tobytes()
+                    names[i, j] = name
+                    given[name] = _Between(passage, there, inner)
+        return Elimination(names, len(self.steps)), given
+
+    def _swept(self, gained: Floats, at_heads: Floats | None = None) -> Floats:
+        """The values on one way through the loop, of given ones at the entries that are led back to."""
+        found = np.zeros((self.size + 1, gained.shape[1]))
+        if at_heads is not None:
+            found[self.heads] = at_heads
+        for passage, after, here, inner in self.steps:
+            # What leads back to this section came before it here, and has seen the value that was known.
+            found[here] = gained[here] + np.where(inner[:, None], passage.back(found[after]), 0.0)
+        return found
+
+    def _less(self, matrix: Floats) -> Floats:
+        """Values at those entries, less what they make of themselves on one way through the loop."""
+        found = self._swept(np.zeros((self.size, matrix.shape[1])), matrix)
+        return np.asarray(matrix - found[self.heads], np.float64)
