@@ -1,4 +1,4 @@
-"""A mission's report served to the browser of whoever writes the mission: it follows the files, and answers.
+"""A mission's report served to a browser: it follows the files of who writes the mission, and answers.
 
 The server listens on this machine alone (127.0.0.1). Its address has a token that nobody can guess, and who
 asks must not come from a page of another origin: another name of the machine, as in DNS rebinding, is refused
@@ -11,7 +11,8 @@ from __future__ import annotations
 import json
 import secrets
 import threading
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Generator, Iterable, Iterator, Mapping
+from contextlib import closing, suppress
 from dataclasses import dataclass, field
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -57,8 +58,32 @@ class ServedPage:
     stamps: Stamps
 
 
+class Content:
+    """What a server shows: a page, and what the page asks for."""
+
+    shown: ServedPage
+
+    def follow(self) -> None:
+        """Keeps up with what is shown, on a thread of its own, until :meth:`stop` is called."""
+
+    def stop(self) -> None:
+        """Ends :meth:`follow`."""
+
+    def answer(self, formula: str) -> dict[str, Any] | None:
+        """The answer to a formula, or what is wrong with it; ``None`` where none is given."""
+        return None
+
+    def stream(self, after: int) -> Generator[str] | None:
+        """Server-sent events behind one of some number, as they come; ``None`` where there are none.
+
+        Args:
+            after: The number of the last one that is known.
+        """
+        return None
+
+
 @dataclass
-class ServedMission:
+class ServedMission(Content):
     """A mission that is verified again when its files change.
 
     Args:
@@ -138,17 +163,17 @@ def _stamps(files: Iterable[str]) -> dict[str, tuple[int, int]]:
 
 
 class PageServer(ThreadingHTTPServer):
-    """Serves one mission at ``http://127.0.0.1:PORT/TOKEN/``.
+    """Serves one page at ``http://127.0.0.1:PORT/TOKEN/``.
 
     Args:
-        mission: The mission.
+        content: The page.
         port: The port; 0 for any that is free.
     """
 
     daemon_threads = True
 
-    def __init__(self, mission: ServedMission, port: int = 0) -> None:
-        self.mission = mission
+    def __init__(self, content: Content, port: int = 0) -> None:
+        self.content = content
         self.token = secrets.token_urlsafe(24)
         super().__init__((LOOPBACK, port), _Handler)
 
@@ -164,12 +189,12 @@ class PageServer(ThreadingHTTPServer):
 
     def run(self) -> None:
         """Serves until it is interrupted or shut down."""
-        following = threading.Thread(target=self.mission.follow, daemon=True)
+        following = threading.Thread(target=self.content.follow, daemon=True)
         following.start()
         try:
             self.serve_forever(poll_interval=EVERY)
         finally:
-            self.mission.stop()
+            self.content.stop()
             self.server_close()
 
 
@@ -180,13 +205,15 @@ class _Handler(BaseHTTPRequestHandler):
     timeout = 30
 
     def do_GET(self) -> None:
-        """The page, and the number of what is shown."""
-        shown = self.server.mission.shown
+        """The page, the number of what is shown, and what happens."""
+        shown = self.server.content.shown
         match self._asked_for():
             case "":
                 self._send(HTTPStatus.OK, "text/html", shown.text)
             case "number":
                 self._send(HTTPStatus.OK, "application/json", json.dumps({"number": shown.number}))
+            case "stream" if (events := self.server.content.stream(self._last())) is not None:
+                self._stream(events)
             case None:
                 self._refuse(HTTPStatus.FORBIDDEN)
             case _:
@@ -201,8 +228,9 @@ class _Handler(BaseHTTPRequestHandler):
             self._refuse(HTTPStatus.NOT_FOUND)
         elif (formula := self._formula()) is None:
             self._refuse(HTTPStatus.BAD_REQUEST)
+        elif (answer := self.server.content.answer(formula)) is None:
+            self._refuse(HTTPStatus.NOT_FOUND)
         else:
-            answer = self.server.mission.answer(formula)
             self._send(HTTPStatus.OK, "application/json", json.dumps(answer))
 
     def _asked_for(self) -> str | None:
@@ -231,25 +259,43 @@ class _Handler(BaseHTTPRequestHandler):
             return None
         return formula if isinstance(formula, str) else None
 
+    def _last(self) -> int:
+        """The number of the last event that the browser had before it asks again; 0 of none."""
+        said = self.headers.get("Last-Event-ID", "")
+        return int(said[:9]) if said.isascii() and said.isdigit() else 0
+
+    def _stream(self, events: Generator[str]) -> None:
+        """Sends events as they come, until they end or nobody listens."""
+        self.close_connection = True
+        self._head(HTTPStatus.OK, "text/event-stream")
+        with suppress(OSError), closing(events):
+            for event in events:
+                self.wfile.write(event.encode())
+                self.wfile.flush()
+
     def _refuse(self, status: HTTPStatus) -> None:
         self.close_connection = True
         self._send(status, "text/plain", f"{status.phrase}\n")
 
     def _send(self, status: HTTPStatus, kind: str, text: str) -> None:
         body = text.encode()
+        self._head(status, kind, len(body))
+        self.wfile.write(body)
+
+    def _head(self, status: HTTPStatus, kind: str, length: int | None = None) -> None:
         self.send_response(status)
-        for name, value in _headers(kind, len(body)):
+        if length is not None:
+            self.send_header("Content-Length", str(length))
+        for name, value in _headers(kind):
             self.send_header(name, value)
         self.end_headers()
-        self.wfile.write(body)
 
     def log_message(self, *_told: object) -> None:
         """Says nothing: the token stands in what is asked."""
 
 
-def _headers(kind: str, length: int) -> Iterator[tuple[str, str]]:
+def _headers(kind: str) -> Iterator[tuple[str, str]]:
     yield "Content-Type", f"{kind}; charset=utf-8"
-    yield "Content-Length", str(length)
     yield "Cache-Control", "no-store"
     yield "X-Content-Type-Options", "nosniff"
     yield "X-Frame-Options", "DENY"

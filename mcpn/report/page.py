@@ -28,20 +28,21 @@ if TYPE_CHECKING:
     from mcpn.errors import Problem, Source
     from mcpn.report.findings import Findings
 
-SCRIPTS = ("tables.js", "losses.js", "served.js", "game.js", "machine.js", "film.js")
+SCRIPTS = ("tables.js", "losses.js", "served.js", "game.js", "machine.js", "film.js", "robot.js")
 """The parts of the script of a page; they are the body of one function."""
 
 AROUND, MOST_OF_LINE = 2, 200
 """Lines that are shown before and after one that is wrong, and characters of each."""
 
 
-def page(findings: Findings, *, served: int = 0) -> str:
+def page(findings: Findings, *, served: int = 0, robot: bool = False) -> str:
     """The report as a page of HTML.
 
     Args:
         findings: What was found of the mission.
         served: Where a server stands behind it, which it asks and whose files it follows, the number of the
             page: another one follows.
+        robot: Whether a server stands behind it that tells what a robot does.
 
     Raises:
         InputError: The environment sets a date that is none.
@@ -61,6 +62,7 @@ def page(findings: Findings, *, served: int = 0) -> str:
             picture=lay_out(root, mission_net.mission),
             alone=False,
             served=served,
+            robot=robot,
             played="net" in live,
             verdicts=list(runs_of(findings.check)),
             verdict=verdict_of_all(findings.check),

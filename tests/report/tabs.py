@@ -24,6 +24,17 @@ def opened(browser: Any, text: str, tmp_path: Path) -> tuple[Any, list[str]]:
     return tab, wrong
 
 
+def visited(browser: Any, address: str) -> tuple[Any, list[str]]:
+    """A page that is served, and what goes wrong in it."""
+    tab = browser.new_context().new_page()
+    tab.set_default_timeout(30_000)
+    wrong: list[str] = []
+    tab.on("console", lambda message: wrong.append(message.text) if message.type == "error" else None)
+    tab.on("pageerror", lambda error: wrong.append(str(error)))
+    tab.goto(address)
+    return tab, wrong
+
+
 def lit(tab: Any, selector: str, name: str) -> set[str]:
     found = tab.eval_on_selector_all(selector, f"parts => parts.map(part => part.dataset.{name})")
     return set(found)

@@ -22,7 +22,7 @@ from mcpn.editor.served import MOST_ASKED, PageServer, ServedMission
 from mcpn.opening import open_study
 from tests.commands import mcpn
 from tests.conftest import ULYSSE
-from tests.report.tabs import state, steps
+from tests.report.tabs import state, steps, visited
 
 MISSION = """<mission name="{name}" xmlns="urn:mcpn:mission:1">
   <robot name="r"><hardware name="motor"/><activity name="go" consumes="motor"/></robot>
@@ -120,22 +120,12 @@ def test_what_is_no_question_is_refused(ulysse_served: PageServer, body: bytes) 
     assert status == 400
 
 
-def opened(browser: Any, address: str) -> tuple[Any, list[str]]:
-    tab = browser.new_context().new_page()
-    tab.set_default_timeout(30_000)
-    wrong: list[str] = []
-    tab.on("console", lambda message: wrong.append(message.text) if message.type == "error" else None)
-    tab.on("pageerror", lambda error: wrong.append(str(error)))
-    tab.goto(address)
-    return tab, wrong
-
-
 def test_a_served_page_follows_an_edit(browser: Any, tmp_path: Path) -> None:
     """Also through an error, which it shows at its line; the run that is shown stays where it is possible."""
     path = tmp_path / "mission.xml"
     path.write_text(MISSION.format(name="first", leg="leg"))
     with serving(path) as server:
-        tab, wrong = opened(browser, server.address)
+        tab, wrong = visited(browser, server.address)
         assert tab.locator("h1").inner_text() == "Mission first"
         tab.locator('#events button[data-event="MISSION_EV_START"]').click()
         path.write_text(MISSION.format(name="second", leg="leg"))
@@ -166,7 +156,7 @@ def test_a_served_page_follows_an_edit(browser: Any, tmp_path: Path) -> None:
 
 
 def test_a_question_is_typed_and_its_run_replayed(browser: Any, ulysse_served: PageServer) -> None:
-    tab, wrong = opened(browser, ulysse_served.address)
+    tab, wrong = visited(browser, ulysse_served.address)
     tab.locator("#formula").fill("EF (failure & oos(GPS_sensor))")
     tab.locator("#formula").press("Enter")
     tab.locator("#answered .holds").wait_for()

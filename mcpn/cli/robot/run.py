@@ -47,6 +47,7 @@ INTERRUPTED = 128
 @click.option("--monitors", "watched", is_flag=True, help="Watch the mission's requirements as it runs.")
 @click.option("--journal", type=FILE, help="File for a log in lines of JSON; what it held is replaced.")
 @click.option("--snapshot", type=FILE, help="File that says, after each event, where the controller is.")
+@click.option("--page", "paged", is_flag=True, help="Serve a page that shows what runs; tells its address.")
 @click.option("--resume", type=FILE, help="Go on from where this snapshot was taken.")
 @limit_option
 @import_option
@@ -60,6 +61,7 @@ def run(
     watched: bool,
     journal: Path | None,
     snapshot: Path | None,
+    paged: bool,
     resume: Path | None,
     max_states: int | None,
     import_root: Path | None,
@@ -80,6 +82,8 @@ def run(
     from mcpn.runtime.controller import Controller
     from mcpn.runtime.tables import Tables
 
+    if paged and resume is not None:
+        raise click.UsageError("--page shows a run from its start: it cannot be given with --resume")
     study = open_study(mission, import_root=import_root, templates=templates)
     if study.is_net:
         raise InputError.at(Source(str(mission)), "expected a mission: a net has no controller")
@@ -105,7 +109,7 @@ def run(
 
     started = time.monotonic()
     received: list[int] = []
-    with _journal(controller, journal), _warnings():
+    with _journal(controller, journal), _warnings(), _page(controller, study if paged else None, max_states):
         if shown is not None:
             controller.observe(shown)
         if monitors is not None:
@@ -169,6 +173,24 @@ def _journal(controller: Controller, path: Path | None) -> Iterator[None]:
     with file:
         controller.observe(Journal(file))
         yield
+
+
+@contextlib.contextmanager
+def _page(controller: Controller, study: Study | None, max_states: int | None) -> Iterator[None]:
+    """Serves the page of a mission while the controller runs."""
+    if study is None:
+        yield
+        return
+    from mcpn.editor.attached import RobotPage, attached
+
+    content = RobotPage(study, max_states)
+    controller.observe(content)
+    with attached(content) as server:
+        click.echo(f"page: {server.address}", err=True)
+        try:
+            yield
+        finally:
+            content.end(controller.outcome)
 
 
 @contextlib.contextmanager
