@@ -115,7 +115,8 @@ class Spaces:
             progress: Called now and then with states and edges, or with local spaces done and to do.
             tokens: Whether the places of a net without priorities may hold several tokens.
             may_die: Whether the hardware of the mission may die (:mod:`mcpn.net.mortal`). Internal evolution
-                is then known to be confluent, for dying changes nothing but what may be repaired.
+                is then known to be confluent, for dying changes nothing but what may be repaired; where
+                something may crash, which then does so at any moment, it is proved again.
             executor: Where composition explores sections; this process by default.
 
         Raises:
@@ -146,9 +147,11 @@ class Spaces:
 
     def _dying(self, by: Choice, progress: Progress | None) -> Space[Any]:
         """The alternatives graph of the mission where its hardware may die, states listed or on diagrams."""
+        proof = bool(self.mission.mission.crashes)
         if by.engine == "symbolic":
-            return self._mortal.reduced(by, progress, proof=False)[0]
-        return self._mortal.unproved(by.beside(MORTAL), progress)
+            return self._mortal.reduced(by, progress, proof=proof)[0]
+        limit = by.beside(MORTAL)
+        return self._mortal._listed(limit, progress)[1] if proof else self._mortal.unproved(limit, progress)
 
     @property
     def _mortal(self) -> Spaces:

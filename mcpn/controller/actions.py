@@ -58,8 +58,9 @@ class Ordering:
         self._stops = {section.name: _consumers_first(usage, section) for section in graph.sections}
         self._timed = {section.name for section in graph.walk() if section.timeout is not None}
         self._named = {section.name: section.activities for section in graph.walk()}
-        # What stands for a fault is nothing that the robot takes or releases.
-        taken = usage.hardware.keys() - {fault.name for fault in usage.mission.faults}
+        # What stands for a fault or a crash is nothing that the robot takes or releases.
+        stands = (*usage.mission.faults, *usage.mission.crashes)
+        taken = usage.hardware.keys() - {each.name for each in stands}
         self._hardware = {
             (activity.name, alternative.name): [k for k in alternative.consumes if k in taken]
             for activity in usage.activities.values()

@@ -15,6 +15,7 @@ from mcpn.check.verdicts.modes import Situation, situation
 from mcpn.controller.actions import Ordering, PlannedAction
 from mcpn.controller.run import Runner
 from mcpn.errors import LimitError
+from mcpn.mission.expansion.faults import Crash
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
 
@@ -134,23 +135,31 @@ class Simulation:
         """Fewest hardware resources that, failing now and never repaired, rule out success.
 
         Returns:
-            The first such set in the mission's order; empty where success is ruled out already; ``None``
-            where no set of :data:`MOST_CUT` resources does it.
+            The first such set in the mission's order, with what may crash before all else; empty where
+            success is ruled out already; ``None`` where no set of :data:`MOST_CUT` resources does it.
 
         Raises:
             LimitError: More stable markings than allowed would have to be looked at.
         """
+        crashes = {crash.name for crash in self.mission_net.mission.crashes}
         working = [e.element for e in self.possible if e.what is What.OUT_OF_SERVICE]
+        # What a failure stops cannot crash any more.
+        working.sort(key=lambda name: name not in crashes)
         for size in range(min(MOST_CUT, len(working)) + 1):
             for chosen in combinations(working, size):
-                if not self._can_succeed(self._without(chosen)):
+                after = self._without(chosen)
+                if after is not None and not self._can_succeed(after):
                     return chosen
         return None
 
-    def _without(self, hardware: tuple[str, ...]) -> int:
+    def _without(self, hardware: tuple[str, ...]) -> int | None:
+        """The marking after some failures; ``None`` where one crash keeps another away."""
         at = self.marking
         for name in hardware:
-            at = self._next(at, self._events(at)[Event(What.OUT_OF_SERVICE, name)])
+            transition = self._events(at).get(Event(What.OUT_OF_SERVICE, name))
+            if transition is None:
+                return None
+            at = self._next(at, transition)
         return at
 
     def _can_succeed(self, start: int) -> bool:
@@ -213,7 +222,7 @@ def resources(mission_net: MissionNet, now: Situation) -> Iterator[tuple[str, st
 
     Yields:
         The name, and ``free``, ``out of service``, ``used by …`` or ``produced by …``; of a fault
-        ``fault`` or ``no fault``.
+        ``fault`` or ``no fault``, of what may crash ``crashed`` or ``not crashed``.
     """
     activities = mission_net.usage.activities
     users: dict[str, list[str]] = {}
@@ -228,7 +237,9 @@ def resources(mission_net: MissionNet, now: Situation) -> Iterator[tuple[str, st
     }
     for hardware in mission_net.mission.hardware:
         name = hardware.name
-        if name in faults:
+        if isinstance(hardware, Crash):
+            yield name, "crashed" if name in now.out_of_service else "not crashed"
+        elif name in faults:
             yield name, "fault" if name in now.out_of_service else "no fault"
         elif name in now.out_of_service or not affecting[name].isdisjoint(now.out_of_service):
             yield name, "out of service"

@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Annotated, TypeAlias
 
-from mcpn.mission.expansion.faults import as_hardware, consuming
+from mcpn.mission.expansion.faults import Crash, as_crashes, as_hardware, consuming
 from mcpn.mission.language.datatypes import (
     NAME,
     OUTCOME,
@@ -290,14 +290,19 @@ class Mission(Drawn, Element):
 
     @property
     def hardware(self) -> tuple[Hardware, ...]:
-        """All hardware resources, in document order, then those that stand for faults."""
-        declared = tuple(resource for robot in self.robots for resource in robot.hardware)
-        return (*declared, *as_hardware(self.faults)) if self.faults else declared
+        """All hardware resources, in document order, then those that stand for faults and for crashes."""
+        declared = (resource for robot in self.robots for resource in robot.hardware)
+        return (*declared, *as_hardware(self.faults), *self.crashes)
 
     @property
     def faults(self) -> tuple[Fault, ...]:
         """All common causes of failures, in document order."""
         return tuple(fault for robot in self.robots for fault in robot.faults)
+
+    @property
+    def crashes(self) -> tuple[Crash, ...]:
+        """What stands for activities and alternatives that may crash, in document order."""
+        return tuple(as_crashes(activity for robot in self.robots for activity in robot.activities))
 
     @property
     def software(self) -> tuple[Software, ...]:
@@ -306,9 +311,9 @@ class Mission(Drawn, Element):
 
     @property
     def activities(self) -> tuple[Activity, ...]:
-        """All activities, in document order; what uses hardware uses what stands for its faults."""
+        """All activities, in document order; they use what stands for faults and crashes, too."""
         declared = (activity for robot in self.robots for activity in robot.activities)
-        return tuple(consuming(declared, faults) if (faults := self.faults) else declared)
+        return tuple(consuming(declared, self.faults))
 
     @property
     def facts(self) -> tuple[Fact, ...]:

@@ -166,6 +166,12 @@ class Alternative(Element):
     NAMED = "alternative"
     consumes: Annotated[Resources, "Resources that it needs, all at once; none: it is always possible."] = ()
     requires: Annotated[When, "What facts must be for it to be possible: door=open !holding."] = ()
+    faulty: Annotated[
+        bool, "true: it may crash while it runs, and is not possible until it has recovered."
+    ] = False
+    recovers: Annotated[bool, "false: once it has crashed it is never possible again."] = True
+    failure_rate: Annotated[Rate, "Crashes per hour while it runs, for numbers of risk."] = None
+    repair_rate: Annotated[Rate, "Recoveries per hour after a crash; without it, it does not recover."] = None
     parameters: tuple[Parameter, ...] = ()
 
 
@@ -183,6 +189,14 @@ class Activity(Element):
         bool, "true: it evaluates its alternatives again when a better one is possible again."
     ] = False
     requires: Annotated[When, "What facts must be for any of its alternatives to be possible."] = ()
+    faulty: Annotated[
+        bool,
+        "true: it may crash while it runs, whatever its alternative, and none is possible until it has "
+        "recovered.",
+    ] = False
+    recovers: Annotated[bool, "false: once it has crashed it never runs again."] = True
+    failure_rate: Annotated[Rate, "Crashes per hour while it runs, for numbers of risk."] = None
+    repair_rate: Annotated[Rate, "Recoveries per hour after a crash; without it, it does not recover."] = None
     parameters: tuple[Parameter, ...] = ()
     alternatives: Annotated[
         tuple[Alternative, ...],

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Mapping
 
 from mcpn.errors import InputError, Problem, Source
 from mcpn.mission.expansion.clashes import clashes
-from mcpn.mission.expansion.faults import failure_errors
+from mcpn.mission.expansion.faults import Crash, crash_errors, failure_errors
 from mcpn.mission.expansion.pauses import no_siblings, pause_problems
 from mcpn.mission.expansion.recovery import problems as recoveries
 from mcpn.mission.language.datatypes import NAME
@@ -81,6 +81,7 @@ class _Checks:
         self.hardware = {h.name: h for robot in mission.robots for h in robot.hardware}
         self.software = {s.name: s for s in mission.software}
         self.resources: Mapping[str, Element] = {**self.hardware, **self.software}
+        self.named = {*self.resources, *(fault.name for fault in mission.faults)}
         self.protocols: Mapping[str, Protocol] = {p.name: p for p in mission.protocols}
         self.events = {e.name: e for e in mission.events}
         self.parameters: dict[str, frozenset[str]] = {}
@@ -99,7 +100,8 @@ class _Checks:
         for element in unseen(mission, self.before):
             yield from self.attributes(element)
         yield from duplicates("robot", mission.robots)
-        yield from duplicates("resource", (*mission.hardware, *mission.software))
+        resources = (*mission.hardware, *mission.software)
+        yield from duplicates("resource", (r for r in resources if not isinstance(r, Crash)))
         yield from duplicates("activity", mission.activities)
         yield from duplicates("fact", mission.facts)
         yield from duplicates("event", mission.events)
@@ -114,6 +116,7 @@ class _Checks:
         for robot in mission.robots:
             for activity in robot.activities:
                 yield from self.activity(activity)
+                yield from crash_errors(activity, self.named)
         yield from cycles(
             "activities need each other's resources",
             self.activities,

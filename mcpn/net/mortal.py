@@ -4,19 +4,27 @@ Each hardware resource that can fail gets a place *alive* and a place *dead*; it
 it is out of service, and a repair reads that it is alive. Whether a goal can be reached although some
 hardware is lost for good is then reachability in this net, and minimal cut sets are a projection on the
 places *dead*.
+
+What stands for a crash fails only while it runs (:class:`mcpn.mission.expansion.faults.Crash`). Yet a part of
+a mission may be entered after it has crashed; and what it means that it is lost is asked of any moment, as of
+hardware. So it is told here, too, where it has crashed though it does not run.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
 from mcpn.net.petri import PetriNet, Place, Provenance, Transition
+from mcpn.net.templates.names import names_of
 
 
 def mortal(mission_net: MissionNet) -> MissionNet:
     """The net of a mission, or of a part of it, whose hardware may die.
+
+    What may crash may do so at any moment there (:func:`crashing_anytime`).
 
     Args:
         mission_net: The net.
@@ -25,6 +33,7 @@ def mortal(mission_net: MissionNet) -> MissionNet:
         The net with two places and a transition more for each hardware resource that can fail, after all
         others, so that what had an index keeps it. The new places have the roles ``alive`` and ``dead``.
     """
+    mission_net = crashing_anytime(mission_net)
     net = mission_net.net
     places, transitions = list(net.places), list(net.transitions)
     roles, units = dict(mission_net.roles), list(net.units)
@@ -47,3 +56,53 @@ def mortal(mission_net: MissionNet) -> MissionNet:
         transitions.append(Transition(str(lost), ((alive, 1),), ((dead, 1),), reads, lost, provenance=origin))
     mortal_net = PetriNet(net.name, tuple(places), tuple(transitions), net.priorities, tuple(units))
     return replace(mission_net, net=mortal_net, roles=roles)
+
+
+def crashed_before(mission_net: MissionNet) -> MissionNet:
+    """The net of a part of a mission, or of a mission, before which what may crash may have crashed.
+
+    Args:
+        mission_net: The net.
+
+    Returns:
+        The net with a transition more for each, after all others, where it has some; else the net itself.
+    """
+    mission = mission_net.mission
+    origin = Provenance("mission", mission.name, mission.source)
+    begin = ((mission_net.beginning, 1),)
+    found = [replace(t, read=begin, provenance=origin) for t in _idle(mission_net)]
+    return _with(mission_net, [*mission_net.net.transitions, *found]) if found else mission_net
+
+
+def crashing_anytime(mission_net: MissionNet) -> MissionNet:
+    """The net where what may crash may do so at any moment, whether it runs or not.
+
+    Args:
+        mission_net: The net of a mission, or of a part of it as :func:`crashed_before` gives it.
+
+    Returns:
+        The net with a transition more for each, in the place of those of :func:`crashed_before`.
+    """
+    found = list(_idle(mission_net))
+    if not found:
+        return mission_net
+    names = {t.name for t in found}
+    kept = [t for t in mission_net.net.transitions if t.name not in names]
+    return _with(mission_net, [*kept, *found])
+
+
+def _idle(mission_net: MissionNet) -> Iterator[Transition]:
+    """How what may crash does so while it does not run."""
+    names = names_of(mission_net.usage)
+    for name in dict.fromkeys(mission_net.saying("ready").values()):
+        crash = mission_net.usage.hardware[name]
+        ready, out = (mission_net.by_role[role, name] for role in ("ready", "oos"))
+        consume, produce = (tuple((place, 1) for place in places) for places in (ready, out))
+        origin = Provenance("hardware", name, crash.source)
+        event = Event(What.OUT_OF_SERVICE, name)
+        called = names.of("hardware", name, "earlier")
+        yield Transition(called, consume, produce, (), event, provenance=origin)
+
+
+def _with(mission_net: MissionNet, transitions: list[Transition]) -> MissionNet:
+    return replace(mission_net, net=replace(mission_net.net, transitions=tuple(transitions)))

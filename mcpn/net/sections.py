@@ -14,6 +14,7 @@ from functools import cached_property
 from typing import TypeAlias
 
 from mcpn.errors import InputError
+from mcpn.mission.expansion.faults import Crash
 from mcpn.mission.flatten import ElementarySection, Interruption, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.graph import TIMED_OUT, names_in
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
@@ -23,6 +24,7 @@ from mcpn.mission.world.conditions import all_flags
 from mcpn.mission.world.decisions import FactCase
 from mcpn.mission.world.fact_usage import touched_by
 from mcpn.net.compose import MissionNet, Parts, compose_parts
+from mcpn.net.mortal import crashed_before
 from mcpn.net.templates import TemplateSet
 
 Element: TypeAlias = tuple[str, str]
@@ -106,7 +108,13 @@ class Used:
 
         return (
             tuple(
-                (h.faulty, h.repairable, shared(h.name), h.name in usage.switching.watched)
+                (
+                    h.faulty,
+                    h.repairable,
+                    shared(h.name),
+                    h.name in usage.switching.watched,
+                    isinstance(h, Crash),
+                )
                 for h in self.hardware
             ),
             tuple(shared(s.name) for s in self.software),
@@ -173,8 +181,8 @@ class LocalPart:
         return tuple((kind, name) for kind, names in kinds for name in names)
 
     def net(self, templates: TemplateSet | None = None) -> MissionNet:
-        """The local net."""
-        return compose_parts(self.usage, self.parts, templates)
+        """The local net, before which what may crash may have crashed."""
+        return crashed_before(compose_parts(self.usage, self.parts, templates))
 
     @cached_property
     def type(self) -> Hashable:

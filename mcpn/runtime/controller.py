@@ -307,7 +307,7 @@ class Controller:
             else:
                 self._state = target
         elif hardware is not None:
-            if (hardware in self._out_of_service) == (failing is not None):
+            if (hardware in self._out_of_service) == (failing is not None) or failing in tables.crashing:
                 return None
             self._note(failing, repaired)
         elif event in tables.changing:

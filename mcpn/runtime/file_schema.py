@@ -96,7 +96,7 @@ def check_shape(document: Any) -> None:
     if len(known) < len(document["sections"]):
         raise ControllerFileError("sections: two have one name")
     _member(document["initial"], known, "initial")
-    for key in ("out_of_service", "unrepairable"):
+    for key in ("out_of_service", "unrepairable", "crashing"):
         for name in document.get(key, ()):
             _member(name, document["hardware"], key)
     targets = known | ENDS.keys()
@@ -251,6 +251,7 @@ _CONTROLLER = _record(
         "changing": _map(_record({"true": _names, "false": _names})),
         "out_of_service": _names,
         "unrepairable": _names,
+        "crashing": _names,
         "requirements": _list(
             _record(
                 {

@@ -263,6 +263,8 @@ class Tables:
         lasting = set(document.get("unrepairable", ()))
         self.repairs = {f"{name}_EV_RD": name for name in self.hardware if name not in lasting}
         self.out_of_service = frozenset(document.get("out_of_service", ()))
+        # What fails only where a section has an edge or a rule for it.
+        self.crashing = frozenset(document.get("crashing", ()))
         beside = (*self.changing, *self.failures, *self.repairs)
         self.known = {START, *beside, *(e for s in sections for e in s.events)}
 
@@ -272,7 +274,7 @@ class Tables:
         for name in self.hardware:
             if name not in hardware:
                 event = f"{name}_EV_RD" if name in gone else f"{name}_EV_OOS"
-                if name not in gone or event in self.repairs:
+                if event in self.repairs if name in gone else name not in self.crashing:
                     yield event
         yield from (e for e in self.changing if e not in events and self.changes(e, true))
 

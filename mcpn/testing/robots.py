@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import TypedDict
 
 from hypothesis import strategies as st
 
@@ -26,6 +27,15 @@ class Island:
     below: dict[str, frozenset[str]] = field(default_factory=dict)
     groups: dict[str, tuple[str, ...]] = field(default_factory=dict)
     startable: list[str] = field(default_factory=list)
+
+
+class Crashing(TypedDict, total=False):
+    """What an activity or an alternative says of its crashes."""
+
+    faulty: bool
+    recovers: bool
+    failure_rate: float | None
+    repair_rate: float | None
 
 
 class RobotDrawing(WorldDrawing):
@@ -127,7 +137,7 @@ class RobotDrawing(WorldDrawing):
             before = {k for way in ways for k in way.consumes}
             consumes = self.consumed(name, island, before, before if self.number(0, 3) else set())
             way = Alternative(name=f"{name}_way{i}", consumes=consumes, parameters=self.parameters())
-            ways.append(replace(way, requires=self.required()))
+            ways.append(replace(way, requires=self.required(), **self.crashing()))
         if len(ways) == 1 and self.chance():
             ways = [Alternative(name=name, consumes=ways[0].consumes)]  # the short form
         return Activity(
@@ -137,7 +147,21 @@ class RobotDrawing(WorldDrawing):
             alternatives=tuple(ways),
             parameters=self.parameters(),
             description=self.description(),
+            **self.crashing(),
         )
+
+    def crashing(self) -> Crashing:
+        """Whether an activity, or an alternative, may crash, and how often; mostly not."""
+        if not self.shape.crashes or self.number(0, 2):
+            return {}
+        recovers = self.number(0, 2) > 0
+        back = self.value(0, 1e6) if recovers else None
+        return {
+            "faulty": True,
+            "recovers": recovers,
+            "failure_rate": self.value(0, 1e6),
+            "repair_rate": back,
+        }
 
     def required(self) -> tuple[str, ...]:
         """What facts must be for an alternative, mostly nothing."""

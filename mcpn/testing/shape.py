@@ -47,6 +47,7 @@ class Shape:
             contends, whatever runs together: an activity is then shared by the rounds of one block alone.
         faults: Most common causes of failures, each of some hardware.
         lasting: Whether some hardware is never repaired, and some is out of service at the start.
+        crashes: Whether some activities and alternatives may crash, and some of those never recover.
         text: Whether descriptions and parameters are drawn.
         numbers: Whether rates, durations and probabilities are drawn, each or none.
         awkward_names: Whether names are drawn that look like parts of one another and of what nets and
@@ -79,6 +80,7 @@ class Shape:
     own_hardware: bool = False
     faults: int = 0
     lasting: bool = False
+    crashes: bool = False
     text: bool = False
     numbers: bool = False
     awkward_names: bool = False

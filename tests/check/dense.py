@@ -10,23 +10,26 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import networkx as nx
 import numpy as np
 import numpy.typing as npt
 from hypothesis import strategies as st
 
+from mcpn.mission.expansion.faults import Crash
 from mcpn.mission.model import Block, Handler, Holder, Mission, Objective, Parallel
-from mcpn.mission.robot import DeclaredEvent
-from mcpn.net.compose import MissionNet
+from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware
+from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import START, Event, What
-from mcpn.space.stable.alternatives import AlternativesGraph
+from mcpn.space.stable.alternatives import AlternativesGraph, direct
 from mcpn.testing import Shape, missions
 from tests.check.oracle import Play
 from tests.small import activity, hw, robot
 
 Rates = Mapping[str, tuple[float, float]]
 Demands = Mapping[str, float]
+Crashing = TypeVar("Crashing", Activity, Alternative)
 Start = tuple[tuple[int, ...], str, str]
 """An alternative that starts and hardware that it consumes, with their rank among others."""
 
@@ -192,6 +195,11 @@ class Dense:
             well, lost = start, self.begin[self.other[name]] if name in self.other else start
             if self.hardware[name].initial == "oos":
                 well, lost = lost, well
+            if isinstance(self.hardware[name], Crash):
+                barred = self.barred(name, rates, demands)
+                importance[name] = frozen.likely(self.succeeded, start) - barred[0]
+                safely[name] = frozen.likely(self.succeeded | self.aborted, start) - barred[1]
+                continue
             for found, ends in ((importance, self.succeeded), (safely, self.succeeded | self.aborted)):
                 found[name] = frozen.likely(ends, well) - frozen.likely(ends, lost)
         firsts = self.leads(start.target, start.started, demands)
@@ -199,6 +207,29 @@ class Dense:
         if not aborts:
             return Numbers(success, failure, modes, importance, None, None)
         return Numbers(success, failure, modes, importance, abort, safely)
+
+    def barred(self, crash: str, rates: Rates, demands: Demands) -> tuple[float, float]:
+        """Success, and a safe end, where what may crash needs something that is never there."""
+
+        def without(activity: Activity) -> Activity:
+            ways = tuple(
+                replace(way, consumes=(*way.consumes, "barred"))
+                if crash in (activity.name, f"{activity.name}.{way.name}")
+                else way
+                for way in activity.alternatives
+            )
+            return replace(activity, alternatives=ways)
+
+        mission = self.found.mission
+        never = Hardware(name="barred", initial="oos")
+        robots = [replace(r, activities=tuple(map(without, r.activities))) for r in mission.robots]
+        robots[0] = replace(robots[0], hardware=(*robots[0].hardware, never))
+        found = compose(replace(mission, robots=tuple(robots)))
+        other = Dense(found, direct(found.net, proof=False))
+        none = {**rates, crash: (0.0, 0.0), "barred": (0.0, 0.0)}
+        jumps, start = Jumps(other, none, {**demands, "barred": 0.0}), other.begin[0]
+        safe = other.succeeded | other.aborted
+        return jumps.likely(other.succeeded, start), jumps.likely(safe, start)
 
 
 class Jumps:
@@ -345,6 +376,16 @@ def with_numbers(draw: st.DrawFn, mission: Mission, *, demands: bool = False) ->
     def often(event: DeclaredEvent) -> DeclaredEvent:
         return replace(event, rate=draw(st.sampled_from([None, 0.0, 0.2, 1.0])))
 
+    def crashing(activity: Activity) -> Activity:
+        ways = tuple(rated(way) for way in activity.alternatives)
+        return replace(rated(activity), alternatives=ways)
+
+    def rated(of: Crashing) -> Crashing:
+        if not of.faulty:
+            return of
+        values = draw(st.tuples(st.sampled_from([0.2, 1.0]), st.sampled_from([0.0, 0.5])))
+        return replace(of, failure_rate=values[0], repair_rate=values[1] if of.recovers else None)
+
     robots = []
     for of in mission.robots:
         parts = []
@@ -352,15 +393,18 @@ def with_numbers(draw: st.DrawFn, mission: Mission, *, demands: bool = False) ->
             values = draw(st.tuples(st.sampled_from([0.2, 1.0]), st.sampled_from([0.0, 0.5])))
             back = values[1] if h.repairable else None
             asked = draw(st.sampled_from([None, 0.25, 1.0])) if demands else None
-            rated = replace(h, failure_rate=values[0], repair_rate=back, demand_probability=asked)
-            parts.append(rated if h.faulty else h)
+            known = replace(h, failure_rate=values[0], repair_rate=back, demand_probability=asked)
+            parts.append(known if h.faulty else h)
         faults = []
         for fault in of.faults:
             values = draw(st.tuples(st.sampled_from([0.2, 1.0]), st.sampled_from([0.0, 0.5])))
             back = values[1] if fault.repairable else None
             faults.append(replace(fault, failure_rate=values[0], repair_rate=back))
+        activities = tuple(crashing(activity) for activity in of.activities)
         events = tuple(map(often, of.events))
-        robots.append(replace(of, hardware=tuple(parts), faults=tuple(faults), events=events))
+        robots.append(
+            replace(of, hardware=tuple(parts), faults=tuple(faults), events=events, activities=activities)
+        )
     protocols = tuple(replace(p, blocks=tuple(map(timed, p.blocks))) for p in mission.protocols)
     return replace(
         mission, robots=tuple(robots), blocks=tuple(map(timed, mission.blocks)), protocols=protocols
@@ -434,6 +478,8 @@ def any_missions(draw: st.DrawFn) -> Mission:
             missions(aborting),
             missions(small, faults=1, sections=4),
             missions(small, lasting=True, sections=4),
+            missions(small, hardware=1, crashes=True, sections=4),
+            missions(aborting, hardware=1, crashes=True, sections=4, own_hardware=True),
             missions(small, sections=4, own_hardware=True, alternatives=3, shared_activities=False),
             missions(small, pauses=8, sections=4, own_hardware=True, shared_activities=False),
             missions(aborting, lasting=True, own_hardware=True, shared_activities=False),

@@ -157,6 +157,7 @@ def test_three_engines_on_generated_missions(mission: Mission) -> None:
     missions(max_objectives=2, max_sections=4, max_hardware=3)
     | missions(max_objectives=3, max_hardware=2)
     | missions(max_objectives=3, max_hardware=3, lasting=True)
+    | missions(max_objectives=3, max_hardware=2, crashes=True)
 )
 def test_stable_states_alone_tell_what_all_markings_tell(mission: Mission) -> None:
     try:

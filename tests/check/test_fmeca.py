@@ -227,6 +227,7 @@ def severities(found: MissionNet) -> dict[tuple[str, str], dict[Severity, set[fr
     | fragile_missions(max_hardware=3, max_objectives=2, max_sections=5, events=2)
     | fragile_missions(max_hardware=2, max_objectives=2, max_sections=4, faults=1)
     | fragile_missions(max_hardware=3, max_objectives=2, max_sections=5, lasting=True)
+    | fragile_missions(max_hardware=2, max_objectives=2, max_sections=4, crashes=True)
     | coming_home(),
     st.sampled_from(ENGINES),
 )

@@ -92,7 +92,7 @@ def test_ulysse(name: str, form: str, ulysse_net: MissionNet, tmp_path: Path) ->
 @given(
     missions(max_objectives=3, max_depth=1, events=1, awkward_names=True)
     | missions(max_objectives=3, max_depth=1, max_sections=6, events=1, facts=2)
-    | missions(max_objectives=3, max_depth=1, max_sections=6, faults=1, lasting=True),
+    | missions(max_objectives=3, max_depth=1, max_sections=6, faults=1, lasting=True, crashes=True),
     st.integers(0, 2**32),
     st.booleans(),
 )

@@ -23,6 +23,11 @@ LASTING = missions(sections=5, faults=1, aborts=1, lasting=True)
 LASTING_APART = missions(
     sections=5, outputs=3, own_hardware=True, shared_activities=False, events=1, lasting=True
 )
+CRASHING = missions(sections=5, faults=1, aborts=1, lasting=True, crashes=True)
+"""Activities and alternatives that crash while they run, some of them for good."""
+CRASHING_APART = missions(
+    sections=5, outputs=3, hardware=2, own_hardware=True, shared_activities=False, events=1, crashes=True
+)
 RECOVERING = st.integers(0, 1).flatmap(
     lambda facts: missions(
         sections=5,
@@ -73,6 +78,8 @@ MISSIONS: st.SearchStrategy[Mission] = st.one_of(
     COMMON_CAUSES,
     LASTING,
     LASTING_APART,
+    CRASHING,
+    CRASHING_APART,
     RECOVERING,
     PAUSING,
     TIMED,

@@ -105,6 +105,10 @@ class Interpreter:
         hardware = [h for robot in mission.robots for h in robot.hardware]
         self.lasting = {h.name for h in hardware if not h.repairable}
         self.lasting |= {f.name for robot in mission.robots for f in robot.faults if not f.repairable}
+        for activity in self.robot.activities.values():
+            self.lasting |= {activity.name} if activity.faulty and not activity.recovers else set()
+            ways = (way.name for way in activity.alternatives if way.faulty and not way.recovers)
+            self.lasting |= {f"{activity.name}.{way}" for way in ways}
         out = frozenset(h.name for h in hardware if h.initial == "oos")
         self.initial = State(out=out, facts=frozenset(values.items()))
         self.changing = {e.name: {c.fact: c.to for c in e.sets} for e in mission.events if e.sets}
@@ -121,6 +125,9 @@ class Interpreter:
         """The events that may happen in a stable state."""
         found = {(OUT_OF_SERVICE, h) for h in self.faulty if h not in state.out}
         found |= {(REPAIRED, h) for h in state.out - self.lasting}
+        for name, (doing, rank) in state.activities:
+            if doing is Doing.RUNS:
+                found |= {(OUT_OF_SERVICE, crash) for crash in self.robot.crashes(name, rank)}
         if not state.begun:
             found.add((START, ""))
         runs = {name for name, (doing, _) in state.activities if doing is Doing.RUNS}

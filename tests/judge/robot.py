@@ -136,7 +136,7 @@ class Robot:
         """Who runs and loses a resource tries all again; who still asks tries the next alternative."""
         found: dict[str, At | None] = {}
         for name, consumes in self.holding(now):
-            lost = not self.allowed(name, now.at[name][1], now.facts)
+            lost = not self.allowed(name, now.at[name][1], now.facts, now.out)
             if lost or any(self.failed(now, k) for k in consumes):
                 doing, rank = now.at[name]
                 found[name] = FROM_THE_FIRST if doing is Doing.RUNS else (Doing.TRIES, rank + 1)
@@ -145,10 +145,19 @@ class Robot:
             return dict.fromkeys(name for name in refused if self.activities[name].produces)
         return found
 
-    def allowed(self, name: str, rank: int, facts: Facts) -> bool:
-        """Whether facts are as an alternative requires."""
+    def allowed(self, name: str, rank: int, facts: Facts, out: frozenset[str] = frozenset()) -> bool:
+        """Whether facts are as an alternative requires, and it has not crashed."""
         activity = self.activities[name]
-        return so(facts, (*activity.requires, *activity.alternatives[rank].requires))
+        works = out.isdisjoint(self.crashes(name, rank))
+        return works and so(facts, (*activity.requires, *activity.alternatives[rank].requires))
+
+    def crashes(self, name: str, rank: int) -> Iterator[str]:
+        """What may crash while an activity runs in an alternative."""
+        activity = self.activities[name]
+        if activity.faulty:
+            yield name
+        if (way := activity.alternatives[rank]).faulty:
+            yield f"{name}.{way.name}"
 
     def unusable(self, out: frozenset[str]) -> frozenset[str]:
         """Hardware that is out of service, by itself or by a fault."""
@@ -168,7 +177,7 @@ class Robot:
             elif doing is Doing.TRIES:
                 consumes = activity.alternatives[rank].consumes
                 usable = self.unusable(now.out).isdisjoint(consumes)
-                if not (usable and self.allowed(name, rank, now.facts)):
+                if not (usable and self.allowed(name, rank, now.facts, now.out)):
                     found[name] = (Doing.TRIES, rank + 1)
                 elif not any(map(self.contended, consumes)):
                     found[name] = (Doing.ASKS, rank)
@@ -247,7 +256,7 @@ class Robot:
         self, activity: Activity, rank: int, out: frozenset[str], facts: Facts
     ) -> Iterator[frozenset[tuple[str, str]]]:
         """Which hardware which activity would have for itself, in each way to perform an alternative."""
-        if not self.allowed(activity.name, rank, facts):
+        if not self.allowed(activity.name, rank, facts, out):
             return
         found: list[frozenset[tuple[str, str]]] = [frozenset()]
         for k in activity.alternatives[rank].consumes:

@@ -90,6 +90,19 @@ def test_hardware_that_stays_out_of_service_where_nothing_contends(of: Mission) 
     assert check(of) != "undetermined"
 
 
+@fewer(0.5)
+@given(drawn.CRASHING)
+def test_missions_whose_activities_crash(of: Mission) -> None:
+    event(f"may crash: {min(len(of.crashes), 3)}")
+    check(of)
+
+
+@fewer(0.5)
+@given(drawn.CRASHING_APART)
+def test_crashes_where_nothing_contends(of: Mission) -> None:
+    assert check(of) != "undetermined"
+
+
 @given(drawn.RECOVERING)
 def test_blocks_that_recover(of: Mission) -> None:
     event(f"recovers: {any(block.recover for block in walk(of.blocks))}")

@@ -606,6 +606,39 @@ BROKEN: dict[str, tuple[str, int, str]] = {
         7,
         "f has a repair_rate, though it is not repairable",
     ),
+    "activity that crashes more often than ever": (
+        robot("<activity name='b' consumes='H' faulty='true' failure_rate='-1'/>"),
+        7,
+        "failure_rate",
+    ),
+    "activity that is faulty or not": (
+        robot("<activity name='b' consumes='H' faulty='perhaps'/>"),
+        7,
+        "faulty of <activity> is 'perhaps'",
+    ),
+    "activity that crashes though it is not faulty": (
+        robot("<activity name='b' consumes='H' failure_rate='1'/>"),
+        7,
+        "activity b has a failure_rate, though it cannot crash: say faulty",
+    ),
+    "activity that never recovers though it is not faulty": (
+        robot("<activity name='b' consumes='H' recovers='false'/>"),
+        7,
+        "activity b recovers not, though it cannot crash: say faulty",
+    ),
+    "alternative that never recovers and does": (
+        robot(
+            "<activity name='b'>"
+            "<alternative name='w' faulty='true' recovers='false' repair_rate='1'/></activity>"
+        ),
+        7,
+        "alternative w of b has a repair_rate, though it never recovers",
+    ),
+    "activity that crashes under the name of a resource": (
+        robot("<hardware name='b'/><activity name='b' consumes='H' faulty='true'/>"),
+        7,
+        "activity b is faulty, though a resource is called b too",
+    ),
     "fault of nothing": (robot("<fault name='f' affects=''/>"), 7, "fault f affects nothing"),
     "fault without what it affects": (robot("<fault name='f'/>"), 7, "<fault> has no attribute affects"),
     "fault of what is not declared": (

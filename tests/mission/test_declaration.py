@@ -30,7 +30,7 @@ RELAX_NG = etree.RelaxNG(etree.parse(SCHEMA))
 DRAWN = (
     missions(text=True, numbers=True, max_events=2, facts=2)
     | missions(max_sections=12, max_events=1, pauses=7)
-    | missions(max_sections=6, facts=3, lasting=True, numbers=True)
+    | missions(max_sections=6, facts=3, lasting=True, crashes=True, numbers=True)
 )
 ATTRIBUTES = [(name, a) for name, tag in language().items() for a in tag.attributes.values()]
 DATATYPES = {a.datatype.name: a.datatype for _, a in ATTRIBUTES if a.datatype.pattern is not None}

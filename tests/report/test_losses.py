@@ -31,7 +31,12 @@ def test_ulysse(ulysse_net: MissionNet) -> None:
 
 
 @fewer(0.75)
-@given(fragile_missions(max_hardware=4) | fragile_missions(max_hardware=3, faults=2) | coming_home())
+@given(
+    fragile_missions(max_hardware=4)
+    | fragile_missions(max_hardware=3, faults=2)
+    | fragile_missions(max_hardware=2, crashes=True)
+    | coming_home()
+)
 def test_where_nothing_contends_the_text_says_what_the_graph_says(mission: Mission) -> None:
     agree(compose(mission))
 

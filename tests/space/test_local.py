@@ -84,7 +84,12 @@ def test_rounds_and_tries_are_of_one_type() -> None:
     assert len(generate(nets[1]).types) == 1
 
 
-@given(missions() | missions(events=2, sections=8) | missions(lasting=True, sections=6) | stacked_missions())
+@given(
+    missions()
+    | missions(events=2, sections=8)
+    | missions(lasting=True, crashes=True, sections=6)
+    | stacked_missions()
+)
 def test_the_composite_is_the_whole(mission: Mission) -> None:
     mission_net = composed(mission)
     try:

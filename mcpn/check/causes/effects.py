@@ -8,6 +8,7 @@ from enum import IntEnum
 from typing import NamedTuple, TypeAlias
 
 from mcpn.check.verdicts.modes import Situation
+from mcpn.mission.expansion.faults import Crash
 from mcpn.mission.flatten import Branch, ElementarySection, ParallelSection
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.static.usage import Usage
@@ -115,6 +116,9 @@ class Case:
 
     def detection(self, usage: Usage, hardware: str) -> str:
         """How the failure of some hardware is noticed."""
+        of = usage.hardware[hardware]
+        if isinstance(of, Crash):
+            return f"at once: {of.activity} has crashed"
         users = [
             activity
             for activity, chosen in self.before.mode.items()

@@ -4,7 +4,7 @@ The model, all durations exponential and independent, hours the unit of time:
 
 - the mission starts at time 0 with all hardware in service but for that which says otherwise;
 - hardware in service fails at its ``failure_rate``, hardware out of service is repaired at its
-  ``repair_rate``; one that is not given is 0;
+  ``repair_rate``; one that is not given is 0; what may crash fails only while it runs;
 - hardware fails with its ``demand_probability`` at once when an alternative that consumes it starts
   (:mod:`mcpn.check.causes.demands`);
 - an objective of mean duration ``d`` ends at rate ``1/d`` while its success is possible: with its
@@ -30,11 +30,13 @@ from typing import Any
 from mcpn.check.causes.chain import ListedChain
 from mcpn.check.causes.prospects import Prospects, refuse_reentry
 from mcpn.check.causes.section_chains import ChainSection, Outlook, Sections
+from mcpn.check.spaces import spaces_of
 from mcpn.errors import InputError, LimitError
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.static.warnings import of_objectives
 from mcpn.mission.world.conditions import all_flags
 from mcpn.net.compose import MissionNet
+from mcpn.net.mortal import crashed_before
 from mcpn.net.sections import Element, LocalPart
 from mcpn.space.arrays import ArraySet, ArraySpace
 from mcpn.space.local.composite import CompositeSpace
@@ -181,7 +183,10 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
         )
 
     if not isinstance(space, CompositeSpace):
-        if not isinstance(space, ArraySpace):
+        if net.mission.crashes:  # importance asks what it means that they had crashed before the start
+            net = crashed_before(net)
+            prospects = Prospects(net, spaces_of(net).unproved(max_states))
+        elif not isinstance(space, ArraySpace):
             prospects = Prospects(net, ArraySpace(written_out(space, "risk", max_states)))
         routes = {"success": SUCCEED, "failure": FAIL, "abort": ABORT}
         whole = ChainSection(
@@ -222,4 +227,5 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
         )
     once = tuple(("once", name) for name in space.layout.once)
     facts = tuple(("fact", flag) for flag in space.layout.flags)
-    return Sections(sections, net.graph.entry, (*hardware, *once, *facts), out)
+    idle = [("hardware", crash.name) for crash in net.mission.crashes]
+    return Sections(sections, net.graph.entry, (*hardware, *once, *facts), out, idle)

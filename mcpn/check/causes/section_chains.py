@@ -69,6 +69,7 @@ class Sections:
         entry: The section where the mission begins.
         carried: The mission's hardware that can fail and handlers that happen once.
         out: Hardware that is out of service at the start.
+        idle: What cannot fail beside a section, as it runs in the sections that it is of alone.
 
     Attributes:
         sections: The sections, in the order of their entries: later ones first.
@@ -88,9 +89,10 @@ class Sections:
         entry: str,
         carried: Sequence[Element],
         out: Collection[Element] = (),
+        idle: Collection[Element] = (),
     ) -> None:
         self.entry = entry
-        self.out = frozenset(out)
+        self.out, self.idle = frozenset(out), frozenset(idle)
         graph: nx.DiGraph[str] = nx.DiGraph()
         graph.add_nodes_from(sections)
         graph.add_edges_from((n, r) for n, s in sections.items() for r in s.routes.values() if r in sections)
@@ -181,10 +183,10 @@ class Outlook:
         self._passages: dict[str, WayThrough] = {}
         passage = cache(WayThrough)
         for name, section in model.sections.items():
-            own, used = (
-                tuple(rates.get(of, (0.0, 0.0)) for of in each)
-                for each in (section.carried, model.used[name])
-            )
+            own = tuple(rates.get(of, (0.0, 0.0)) for of in section.carried)
+            others = model.used[name][: len(model.used[name]) - len(own)]
+            known = ((of, *rates.get(of, (0.0, 0.0))) for of in others)
+            beside = tuple((0.0 if of in model.idle else fails, back) for of, fails, back in known)
             ending = tuple(
                 (1.0 / o.duration if o.duration else 0.0, o.failure_probability) for o in section.objectives
             )
@@ -192,7 +194,7 @@ class Outlook:
             key = section.listed, own, ending, asked
             if key not in self._chains:
                 self._chains[key] = Chain(*key)
-            self._passages[name] = passage(self._chains[key], used[: len(used) - len(own)])
+            self._passages[name] = passage(self._chains[key], beside)
 
     def passage(self, name: str) -> WayThrough:
         """The way through a section: one for all that are alike under the rates."""

@@ -41,7 +41,8 @@ One object with these keys:
   in the numbers of entries, behind those of the hardware; entries and edges ``gained`` and ``lost``; rules
   have a ``status`` for each of ``facts``, behind ``once``;
 - where some hardware is out of service at the start, ``out_of_service``, its names; where some is never
-  repaired, ``unrepairable``;
+  repaired, ``unrepairable``; where activities or alternatives may crash, ``crashing``, those of ``hardware``
+  that stand for them: ``X_EV_OOS`` of these can be taken only by an edge or a rule;
 - ``objectives`` and ``activities`` carry the parameters for the control laws, untouched; an objective that
   ends when its time is over has ``timeout``, in seconds;
 - ``requirements``, where the mission has some: what it must satisfy, each with ``name``, ``formula``,
@@ -142,11 +143,12 @@ def _version(controller: AnyController, *, facts: bool) -> int:
 
 
 def _hardware(mission_net: MissionNet) -> dict[str, Any]:
-    """Hardware that is not in service at the start, or that is never repaired, where there is some."""
+    """Hardware not in service at the start, or never repaired, and what may crash, where there is some."""
     hardware = mission_net.mission.hardware
     found = {
         "out_of_service": [h.name for h in hardware if h.initial == "oos"],
         "unrepairable": [h.name for h in hardware if not h.repairable],
+        "crashing": [crash.name for crash in mission_net.mission.crashes],
     }
     return {key: names for key, names in found.items() if names}
 

@@ -74,6 +74,9 @@ class Numbers(Generic[Type]):
         """Of what can fail, what is out of service at the start."""
         self.lasting = {h.name for h in mission.hardware if not h.repairable}
         """What is never repaired."""
+        crashes = {crash.name for crash in mission.crashes}
+        self.crashing = [number for number, name in enumerate(self.faulty) if name in crashes]
+        """Of what can fail, what stands for a crash and fails only where a section says so: the last ones."""
         self.activities = [a.name for a in mission.activities if a.name in self.mission_net.usage.started]
         running = [a for a in mission.activities if a.name in set(self.activities)]
         self.alternatives = [f"{a.name}.{way.name}" for a in running for way in a.alternatives]

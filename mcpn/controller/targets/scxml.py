@@ -71,6 +71,8 @@ class Regions:
         said = mission_net.mission.hardware
         self.out = {h.name for h in said if h.initial == "oos"}
         self.lasting = {h.name for h in said if not h.repairable}
+        crashes = mission_net.mission.crashes
+        self.crashing: dict[str, list[tuple[str, str]]] = {crash.name: [] for crash in crashes}
         once = (s.names["once"].get(h, h) for s in controller.sections for h in controller.types[s.type].once)
         self.once = identifiers(dict.fromkeys(once), prefix="once_")
         every = [flag for fact in mission_net.usage.world.facts.values() for flag in all_flags(fact)]
@@ -134,7 +136,10 @@ class _Document(Regions):
                 ("out", What.REPAIRED, "ready"),
             ):
                 status = _add(region, "state", id=f"{identifier}.{state}")
-                if state == "ready" or name not in self.lasting:
+                if state == "ready" and name in self.crashing:
+                    for event, here in self.crashing[name]:
+                        _add(status, "transition", event=event, cond=here, target=f"{identifier}.{other}")
+                elif state == "ready" or name not in self.lasting:
                     event = event_name(Event(what, name))
                     _add(status, "transition", event=event, target=f"{identifier}.{other}")
         for name, identifier in self.once.items():
@@ -226,6 +231,9 @@ class _Document(Regions):
                 self.order(drawn, section, move.actions)
                 here = " && ".join(filter(None, (f"In('{own}.{number}')", condition)))
                 self.turn(section, move, event=event, cond=here)
+                happens = section.events[move.event]
+                if happens.what is What.OUT_OF_SERVICE and happens.element in self.crashing:
+                    self.crashing[happens.element].append((event, here))
                 for handler in move.guard.open:
                     self.happening[names["once"].get(handler, handler)].append((event, here))
                 move = next(moves, None)

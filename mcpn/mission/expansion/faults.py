@@ -1,20 +1,58 @@
-"""Common causes: what takes several hardware resources out of service with one event.
+"""Faults that are hardware resources of their own: common causes, and software that crashes.
 
-A fault is a hardware resource of its own, shared by all: whatever consumes hardware that it affects consumes
-it too. So it fails and is repaired as hardware is, everybody who uses something that it affects gets the
-error, and what it affects may still fail by itself.
+A common cause takes several hardware resources out of service with one event. It is shared by all: whatever
+consumes hardware that it affects consumes it too. So it fails and is repaired as hardware is, everybody who
+uses something that it affects gets the error, and what it affects may still fail by itself.
+
+What may crash, an activity or one of its alternatives, consumes a resource that is its alone, and that can
+fail only while it runs.
 
 Source: K. N. Fleming, *A reliability model for common mode failures in redundant safety systems*, 1975.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Container, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 from mcpn.errors import Problem
 from mcpn.mission.near import Hints
-from mcpn.mission.robot import Activity, Fault, Hardware, Robot
+from mcpn.mission.robot import Activity, Alternative, Fault, Hardware, Robot
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Crash(Hardware):
+    """What stands for an activity, or an alternative, that may crash: its own, out of service after a crash.
+
+    It is called as the activity is, or as the alternative with its activity: ``localise.by_scan``.
+
+    Args:
+        activity: The activity.
+    """
+
+    activity: str
+
+
+def as_crashes(activities: Iterable[Activity]) -> Iterator[Crash]:
+    """The resources that stand for activities and alternatives that may crash."""
+    for activity in activities:
+        if activity.faulty:
+            yield _crash(activity.name, activity, activity)
+        for way in activity.alternatives:
+            if way.faulty:
+                yield _crash(f"{activity.name}.{way.name}", activity, way)
+
+
+def _crash(name: str, activity: Activity, of: Activity | Alternative) -> Crash:
+    return Crash(
+        name=name,
+        description=of.description,
+        repairable=of.recovers,
+        failure_rate=of.failure_rate,
+        repair_rate=of.repair_rate,
+        source=of.source,
+        activity=activity.name,
+    )
 
 
 def as_hardware(faults: Iterable[Fault]) -> Iterator[Hardware]:
@@ -32,15 +70,22 @@ def as_hardware(faults: Iterable[Fault]) -> Iterator[Hardware]:
 
 
 def consuming(activities: Iterable[Activity], faults: Sequence[Fault]) -> Iterator[Activity]:
-    """Activities whose alternatives consume the resources that stand for faults of what they consume."""
+    """Activities whose alternatives consume what stands for faults of what they consume, and for crashes."""
     for activity in activities:
-        ways = (
-            replace(way, consumes=(*way.consumes, *causes))
-            if (causes := [f.name for f in faults if not set(f.affects).isdisjoint(way.consumes)])
-            else way
-            for way in activity.alternatives
-        )
+        if not faults and not may_crash(activity):
+            yield activity
+            continue
+        ways = []
+        for way in activity.alternatives:
+            causes = [f.name for f in faults if not set(f.affects).isdisjoint(way.consumes)]
+            causes += [activity.name] * activity.faulty + [f"{activity.name}.{way.name}"] * way.faulty
+            ways.append(replace(way, consumes=(*way.consumes, *causes)) if causes else way)
         yield replace(activity, alternatives=tuple(ways))
+
+
+def may_crash(activity: Activity) -> bool:
+    """Whether the activity, or an alternative of it, may crash."""
+    return activity.faulty or any(way.faulty for way in activity.alternatives)
 
 
 def failure_errors(robots: Sequence[Robot], hints: Hints) -> Iterator[Problem]:
@@ -81,6 +126,28 @@ def failure_errors(robots: Sequence[Robot], hints: Hints) -> Iterator[Problem]:
             elif name not in hardware:
                 message = f"fault {fault.name} affects {name}, which is not declared"
                 yield Problem(fault.source, message + hints.known(name, hardware))
+
+
+def crash_errors(activity: Activity, resources: Container[str]) -> Iterator[Problem]:
+    """What makes invalid what an activity says of its crashes.
+
+    Args:
+        activity: The activity.
+        resources: The names of all that robots declare.
+    """
+    if activity.faulty and activity.name in resources:
+        message = f"activity {activity.name} is faulty, though a resource is called {activity.name} too"
+        yield Problem(activity.source, f"{message}: its crash would have that name; give one another name")
+    said: list[tuple[str, Activity | Alternative]] = [(f"activity {activity.name}", activity)]
+    said += [(f"alternative {way.name} of {activity.name}", way) for way in activity.alternatives]
+    for name, of in said:
+        rates = (("failure_rate", of.failure_rate), ("repair_rate", of.repair_rate))
+        idle = [f"has a {what}" for what, rate in rates if rate]
+        idle += [] if of.recovers else ["recovers not"]
+        for what in () if of.faulty else idle:
+            yield Problem(of.source, f"{name} {what}, though it cannot crash: say faulty")
+        if of.faulty and not of.recovers and of.repair_rate:
+            yield Problem(of.source, f"{name} has a repair_rate, though it never recovers")
 
 
 def _repaired(of: Hardware | Fault) -> Iterator[Problem]:

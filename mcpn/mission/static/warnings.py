@@ -64,7 +64,10 @@ def never_entered(sections: Iterable[ElementarySection]) -> Iterator[Problem]:
 def never_used(mission: Mission, used: Collection[str]) -> Iterator[Problem]:
     """The warnings of resources that nobody uses, in the words of every stage that finds them."""
     faults = {fault.name for fault in mission.faults}
+    crashes = {crash.name for crash in mission.crashes}  # told of as activities and alternatives
     for resource in (*mission.hardware, *mission.software):
+        if resource.name in crashes:
+            continue
         if resource.name in faults and resource.name not in used:
             yield Problem(resource.source, f"fault {resource.name} affects nothing that is used")
         elif resource.name not in used:

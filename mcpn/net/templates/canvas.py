@@ -32,6 +32,7 @@ Role: TypeAlias = tuple[
         "open",
         "happened",
         "fact",
+        "ready",
     ],
     str,
 ]
@@ -51,6 +52,7 @@ for the release, and holds nothing (:meth:`~mcpn.mission.static.usage.Usage.wait
 ``("open", "go_home.leak")``, ``("happened", "go_home.leak")``: a handler that happens once (see
 :attr:`mcpn.mission.graph.Interruption.once`) may happen yet, or has happened;
 ``("fact", "door=open")``: the fact has the value;
+``("ready", "localise.by_scan")``: it has not crashed, and does not run (some places of what may crash);
 ``("alive", "GPS_sensor")``, ``("dead", "GPS_sensor")``: it may be repaired, or is lost for good (only in
 :mod:`mcpn.net.mortal`).
 """

@@ -108,9 +108,11 @@ def names_of(usage: Usage) -> NetNames:
 def _elements(usage: Usage) -> Iterator[tuple[str, str]]:
     mission = usage.mission
     yield "mission", mission.name
-    yield from (("hardware", h.name) for h in mission.hardware)
+    crashes = [crash.name for crash in mission.crashes]
+    yield from (("hardware", h.name) for h in mission.hardware if h.name not in crashes)
     yield from (("software", s.name) for s in mission.software)
     yield from (("activity", a.name) for a in mission.activities)
+    yield from (("hardware", name) for name in crashes)
     yield from (("once", handler) for handler in usage.graph.once())
     yield from (("fact", fact) for fact in usage.world.facts)
     for graph in usage.graphs():

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
+from mcpn.mission.expansion.faults import Crash
 from mcpn.mission.robot import Activity, Hardware, Software
 from mcpn.net.events import Event, What
 from mcpn.net.templates.canvas import Canvas, Pen
@@ -9,6 +12,8 @@ from mcpn.net.templates.canvas import Canvas, Pen
 
 def draw_hardware(canvas: Canvas, resource: Hardware) -> None:
     """Draws a hardware resource: 9 places and 7 transitions, 6 and 2 where it cannot fail.
+
+    What stands for a crash fails only while an alternative that consumes it runs.
 
     Args:
         canvas: Where to draw.
@@ -25,8 +30,15 @@ def draw_hardware(canvas: Canvas, resource: Hardware) -> None:
     if resource.faulty:
         error = pen.place("error")
         fails, returns = Event(What.OUT_OF_SERVICE, r), Event(What.REPAIRED, r)
-        pen.transition("EV_OOS_f", [free, *watched], [failing], event=fails)
-        pen.transition("EV_OOS_b", [busy, answer, *watched], [failing, error], event=fails)
+        if isinstance(resource, Crash):
+            for place in (free, available, *watched):
+                canvas.role(place, ("ready", r))
+            for part, running in _running(canvas, resource):
+                taken = [busy, answer, *watched]
+                pen.transition(f"EV_OOS{part}", taken, [failing, error], read=[running], event=fails)
+        else:
+            pen.transition("EV_OOS_f", [free, *watched], [failing], event=fails)
+            pen.transition("EV_OOS_b", [busy, answer, *watched], [failing, error], event=fails)
         pen.transition("3", [failing, available], [oos])
         pen.transition("4", [failing, release], [oos])
         if resource.repairable:
@@ -46,6 +58,15 @@ def _out(canvas: Canvas, pen: Pen, resource: Hardware) -> tuple[str, str]:
     """The places that say that hardware is out of service, and that it fails."""
     out = pen.place("OOS", initial=1 - _ready(canvas, resource))
     return canvas.role(out, ("oos", resource.name)), pen.place("failing")
+
+
+def _running(canvas: Canvas, crash: Crash) -> Iterator[tuple[str, str]]:
+    """The places that say that an alternative runs which may crash, each with its number."""
+    if ("activity", crash.activity) not in canvas.left_out:
+        for number, way in enumerate(canvas.usage.activities[crash.activity].alternatives, 1):
+            if crash.name in way.consumes:
+                part = f"active{number}"
+                yield str(number), canvas.place_of("activity", crash.activity, part)
 
 
 def _watched(canvas: Canvas, pen: Pen, resource: Hardware) -> list[str]:

@@ -95,7 +95,7 @@
     return `${told.do} ${named(section, "activities", told.activity)}`;
   };
   const first = { phase: "before", section: null, at: 0, out: new Set(machine.out_of_service || []), happened: new Set() };
-  const lasting = new Set(machine.unrepairable || []);
+  const lasting = new Set(machine.unrepairable || []), crashing = new Set(machine.crashing || []);
   const truth = (state) => numbers(onceOf(state.section), state.happened);
   /** What has happened, and is true of facts, after a step of a section. */
   function happened(state, section, step) {
@@ -149,7 +149,10 @@
       const [entered, more] = enter(next, state.section.routes[step.to]);
       return [entered, actions.concat(more)];
     }
-    if (hardware) return state.out.has(hardware) === fails || (!fails && lasting.has(hardware)) ? null : [next, []];
+    if (hardware) {
+      const never = fails ? crashing.has(hardware) : lasting.has(hardware);
+      return state.out.has(hardware) === fails || never ? null : [next, []];
+    }
     if (event in changing) {
       const now = changed(state, event);
       return now && [{ ...state, happened: now }, []];
@@ -166,7 +169,7 @@
     }
     for (const name of machine.hardware) {
       const out = state.out.has(name);
-      if (!covered.has(name) && !(out && lasting.has(name))) found.add(name + (out ? "_EV_RD" : "_EV_OOS"));
+      if (!covered.has(name) && !(out ? lasting : crashing).has(name)) found.add(name + (out ? "_EV_RD" : "_EV_OOS"));
     }
     for (const event of Object.keys(changing)) {
       if (!state.section?.events.includes(event) && changed(state, event)) found.add(event);

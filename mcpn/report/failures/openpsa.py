@@ -25,6 +25,7 @@ from lxml import etree
 from mcpn._kernel import Zdd
 from mcpn.check.causes.cutsets import CutSet
 from mcpn.errors import LimitError
+from mcpn.mission.expansion.faults import Crash
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Hardware
@@ -268,7 +269,7 @@ def _write(parent: etree._Element, formula: Formula) -> None:
     """Writes a formula; a connective of nothing is a constant, of one argument this argument."""
     kind, of = formula
     if isinstance(of, str):
-        etree.SubElement(parent, kind, name=of)
+        etree.SubElement(parent, kind, name=_identifier(of))
     elif not of:
         etree.SubElement(parent, "constant", value="true" if kind == "and" else "false")
     else:
@@ -290,8 +291,9 @@ def _identifier(name: str) -> str:
 
 
 def _basic_event(parent: etree._Element, hardware: Hardware, *, quantitative: bool) -> None:
-    element = etree.SubElement(parent, "define-basic-event", name=hardware.name)
-    label = plain(hardware.description or f"{hardware.name} is out of service")
+    element = etree.SubElement(parent, "define-basic-event", name=_identifier(hardware.name))
+    status = "has crashed" if isinstance(hardware, Crash) else "is out of service"
+    label = plain(hardware.description or f"{hardware.name} {status}")
     etree.SubElement(element, "label").text = label
     rate, repair = hardware.failure_rate, hardware.repair_rate
     if rate is None:

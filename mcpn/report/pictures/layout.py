@@ -343,7 +343,10 @@ def _robot(picture: Picture, mission: Mission, width: float) -> None:
         for number, way in enumerate(activity.alternatives, 1):
             needs = " + ".join(way.consumes) or "nothing"
             data: _Data = (("activity", activity.name), ("alternative", way.name))
-            rows.append((shown(f"{number}. {way.name}: {needs}"), data))
+            crashes = ", may crash" if way.faulty else ""
+            rows.append((shown(f"{number}. {way.name}: {needs}{crashes}"), data))
+        if activity.faulty:
+            rows.append(("may crash", ()))
         if activity.produces:
             rows.append((shown(f"gives {' + '.join(activity.produces)}"), ()))
         title = f"activity {activity.name}" + (f": {activity.description}" if activity.description else "")

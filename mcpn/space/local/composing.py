@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from mcpn.errors import LimitError, WorkersError
 from mcpn.net.compose import MissionNet
 from mcpn.net.forgetful import forgetful
-from mcpn.net.mortal import mortal
+from mcpn.net.mortal import crashing_anytime, mortal
 from mcpn.net.petri import PetriNet
 from mcpn.net.sections import SectionParts, part_of
 from mcpn.net.templates import TemplateSet
@@ -83,8 +83,8 @@ def composite_space(
     ours = looks_at_no_names(templates)
     first: dict[Hashable, str] = {}  # by type, its first section, which stands for it
     standing = {name: first.setdefault(part.type if ours else name, name) for name, part in parts.items()}
-    named = mortal if may_die else lambda net: net
-    immortal = {name: parts[name].net(templates) for name in first.values()}
+    named, living = (mortal, crashing_anytime) if may_die else (_itself, _itself)
+    immortal = {name: living(parts[name].net(templates)) for name in first.values()}
     nets = {name: named(net) for name, net in immortal.items()}
     explored: dict[str, Explored] = {}
     dying = [net.net if may_die else None for net in nets.values()]
@@ -104,11 +104,16 @@ def composite_space(
     step(Doing.JOINING)
     stages = [whole.stage(s, parts[s.name], types[standing[s.name]]) for s in mission_net.graph.sections]
     composite = CompositeSpace(whole, layout, stages)
-    if not may_die:  # what may die behaves as what may not
+    # What may die behaves as what may not, but that what may crash is lost where it never crashes.
+    if not may_die or mission_net.mission.crashes:
         if not ours:
             refuse_open_junctions(composite)
         refuse_nonconfluent(composite, {types[name]: known for name, known in explored.items()})
     return composite
+
+
+def _itself(mission_net: MissionNet) -> MissionNet:
+    return mission_net
 
 
 def _explored(

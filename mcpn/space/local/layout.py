@@ -179,6 +179,12 @@ def _idle_events(mission_net: MissionNet) -> Iterator[tuple[int, str, int, int]]
                 yield t, transition.event.element, before, after
 
 
+def _out_of_service(mission_net: MissionNet) -> Iterator[tuple[str, tuple[int, ...]]]:
+    """What may crash, each with the places that say that it has."""
+    for name in dict.fromkeys(mission_net.saying("ready").values()):
+        yield name, mission_net.by_role["oos", name]
+
+
 def idle_places(mission_net: MissionNet) -> dict[int, tuple[Element, int, bool]]:
     """What places say of the status that sections hand on, in the net of a mission or of a part of it.
 
@@ -197,6 +203,9 @@ def idle_places(mission_net: MissionNet) -> dict[int, tuple[Element, int, bool]]
                 if at[place] != initial[place]:
                     places[place] = ("hardware", name), 0, bool(initial[place])
                     at[place] = initial[place]
+    for name, out in _out_of_service(mission_net):  # what may crash does not while nobody uses it
+        places |= dict.fromkeys(out, (("hardware", name), 0, False))
+        places |= dict.fromkeys(mission_net.by_role["ready", name], (("hardware", name), 0, True))
     # Dying changes nothing else: see :func:`mcpn.net.mortal.mortal`.
     for role, kind, number, reverse in (
         ("dead", "hardware", 1, False),
