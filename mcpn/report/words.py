@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from mcpn.check.logic.names import Names
@@ -28,8 +29,8 @@ def in_words(mission_net: MissionNet, run: Run) -> Iterator[tuple[Event | str, s
     marked = {place for place in roles if net.initial[place]}
     begun: tuple[Event, Situation] | None = None
     shown = run.tail
-    events = run.transitions[: len(run.transitions) - len(shown)]
-    for t, marking in Run(net, events, settles=not run.detailed).steps():
+    told = run if run.settles and not shown else replace(run.of_events, settles=not run.detailed)
+    for t, marking in told.steps():
         transition = net.transitions[t]
         if transition.event is not None:
             settled = said_by(mission_net, sorted(marked))

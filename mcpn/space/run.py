@@ -7,10 +7,10 @@ the net's own rule, along one interleaving, since internal evolution is confluen
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import chain, takewhile
+from itertools import takewhile
 
 from mcpn.net.events import Event
 from mcpn.net.petri import Arcs, Marking, PetriNet
@@ -22,7 +22,7 @@ MOST_BESIDE = 50
 
 
 class Completion:
-    """Fires internal transitions of a net until none is enabled, those of the lowest rank first.
+    """How a net evolves by itself: internal transitions fire until none is enabled, lowest ranks first.
 
     Only the transitions beside a place that has just received a token are looked at; where these are many, as
     the gates of all sections that wait for one activity, only those of which a rarer place is marked.
@@ -33,46 +33,18 @@ class Completion:
 
     def __init__(self, net: PetriNet) -> None:
         self.net = net
-        self._number = {net.ranks[of[0]]: number for number, of in enumerate(net.internal_ranks)}
-        self._needs: dict[int, Arcs] = {}
-        self._known: dict[int, tuple[list[int], list[int]]] = {}
+        self.needs = _Needs(net)
+        self._queue = {net.ranks[of[0]]: number for number, of in enumerate(net.internal_ranks)}
+        self._beside: dict[int, tuple[Sequence[tuple[int, int]], Sequence[int], Sequence[int]]] = {}
 
-    def settle(
-        self, marking: list[int], fired: Iterable[int] | None = None, marked: set[int] | None = None
-    ) -> Iterator[int]:
+    def settle(self, marking: list[int], fired: Iterable[int] | None = None) -> Iterator[int]:
         """The internal transitions fired until the marking is stable; it is changed in place.
 
         Args:
             marking: Where internal evolution begins; the caller knows that it ends.
             fired: The transitions that have led there from a stable marking, where some have.
-            marked: The marked places, where somebody keeps them; they are changed in place, too.
         """
-        # Those that may be enabled, by rank.
-        queues: list[deque[int]] = [deque() for _ in self.net.internal_ranks]
-        number, ranks = self._number, self.net.ranks
-        begin: Iterable[Iterable[int]] = self.net.internal_ranks
-        if fired is not None:
-            begin = [self._beside(t, marking, marked) for t in fired]
-        for t in chain.from_iterable(begin):
-            queues[number[ranks[t]]].append(t)
-        while queue := next((queue for queue in queues if queue), None):
-            t = queue.popleft()
-            for place, weight in self._needed(t):
-                if marking[place] < weight:
-                    break
-            else:
-                self.fire(marking, t, marked)
-                yield t
-                for u in (t, *self._beside(t, marking, marked)):
-                    queues[number[ranks[u]]].append(u)
-
-    def fire(self, marking: list[int], t: int, marked: set[int] | None) -> None:
-        """Fires a transition in place; the marked places follow, where somebody keeps them."""
-        self.net.fire_in_place(marking, t)
-        if marked is not None:
-            transition = self.net.transitions[t]
-            marked.difference_update(place for place, _ in transition.consume if not marking[place])
-            marked.update(place for place, _ in transition.produce)
+        return Evolution(self, marking, fired).settle()
 
     def after(self, marking: Marking, event: int) -> tuple[tuple[int, ...], Marking]:
         """What follows an event in a stable marking: the internal transitions fired, and the stable end."""
@@ -80,41 +52,126 @@ class Completion:
         self.net.fire_in_place(at, event)
         return tuple(self.settle(at, [event])), tuple(at)
 
-    def _needed(self, t: int) -> Arcs:
-        if t not in self._needs:
-            transition = self.net.transitions[t]
-            self._needs[t] = (*transition.consume, *transition.read)
-        return self._needs[t]
+    def beside(self, fired: int) -> tuple[Sequence[tuple[int, int]], Sequence[int], Sequence[int]]:
+        """What a firing may have enabled.
 
-    def _beside(self, fired: int, marking: Sequence[int], marked: Collection[int] | None) -> list[int]:
-        """Internal transitions that a firing may have enabled."""
-        users = self.net.internal_users
-        if fired not in self._known:
-            into = {place: users.get(place, ()) for place, _ in self.net.transitions[fired].produce}
-            few = sorted({t for of in into.values() if len(of) <= MOST_BESIDE for t in of})
-            self._known[fired] = few, [place for place, of in into.items() if len(of) > MOST_BESIDE]
-        few, crowded = self._known[fired]
-        if not crowded:
-            return few
-        rarest, by_rarest = self._rarest
-        if marked is None:
-            return sorted({*few, *(t for place in crowded for t in users[place] if marking[rarest[t]])})
-        waiting = {t for place in marked for t in by_rarest.get(place, ())}
-        return sorted({*few, *(t for t in waiting if any(p in crowded for p, _ in self._needed(t)))})
+        Returns:
+            Internal transitions, each after the number of its rank; crowded places that receive a token; and
+            rarer places of what needs crowded ones that the firing marks or leaves.
+        """
+        if fired not in self._beside:
+            users, transition = self.net.internal_users, self.net.transitions[fired]
+            places = {place for place, _ in transition.produce}
+            crowded = [place for place in places if place in self.crowds]
+            few = {t for place in places.difference(crowded) for t in users.get(place, ())}
+            touched = {place for place, _ in (*transition.consume, *transition.produce)}
+            self._beside[fired] = self.queued(few), crowded, sorted(touched & self.rarer)
+        return self._beside[fired]
+
+    def queued(self, transitions: Iterable[int]) -> list[tuple[int, int]]:
+        """Internal transitions in their order, each after the number of its rank."""
+        return [(self._queue[self.net.ranks[t]], t) for t in sorted(transitions)]
 
     @cached_property
-    def _rarest(self) -> tuple[Mapping[int, int], Mapping[int, Sequence[int]]]:
-        """By internal transition, the place that it needs and the fewest others do; and the reverse.
+    def crowds(self) -> Mapping[int, Mapping[int, Sequence[int]]]:
+        """By place that many internal transitions need, these by the place that they need and the fewest do.
 
-        It is empty most often: of the objectives that start an activity, which come into question whenever
+        That is empty most often: of the objectives that start an activity, which come into question whenever
         that comes to rest, few are run.
         """
-        users, rarest, found = self.net.internal_users, dict[int, int](), dict[int, list[int]]()
-        for t in chain.from_iterable(self.net.internal_ranks):
-            if needed := self._needed(t):
-                rarest[t] = min((len(users[place]), place) for place, _ in needed)[1]
-                found.setdefault(rarest[t], []).append(t)
-        return rarest, found
+        users = self.net.internal_users
+        crowds: dict[int, dict[int, list[int]]] = {p: {} for p, of in users.items() if len(of) > MOST_BESIDE}
+        for crowded, by_rarest in crowds.items():
+            for t in users[crowded]:
+                rarest = min((len(users[place]), place) for place, _ in self.needs[t])[1]
+                by_rarest.setdefault(rarest, []).append(t)
+        return crowds
+
+    @cached_property
+    def rarer(self) -> Set[int]:
+        """The rarer places of all that needs a crowded one."""
+        return {place for by_rarest in self.crowds.values() for place in by_rarest}
+
+
+class _Needs(dict[int, Arcs]):
+    """What each transition consumes or reads, put together when it is first asked for."""
+
+    def __init__(self, net: PetriNet) -> None:
+        super().__init__()
+        self._transitions = net.transitions
+
+    def __missing__(self, t: int) -> Arcs:
+        self[t] = needs = (*self._transitions[t].consume, *self._transitions[t].read)
+        return needs
+
+
+class Evolution:
+    """A marking that changes in place, by firings and by what follows them by itself.
+
+    Args:
+        completion: Of the net.
+        marking: The marking.
+        fired: The transitions that have led there from a stable marking, where some have.
+    """
+
+    def __init__(
+        self, completion: Completion, marking: list[int], fired: Iterable[int] | None = None
+    ) -> None:
+        self.completion, self.marking = completion, marking
+        self._since = None if fired is None else list(fired)
+        self._rarer = {place for place in completion.rarer if marking[place]}
+
+    def fire(self, t: int) -> None:
+        """Fires a transition; the caller has seen that it is enabled."""
+        self._fire(t)
+        if self._since is not None:
+            self._since.append(t)
+
+    def settle(self) -> Iterator[int]:
+        """The internal transitions fired until the marking is stable; the caller knows that this ends."""
+        ranks = self.completion.net.internal_ranks
+        # Those that may be enabled, by rank.
+        queues: list[deque[int]] = [deque() for _ in ranks]
+        if self._since is None:
+            for queue, of in zip(queues, ranks, strict=True):
+                queue.extend(of)
+        else:
+            for t in self._since:
+                for number, u in self._beside(t):
+                    queues[number].append(u)
+        needs, marking = self.completion.needs, self.marking
+        while True:
+            for queue in queues:
+                if queue:
+                    break
+            else:
+                break
+            t = queue.popleft()
+            for place, weight in needs[t]:
+                if marking[place] < weight:
+                    break
+            else:
+                self._fire(t)
+                yield t
+                queue.append(t)
+                for number, u in self._beside(t):
+                    queues[number].append(u)
+        self._since = []
+
+    def _fire(self, t: int) -> None:
+        marking = self.marking
+        self.completion.net.fire_in_place(marking, t)
+        for place in self.completion.beside(t)[2]:
+            (self._rarer.add if marking[place] else self._rarer.discard)(place)
+
+    def _beside(self, fired: int) -> Sequence[tuple[int, int]]:
+        """Internal transitions that a firing may have enabled, each after the number of its rank."""
+        few, crowded, _ = self.completion.beside(fired)
+        if not crowded:
+            return few
+        crowds = [self.completion.crowds[place] for place in crowded]
+        waiting = (t for crowd in crowds for place in self._rarer & crowd.keys() for t in crowd[place])
+        return self.completion.queued({*(t for _, t in few), *waiting})
 
 
 @dataclass(frozen=True)
@@ -141,7 +198,8 @@ class Run:
     @property
     def of_events(self) -> Run:
         """The run without the internal firings that it shows."""
-        return replace(self, transitions=self.transitions[: len(self.transitions) - len(self.tail)])
+        left = len(self.transitions) - len(self.tail)
+        return replace(self, transitions=self.transitions[:left]) if self.detailed else self
 
     @property
     def tail(self) -> list[str]:
@@ -149,21 +207,26 @@ class Run:
         internal = takewhile(lambda t: self.net.transitions[t].internal, reversed(self.transitions))
         return [self.net.transitions[t].name for t in internal][::-1] if self.detailed else []
 
-    def steps(self) -> Iterator[tuple[int, list[int]]]:
-        """Each firing, internal ones completed, with the marking after it: one list, changed in place."""
-        net, completion, at = self.net, Completion(self.net), list(self.net.initial)
-        marked = {place for place, tokens in enumerate(at) if tokens}
-        since: list[int] | None = None  # fired since the last stable marking, once there is one
+    @cached_property
+    def firings(self) -> Sequence[int]:
+        """Its transitions, internal ones completed."""
+        net = self.net
+        evolution, firings = Evolution(Completion(net), list(net.initial)), list[int]()
         for t in self.transitions:
             if net.priorities and not net.transitions[t].internal:
-                yield from ((u, at) for u in completion.settle(at, since, marked))
-                since = []
-            completion.fire(at, t, marked)
-            yield t, at
-            if since is not None:
-                since.append(t)
+                firings.extend(evolution.settle())
+            evolution.fire(t)
+            firings.append(t)
         if self.settles:
-            yield from ((u, at) for u in completion.settle(at, since, marked))
+            firings.extend(evolution.settle())
+        return firings
+
+    def steps(self) -> Iterator[tuple[int, list[int]]]:
+        """Each firing, internal ones completed, with the marking after it: one list, changed in place."""
+        at = list(self.net.initial)
+        for t in self.firings:
+            self.net.fire_in_place(at, t)
+            yield t, at
 
 
 def transitions_of(edges: Iterable[Edge]) -> tuple[int, ...]:

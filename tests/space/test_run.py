@@ -92,10 +92,10 @@ def test_what_waits_in_a_crowd_is_found_by_its_rarest_place(given_: Mission, dat
     end = data.draw(st.integers(0, graph.states - 1))
     edges = graph.run_to(np.arange(graph.states) == end)
     assert edges is not None
-    run = Run(net, tuple(int(graph.labels[edge]) for edge in edges), settles=True)
+    events = tuple(int(graph.labels[edge]) for edge in edges)
 
     def seen() -> list[tuple[int, tuple[int, ...]]]:
-        return [(t, tuple(at)) for t, at in run.steps()]
+        return [(t, tuple(at)) for t, at in Run(net, events, settles=True).steps()]
 
     apart = seen()
     with pytest.MonkeyPatch.context() as patch:

@@ -10,7 +10,7 @@ Veith, *Counterexamples revisited*, 2003).
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic, Protocol
 
@@ -120,12 +120,12 @@ class Witness:
     @property
     def cycle_firing(self) -> int | None:
         """Index of the firing with which the part begins that is repeated for ever, if there is one."""
-        return None if self.cycle is None else len(list(self._run(self.steps[: self.cycle]).steps()))
+        return None if self.cycle is None else len(self._run(self.steps[: self.cycle]).firings)
 
     @property
-    def firings(self) -> list[int]:
+    def firings(self) -> Sequence[int]:
         """The transitions of the run, internal ones completed."""
-        return [t for t, _ in self.run.steps()]
+        return self.run.firings
 
     def _run(self, steps: list[Edge]) -> Run:
         return Run(self.space.net, transitions_of(steps), settles=self.settles)

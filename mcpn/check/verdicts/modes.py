@@ -7,7 +7,7 @@ functioning modes throughout the mission with the resources state and the altern
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, field
 from functools import cache
 from itertools import compress
@@ -133,10 +133,16 @@ def functioning_modes(mission_net: MissionNet, space: Space[S]) -> dict[str, lis
     def places_saying(own: tuple[str, ...]) -> tuple[int, ...]:
         return tuple(sorted(place for name in served(own) for place in places_of[name]))
 
-    found: dict[str, list[Mode]] = {}
-    for section in mission_net.graph.walk():
-        own = section.activities
-        places = places_saying(own)
-        running = space.marked(mission_net.by_role["objective", section.name]) & space.stable
-        found[section.name] = sorted_modes(own, places, space.image(running, places, store(len(places))))
-    return found
+    everywhere = {section.name: section.activities for section in mission_net.graph.walk()}
+    found, known = dict[str, list[Mode]](), dict[Hashable, list[list[Mode]]]()
+    for piece in space.pieces(space.stable):
+        names = tuple(everywhere) if piece.kind is None else piece.names
+        if piece.kind not in known:
+            known[piece.kind] = modes = []
+            for name in names:
+                own = everywhere[name]
+                running = space.marked(mission_net.by_role["objective", name]) & piece.states
+                places = places_saying(own)
+                modes.append(sorted_modes(own, places, space.image(running, places, store(len(places)))))
+        found |= zip(names, known[piece.kind], strict=True)
+    return {name: found.get(name, []) for name in everywhere}

@@ -37,7 +37,7 @@ def skipped(mission_net: MissionNet, run: Run) -> tuple[str, ...]:
     """
     objectives, net = mission_net.saying("objective"), mission_net.net
     begun, succeeded = dict[str, None](), set[str]()
-    for t, _ in run.steps():
+    for t in run.firings:
         transition = net.transitions[t]
         begun.update(dict.fromkeys(_untried(objectives[p]) for p, _ in transition.produce if p in objectives))
         if (event := transition.event) is not None and event.what is What.SUCCESS:

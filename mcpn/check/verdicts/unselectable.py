@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from typing import NamedTuple
 
 from mcpn.check.verdicts.routing import Routing
@@ -39,10 +39,7 @@ def never_happens(mission_net: MissionNet, space: Space[S], firings: Mapping[int
     transitions = mission_net.net.transitions
     events = (transitions[t].event for t, count in firings.items() if count)
     happens = {event for event in events if event is not None}
-    selected, entered = (
-        {name for place, name in mission_net.saying(kind).items() if space.marked([place]) & space.stable}
-        for kind in ("active", "objective")
-    )
+    selected, entered = _come_about(mission_net, space)
     sections = list(usage.graph.walk())
     begun = {activity for section in sections if section.name in entered for activity in section.activities}
     running = frozenset[str]().union(*map(usage.closure, begun))
@@ -66,6 +63,25 @@ def never_happens(mission_net: MissionNet, space: Space[S], firings: Mapping[int
     found.extend(never_entered(usage.graph.never_entered()))
     found.extend(never_used(mission, used))
     return Never(tuple(in_order(found)), tuple(in_order(routing.futile())))
+
+
+def _come_about(mission_net: MissionNet, space: Space[S]) -> tuple[set[str], set[str]]:
+    """Alternatives and objectives that run in some stable state; alike parts are asked once."""
+    active, by_role = mission_net.saying("active"), mission_net.by_role
+    everywhere = tuple(mission_net.saying("objective").values())
+    selected, entered, known = set[str](), set[str](), dict[Hashable, list[int]]()
+    for piece in space.pieces(space.stable):
+        names = everywhere if piece.kind is None else piece.names
+        if piece.kind not in known:
+
+            def marks(place: int, states: S = piece.states) -> bool:
+                return bool(space.restricted(states, [place], ()))
+
+            selected |= {name for place, name in active.items() if name not in selected and marks(place)}
+            places = (by_role["objective", name] for name in names)
+            known[piece.kind] = [number for number, of in enumerate(places) if any(map(marks, of))]
+        entered.update(names[number] for number in known[piece.kind])
+    return selected, entered
 
 
 def _held(usage: Usage, activity: str, consumed: Sequence[str]) -> str:
