@@ -243,6 +243,11 @@ def _safe(transition: Transition) -> SafeTransition:
     )
 
 
+_Sides: TypeAlias = tuple[Mapping[str, int], Mapping[str, int], Mapping[str, int]]
+_Draft: TypeAlias = tuple[_Sides, Event | None, int, Provenance | None]
+"""A transition whose places may be declared later: its arcs, its event, its rank and its provenance."""
+
+
 class NetBuilder:
     """Collects places and transitions by name and makes a :class:`PetriNet` of them.
 
@@ -257,7 +262,7 @@ class NetBuilder:
         self.name = name
         self.priorities = priorities
         self._places: dict[str, Place] = {}
-        self._transitions: dict[str, tuple[Transition, tuple[Mapping[str, int], ...]]] = {}
+        self._transitions: dict[str, _Draft] = {}
         self._units: list[list[str]] = []
 
     def place(self, name: str, *, initial: int = 0, provenance: Provenance | None = None) -> str:
@@ -296,11 +301,8 @@ class NetBuilder:
             raise InputError.at(
                 provenance.source if provenance else None, f"transition {name} is declared twice"
             )
-        arcs = tuple(_weights(side) for side in (consume, produce, read))
-        self._transitions[name] = (
-            Transition(name, event=event, rank=rank, provenance=provenance),
-            arcs,
-        )
+        arcs = _weights(consume), _weights(produce), _weights(read)
+        self._transitions[name] = arcs, event, rank, provenance
 
     def unit(self, places: Iterable[str]) -> None:
         """Notes a group of places of which at most one is meant to be marked."""
@@ -333,22 +335,13 @@ class NetBuilder:
             arcs.sort()
             return tuple(arcs)
 
-        ranks = sorted({bare.rank for bare, _ in self._transitions.values() if bare.internal})
+        ranks = sorted({rank for _, event, rank, _ in self._transitions.values() if event is None})
         number = {rank: i for i, rank in enumerate(ranks)}
         transitions = []
-        for bare, (consume, produce, read) in self._transitions.values():
-            user, origin = f"transition {bare.name}", bare.provenance
-            transitions.append(
-                Transition(
-                    bare.name,
-                    resolve(consume, user, origin),
-                    resolve(produce, user, origin),
-                    resolve(read, user, origin),
-                    bare.event,
-                    number[bare.rank] if self.priorities and bare.internal else 0,
-                    origin,
-                )
-            )
+        for name, (arcs, event, rank, origin) in self._transitions.items():
+            consume, produce, read = (resolve(side, f"transition {name}", origin) for side in arcs)
+            order = number[rank] if self.priorities and event is None else 0
+            transitions.append(Transition(name, consume, produce, read, event, order, origin))
         units = tuple(
             tuple(p for p, _ in resolve(dict.fromkeys(unit, 1), "a unit", None)) for unit in self._units
         )
