@@ -58,7 +58,7 @@ def test_a_mission_runs_in_a_world(world: dict[str, str], tmp_path: Path) -> Non
     assert replayed["outcome"] == said["outcome"]
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_shares_are_those_of_risk_and_the_published_run_shows_the_open_dumpster(
     world: dict[str, str], tmp_path: Path
 ) -> None:
