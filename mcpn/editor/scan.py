@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from mcpn.mission.xml import MAX_DEPTH
+
 _NAME = r"[A-Za-z_][\w.-]*"
 _TOKEN = re.compile(
     r"<!--.*?(?:-->|\Z)|<\?.*?(?:\?>|\Z)|<!\[CDATA\[.*?(?:\]\]>|\Z)"
@@ -58,6 +60,7 @@ class ScannedElement:
         attributes: In their order.
         closed: Whether the start tag has its end.
         holds: Whether others may stand in it.
+        depth: In how many others it stands.
         names: What names are in it, once somebody has found out.
     """
 
@@ -68,6 +71,7 @@ class ScannedElement:
     attributes: list[ScannedAttribute] = field(default_factory=list)
     closed: bool = True
     holds: bool = False
+    depth: int = 0
     names: list[Any] | None = field(default=None, repr=False)
 
     @property
@@ -85,7 +89,7 @@ class ScannedElement:
 
 
 def scan(text: str) -> list[ScannedElement]:
-    """The elements of a text, in its order; what is broken is passed over."""
+    """The elements of a text, in its order; what is broken, or nested too deep, is passed over."""
     return _scan(text, 0, len(text), None)[0]
 
 
@@ -103,14 +107,17 @@ def _scan(
             around = matching.parent if matching else around
             continue
         element = ScannedElement(tag, token.start(), token.end(), around, closed=bool(token["end"]))
+        element.depth = around.depth + 1 if around else 0
+        if element.closed and not token["inside"].rstrip().endswith("/"):
+            element.holds, around = True, element
+        if element.depth > MAX_DEPTH:
+            continue
         before = token.start("inside") - token.start()
         for attribute in _ATTRIBUTE.finditer(token["inside"]):
             group = "double" if attribute["double"] is not None else "single"
             place = before + attribute.start(group)
             element.attributes.append(ScannedAttribute(attribute["name"], attribute[group], element, place))
         found.append(element)
-        if element.closed and not token["inside"].rstrip().endswith("/"):
-            element.holds, around = True, element
     return found, around
 
 
@@ -179,6 +186,8 @@ class Scan:
             return False
         first, last = (bisect_left(self.elements, at, key=lambda e: e.begin) for at in (begin, rest))
         around = self.around(begin)
+        if around is not None and around.depth >= MAX_DEPTH:
+            return False
         open_before = _scan(before, begin, rest, around)[1]
         new, open_now = _scan(text, begin, end, around)
         if open_before is around and open_now is around:
