@@ -1,0 +1,1 @@
+"""A mission among the actions and topics of ROS 2."""
