@@ -200,7 +200,7 @@ class Study:
         max_states: int | None = None,
         progress: Progress | None = None,
     ) -> tuple[SpaceSummary, Choice | None]:
-        """The same, with the engine that was chosen; see :func:`mcpn.check.sizes.sizes`."""
+        """The sizes of the states, and the engine that was chosen; see :func:`mcpn.check.sizes.sizes`."""
         from mcpn.check.sizes import sizes
 
         return sizes(self.spaces, engine=engine, on=on, max_states=max_states, progress=progress)

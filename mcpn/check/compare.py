@@ -61,13 +61,13 @@ def measure(subject: Mission | PetriNet, *, max_states: int | None = None) -> li
     See Also:
         :func:`mcpn.check.sizes.sizes`: the counts by one engine.
     """
-    found = []
+    measurements = []
     net = compose(subject).net if isinstance(subject, Mission) else subject
     for engine in ENGINES:
-        found.append(_apart(net, engine, max_states))
+        measurements.append(_apart(net, engine, max_states))
     if isinstance(subject, Mission):
-        found.append(_apart(subject, "local", max_states))
-    return found
+        measurements.append(_apart(subject, "local", max_states))
+    return measurements
 
 
 def _apart(subject: Mission | PetriNet, engine: str, max_states: int | None) -> Measurement:
@@ -106,10 +106,10 @@ class Disagreement(SemanticsError):
     kind = "disagreement"
 
 
-def disagreement(found: list[Measurement]) -> Disagreement | None:
+def disagreement(measurements: list[Measurement]) -> Disagreement | None:
     """The error that says how engines disagree, or ``None`` where all agree on what they count."""
     for name in SIZES:
-        counted = {m.engine: size for m in found if m.sizes and (size := m.sizes[name]) is not None}
+        counted = {m.engine: size for m in measurements if m.sizes and (size := m.sizes[name]) is not None}
         if len(set(counted.values())) > 1:
             told = ", ".join(f"{engine}: {size}" for engine, size in counted.items())
             return Disagreement(f"the engines disagree on {name}, one of them is wrong: {told}")

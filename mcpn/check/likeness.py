@@ -120,7 +120,7 @@ def likeness_of(
     names: tuple[str, str] = ("first", "second"),
     max_states: int | None = None,
 ) -> Likeness:
-    """The same of spaces of one mission, composed with each set.
+    """Compares two spaces of one mission, each composed with templates of its own.
 
     Raises:
         LimitError: A limit was hit.
@@ -142,27 +142,27 @@ def _listed(spaces: Spaces, max_states: int | None) -> AlternativesGraph | Seman
         return error
 
 
-def _sizes(net: PetriNet, found: AlternativesGraph | SemanticsError) -> SetSizes:
+def _sizes(net: PetriNet, outcome: AlternativesGraph | SemanticsError) -> SetSizes:
     sizes = len(net.places), len(net.transitions)
-    if isinstance(found, SemanticsError):
-        return SetSizes(*sizes, reason=str(found))
-    return SetSizes(*sizes, found.states, found.edges)
+    if isinstance(outcome, SemanticsError):
+        return SetSizes(*sizes, reason=str(outcome))
+    return SetSizes(*sizes, outcome.states, outcome.edges)
 
 
 def _unlike(
     names: tuple[str, str],
     nets: tuple[MissionNet, MissionNet],
-    found: tuple[AlternativesGraph | SemanticsError, AlternativesGraph | SemanticsError],
+    outcomes: tuple[AlternativesGraph | SemanticsError, AlternativesGraph | SemanticsError],
 ) -> SetDifference | None:
     """Where one of them has no alternatives graph, or not for the same reason."""
-    kinds = [each.kind if isinstance(each, SemanticsError) else None for each in found]
+    kinds = [each.kind if isinstance(each, SemanticsError) else None for each in outcomes]
     if kinds[0] == kinds[1]:
         return None
     parts = [
         f"{name} has {'an alternatives graph' if kind is None else f'none: {each}'}"
-        for name, kind, each in zip(names, kinds, found, strict=True)
+        for name, kind, each in zip(names, kinds, outcomes, strict=True)
     ]
-    number, error = next((i, each) for i, each in enumerate(found) if isinstance(each, SemanticsError))
+    number, error = next((i, each) for i, each in enumerate(outcomes) if isinstance(each, SemanticsError))
     run = error.runs[0] if error.runs else ()
     net = nets[number].net
     fired = [net.transition_index[name] for name in run if name in net.transition_index]
@@ -215,13 +215,13 @@ class _Walk:
     @staticmethod
     def _onward(graph: AlternativesGraph, state: int) -> dict[Event, int]:
         """By event, where it leads; events that leave a state as it is are among them."""
-        found = dict[Event, int]()
+        targets = dict[Event, int]()
         for transition, after in graph.successors(state):
             event = graph.net.transitions[transition].event
             assert event is not None, "edges of the alternatives graph are events"
-            if found.setdefault(event, after) != after:
+            if targets.setdefault(event, after) != after:
                 raise SemanticsError(f"the event {event} fires several transitions, with different outcomes")
-        return found
+        return targets
 
     def _apart(self, one: dict[str, Any], other: dict[str, Any]) -> Iterator[str]:
         for name, value in one.items():
@@ -257,7 +257,7 @@ def _both_firings(nets: tuple[MissionNet, MissionNet], events: tuple[Event, ...]
 
 def _firings(net: PetriNet, events: tuple[Event, ...]) -> Firings:
     """What fires inside a net after each event, as far as the events are possible."""
-    game, found = TokenGame(net), list[tuple[str, ...]]()
+    game, firings = TokenGame(net), list[tuple[str, ...]]()
     game.settle()
     for event in events:
         possible = [t for t in game.enabled if net.transitions[t].event == event]
@@ -265,7 +265,7 @@ def _firings(net: PetriNet, events: tuple[Event, ...]) -> Firings:
             break
         game.fire(possible[0])
         try:
-            found.append(tuple(net.transitions[t].name for t in game.settle()))
+            firings.append(tuple(net.transitions[t].name for t in game.settle()))
         except LimitError:
             break  # it does not end
-    return tuple(found)
+    return tuple(firings)

@@ -105,17 +105,17 @@ def asked_of(mission_net: MissionNet) -> list[AskedRequirement]:
     Raises:
         InputError: A formula cannot be read, or names what is not there; with the line of its requirement.
     """
-    found = []
+    asked = []
     for name, (within, each) in requirements_of(mission_net.mission).items():
         names = Names(mission_net.net, mission_net, within)
         try:
-            found.append(_asked(name, each, names))
+            asked.append(_asked(name, each, names))
         except (InputError, LimitError) as error:
             source, message = each.source, str(error)
             if isinstance(error, InputError) and error.problems[0].source is not None:
                 source, message = error.problems[0].source, error.problems[0].message
             raise InputError.at(source, f"requirement {name}: {message}") from None
-    return found
+    return asked
 
 
 def _asked(name: str, requirement: Requirement, names: Names) -> AskedRequirement:

@@ -185,7 +185,7 @@ class Spaces:
         return self._once("listed", build, max_states)
 
     def unproved(self, max_states: int, progress: Progress | None = None) -> ArraySpace:
-        """The same without a proof of confluence, which it rests on."""
+        """The alternatives graph with its stable states listed, confluence taken for granted."""
 
         def build() -> ArraySpace:
             from mcpn.space.arrays import ArraySpace

@@ -41,19 +41,19 @@ def signs_of(formula: Formula, words: Collection[Formula]) -> dict[Formula, set[
 
     A word that is negated is the word, under one negation more.
     """
-    found: dict[Formula, set[bool]] = {}
+    signs: dict[Formula, set[bool]] = {}
     stack = [(formula, True)]
     while stack:
         at, sign = stack.pop()
         if at in words or (not at.operands and ~at not in words):
             if at not in (TRUE, FALSE):
-                found.setdefault(at, set()).add(sign)
+                signs.setdefault(at, set()).add(sign)
         elif ~at in words:
-            found.setdefault(~at, set()).add(not sign)
+            signs.setdefault(~at, set()).add(not sign)
         else:
             below = not sign if isinstance(at, Not) else sign
             stack.extend((operand, below) for operand in reversed(at.operands))
-    return found
+    return signs
 
 
 def _replaced(formula: Formula, part: Formula, by: Formula) -> Formula:

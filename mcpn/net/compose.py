@@ -44,10 +44,10 @@ class MissionNet(Drawn):
     @cached_property
     def by_role(self) -> Mapping[Role, tuple[int, ...]]:
         """Places by what they say."""
-        found: dict[Role, list[int]] = {}
+        by_role: dict[Role, list[int]] = {}
         for place, role in self.roles.items():
-            found.setdefault(role, []).append(place)
-        return {role: tuple(places) for role, places in found.items()}
+            by_role.setdefault(role, []).append(place)
+        return {role: tuple(places) for role, places in by_role.items()}
 
     @property
     def success(self) -> int:

@@ -52,14 +52,14 @@ class Used:
     def __init__(self, usage: Usage, activities: Sequence[str]) -> None:
         self.usage = usage
         hardware, software = dict[str, Hardware](), dict[str, Software]()
-        found = dict[str, Activity]()
+        closure = dict[str, Activity]()
         declared = {s.name: s for s in usage.mission.software}
         stack = [*activities][::-1]
         while stack:
             name = stack.pop()
-            if name in found:
+            if name in closure:
                 continue
-            activity = found[name] = usage.activities[name]
+            activity = closure[name] = usage.activities[name]
             for s in activity.produces:
                 software.setdefault(s, declared[s])
             consumed = [k for alternative in activity.alternatives for k in alternative.consumes]
@@ -69,7 +69,7 @@ class Used:
             stack.extend(usage.producer[k] for k in reversed(consumed) if k in usage.producer)
         self.hardware = tuple(hardware.values())
         self.software = tuple(software.values())
-        self.activities = tuple(found.values())
+        self.activities = tuple(closure.values())
         self.number = {e.name: i for kind in (self.hardware, self.software) for i, e in enumerate(kind)}
         self.task = {activity.name: i for i, activity in enumerate(self.activities)}
 

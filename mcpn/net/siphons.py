@@ -96,7 +96,7 @@ def _closed(around: Sequence[tuple[int, int]], places: int, max_steps: int, what
     Whatever puts into the set begun and takes nothing from it must be given a place that it takes from: one
     branch for each.
     """
-    found: list[int] = []
+    minimal: list[int] = []
     seen: set[int] = set()
     stack = [1 << p for p in range(places)]
     compared = 0
@@ -104,13 +104,13 @@ def _closed(around: Sequence[tuple[int, int]], places: int, max_steps: int, what
         chosen = stack.pop()
         if chosen in seen:
             continue
-        compared += len(found)
+        compared += len(minimal)
         if compared > max_steps * COMPARISONS_OF_A_STEP:
             raise LimitError(
                 f"more than {max_steps * COMPARISONS_OF_A_STEP} comparisons of sets:"
                 f" the limit on the search for {what} was hit"
             )
-        if any(known & chosen == known for known in found):
+        if any(known & chosen == known for known in minimal):
             continue
         seen.add(chosen)
         if len(seen) > max_steps:
@@ -119,11 +119,11 @@ def _closed(around: Sequence[tuple[int, int]], places: int, max_steps: int, what
             )
         open_ = next((before for before, after in around if after & chosen and not before & chosen), None)
         if open_ is None:
-            found = [known for known in found if known & chosen != chosen]
-            found.append(chosen)
+            minimal = [known for known in minimal if known & chosen != chosen]
+            minimal.append(chosen)
         else:
             stack.extend(chosen | 1 << p for p in _members(open_))
-    return tuple(sorted(tuple(_members(chosen)) for chosen in found))
+    return tuple(sorted(tuple(_members(chosen)) for chosen in minimal))
 
 
 def greatest_trap(net: PetriNet, places: Iterable[int]) -> Places:

@@ -238,7 +238,7 @@ class Controller:
             return actions
 
     def react(self, event: str) -> tuple[tuple[Action, ...], list[HookError]]:
-        """The same without hooks, for those who carry out the actions themselves.
+        """Takes an event without calling hooks, for those who carry out the actions themselves.
 
         Returns:
             The actions, and the failures of observers.

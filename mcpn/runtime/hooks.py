@@ -111,7 +111,7 @@ class Hooks:
             raise HookErrors(tuple(failed))
 
     async def await_each(self, event: str, actions: tuple[Action, ...], failed: list[HookError]) -> None:
-        """The same, awaiting what a hook returns before the next one is called."""
+        """Calls the hooks of each action in turn, and awaits what a hook returns before it calls the next."""
         for action in actions if self._of else ():
             for hook in self.of(action):
                 try:

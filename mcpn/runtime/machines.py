@@ -19,7 +19,7 @@ Step = tuple[int | str, int, Set[int], Set[int]]
 become true of facts; what is no more true of them."""
 
 Entered = tuple[int, int, Set[int], Set[int]]
-"""The same of an entry."""
+"""The state after an entry; the actions; what has happened, or become true of facts; what is no more true."""
 
 
 class MachineProtocol(Protocol):

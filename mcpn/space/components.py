@@ -16,7 +16,7 @@ def strongly_connected(successors: Sequence[Iterable[int]]) -> list[list[int]]:
     Args:
         successors: By node, the nodes that its edges lead to.
     """
-    found: list[list[int]] = []
+    components: list[list[int]] = []
     number: dict[int, int] = {}
     lowest: dict[int, int] = {}
     waiting: list[int] = []
@@ -43,6 +43,6 @@ def strongly_connected(successors: Sequence[Iterable[int]]) -> list[list[int]]:
                 component = [waiting.pop()]
                 while component[-1] != node:
                     component.append(waiting.pop())
-                found.append(sorted(component))
+                components.append(sorted(component))
                 assigned.update(component)
-    return found
+    return components

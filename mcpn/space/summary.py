@@ -83,24 +83,24 @@ def summary_of(space: SymbolicSpace, started: float) -> SpaceSummary:
 
 
 def summary_of_counts(
-    net: PetriNet, found: Counts | ReferenceCounts, engine: str, started: float
+    net: PetriNet, counts: Counts | ReferenceCounts, engine: str, started: float
 ) -> SpaceSummary:
-    """The same of markings that were counted.
+    """The sizes of a markings graph whose markings were counted, not kept.
 
     Args:
         net: The net.
-        found: The counts.
+        counts: The counts.
         engine: Who has counted.
         started: When counting began, by :func:`time.perf_counter`.
     """
-    if isinstance(found, Counts):
-        stable, dead = found.stable if net.priorities else None, found.dead
+    if isinstance(counts, Counts):
+        stable, dead = counts.stable if net.priorities else None, counts.dead
     else:
-        stable, dead = found.stable_states, found.dead_states
-    bounds: tuple[int, ...] = getattr(found, "bounds", (min(found.max_tokens, 1),))
+        stable, dead = counts.stable_states, counts.dead_states
+    bounds: tuple[int, ...] = getattr(counts, "bounds", (min(counts.max_tokens, 1),))
     return SpaceSummary(
         *(len(net.places), len(net.transitions)),
-        *(found.states, found.edges, stable, dead, found.max_tokens, max(bounds, default=0)),
+        *(counts.states, counts.edges, stable, dead, counts.max_tokens, max(bounds, default=0)),
         None,
         engine,
         time.perf_counter() - started,

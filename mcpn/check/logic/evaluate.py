@@ -136,13 +136,13 @@ class Evaluation(Generic[S]):
         It holds every cycle of the set that meets all constraints, and what leads from one such cycle to
         another in the same region.
         """
-        found = self.space.nothing
+        fair = self.space.nothing
         unmet = [(c, self.plain.states(~c.states)) for c in self.fair]
         for region, constraints in self._by_region(self.space.regions, unmet):
             inside = along & region
             if inside:
-                found = found | self._hull_of(inside, constraints)
-        return found
+                fair = fair | self._hull_of(inside, constraints)
+        return fair
 
     def _hull_of(self, inside: S, constraints: Sequence[Justice]) -> S:
         """The states from which a fair run stays inside: a greatest fixpoint (Emerson, Lei 1986).
@@ -151,12 +151,12 @@ class Evaluation(Generic[S]):
         from which no state that meets it is reached within the set. The second step starts from the states
         that do not meet the constraint: in a composite these lie in few sections.
         """
-        space, found = self.space, inside
+        space, fair = self.space, inside
         for step in count():
             if step < self.first_steps:
-                narrower = found & space.before(found)
+                narrower = fair & space.before(fair)
             else:
-                narrower = space.staying(found - space.dead)
+                narrower = space.staying(fair - space.dead)
             for constraint in constraints:
                 waiting = narrower & self.plain.states(~constraint.states)
                 if not waiting:
@@ -168,10 +168,10 @@ class Evaluation(Generic[S]):
                 stuck = waiting - space.reaching(meeting, waiting)
                 if stuck:
                     narrower = narrower - stuck
-            if not found - narrower:
+            if not fair - narrower:
                 break
-            found = narrower
-        return found
+            fair = narrower
+        return fair
 
     def met(self, constraint: Justice, inside: S) -> S:
         """States of a set at which a constraint is met, there or by the next step inside the set."""

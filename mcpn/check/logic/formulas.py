@@ -159,13 +159,13 @@ def on_one_path(part: Formula, net: PetriNet) -> Formula | None:
         case EG((operand,)) if of_state(operand):
             return always(operand)
         case Or(operands):
-            found = [on_one_path(operand, net) for operand in operands]
-            parts = [each for each in found if each is not None]
-            return Or(*parts) if len(parts) == len(found) else None
+            said = [on_one_path(operand, net) for operand in operands]
+            parts = [each for each in said if each is not None]
+            return Or(*parts) if len(parts) == len(said) else None
         case And(operands) if sum(not of_state(operand) for operand in operands) == 1:
-            found = [on_one_path(operand, net) for operand in operands]
-            parts = [each for each in found if each is not None]
-            return And(*parts) if len(parts) == len(found) else None
+            said = [on_one_path(operand, net) for operand in operands]
+            parts = [each for each in said if each is not None]
+            return And(*parts) if len(parts) == len(said) else None
     return None
 
 

@@ -173,10 +173,10 @@ class _ByRuns(Explanation):
         raise NoRun
 
     def explain(self, formula: Formula, holds: bool) -> None:
-        found = self.known.paths.get(self.known.simple(formula)) if holds else None
-        if found is None or self.witness.steps:
+        path = self.known.paths.get(self.known.simple(formula)) if holds else None
+        if path is None or self.witness.steps:
             super().explain(formula, holds)
             return
         self.note("along this run", formula)
-        self._fire(found.run)
-        self.show_rest(found.cycle, decided=bool(self.known.net.enabled(self.witness.end)))
+        self._fire(path.run)
+        self.show_rest(path.cycle, decided=bool(self.known.net.enabled(self.witness.end)))

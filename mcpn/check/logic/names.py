@@ -117,8 +117,8 @@ class Names:
                 event = Event(What.DECLARED, name)
                 events = {event}
                 if str(event) not in texts and name not in {e.name for e in of.mission.events}:
-                    found = self._copies(name, texts) or [self._element(name, texts, "event")]
-                    events = set(map(Event.parse, found))
+                    atoms = self._copies(name, texts) or [self._element(name, texts, "event")]
+                    events = set(map(Event.parse, atoms))
                 return Fires(tuple(i for i, t in enumerate(self.net.transitions) if t.event in events))
             case "happens":
                 may = self._meaning("event", name)
@@ -188,15 +188,15 @@ class Names:
 
     def folded(self, names: Collection[str]) -> dict[str, list[str]]:
         """Names, those of rounds and tries together under the one name that means all of them."""
-        found: dict[str, list[str]] = {}
+        together: dict[str, list[str]] = {}
         numbers = self._numbers
         for name in names:
             begin = "OBJ_" if name.startswith("OBJ_") else ""  # of the event of an objective
             plain = name.removeprefix(begin)
             if numbers is not None:
                 plain = numbers.sub(lambda m: next(filter(None, m.groups())), plain)
-            found.setdefault(begin + plain, []).append(name)
-        return found
+            together.setdefault(begin + plain, []).append(name)
+        return together
 
     @cached_property
     def _numbers(self) -> re.Pattern[str] | None:

@@ -148,14 +148,14 @@ def _conjuncts(formula: Formula) -> frozenset[Formula]:
 
 def _ways(obligations: frozenset[Formula]) -> list[_Cover]:
     """The ways to satisfy some formulas, but for those that another way makes needless."""
-    found: list[_Cover] = []
+    covers: list[_Cover] = []
     nothing = frozenset[Formula]()
     stack = [(list(obligations), frozenset[Formula](), _Cover(nothing, nothing, nothing))]
     while stack:
         todo, done, way = stack.pop()
         if not todo:
-            if not any(known.covers(way) for known in found):
-                found = [known for known in found if not way.covers(known)] + [way]
+            if not any(known.covers(way) for known in covers):
+                covers = [known for known in covers if not way.covers(known)] + [way]
             continue
         formula, *rest = todo
         if formula in done:
@@ -179,14 +179,14 @@ def _ways(obligations: frozenset[Formula]) -> list[_Cover]:
                 stack.append(([freed, held, *rest], done, way))
             case _ if ~formula not in way.literals:
                 stack.append((rest, done, _Cover(way.literals | {formula}, way.left, way.put_off)))
-    return [way for way in found if FALSE not in way.left]
+    return [way for way in covers if FALSE not in way.left]
 
 
 # --- reduction -------------------------------------------------------------------------------------------
 
 
 def _reduced(automaton: Automaton) -> Automaton:
-    """The same language by fewer states: useful ones, those with the same edges once."""
+    """An automaton of the same language without useless states, and one for all that have equal edges."""
     while True:
         smaller = _merged(_useful(automaton))
         if len(smaller.edges) == len(automaton.edges):

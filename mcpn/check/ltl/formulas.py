@@ -54,7 +54,7 @@ def always(formula: Formula) -> Formula:
 
 
 def normal(formula: Formula, wanted: bool = True) -> Formula:
-    """The same without negations but of formulas on states and of steps, and simplified.
+    """The negation normal form of a formula on paths, simplified: formulas on states and steps are its atoms.
 
     The rules are those of Etessami and Holzmann (*Optimizing Büchi automata*, CONCUR 2000): what is eventual
     holds from a state on if it holds from a later one on, what is universal holds from then on.

@@ -26,7 +26,7 @@ def write_hoa(automaton: Automaton, name: str, formula: Formula, said: Callable[
     atoms = {atom: i for i, atom in enumerate(dict.fromkeys(map(_atom, literals)))}
     inf = "&".join(f"Inf({mark})" for mark in range(automaton.marks))
     properties = "trans-labels explicit-labels trans-acc"
-    found = classes(formula)
+    hierarchy = classes(formula)
     lines = [
         "HOA: v1",
         f"name: {json.dumps(name, ensure_ascii=False)}",
@@ -36,8 +36,8 @@ def write_hoa(automaton: Automaton, name: str, formula: Formula, said: Callable[
         " ".join([f"AP: {len(atoms)}", *(json.dumps(said(atom), ensure_ascii=False) for atom in atoms)]),
         f"acc-name: generalized-Buchi {automaton.marks}" if automaton.marks else "acc-name: all",
         f"Acceptance: {automaton.marks} {inf or 't'}",
-        f"properties: {properties}{' stutter-invariant' if 'stutter-insensitive' in found else ''}",
-        f"mcpn.classes: {' '.join(map(json.dumps, found))}",
+        f"properties: {properties}{' stutter-invariant' if 'stutter-insensitive' in hierarchy else ''}",
+        f"mcpn.classes: {' '.join(map(json.dumps, hierarchy))}",
         "--BODY--",
     ]
     for number, of in enumerate(automaton.edges):
@@ -66,12 +66,12 @@ def classes(formula: Formula) -> list[str]:
         Of ``safety``, ``guarantee``, ``obligation``, ``recurrence``, ``persistence``, ``reactivity``, and
         ``stutter-insensitive``: the last says that steps which change nothing do not count.
     """
-    found = [name for name, of in _CLASSES.items() if of(formula)]
-    if not found:
-        found = ["reactivity"]
+    names = [name for name, of in _CLASSES.items() if of(formula)]
+    if not names:
+        names = ["reactivity"]
     if is_stutter_insensitive(formula):
-        found.append("stutter-insensitive")
-    return found
+        names.append("stutter-insensitive")
+    return names
 
 
 def is_stutter_insensitive(formula: Formula) -> bool:

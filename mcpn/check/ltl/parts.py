@@ -62,29 +62,29 @@ class _Asked:
 
     def found(self, steps: int, seed: int) -> FoundPath | None:
         """How the search ends; ``None`` where it finds a path that repeats in the smaller net alone."""
-        found = self.search.search(steps, seed)
-        return found if self.reduction is None or found.outcome != "found" else self._lifted(found)
+        path = self.search.search(steps, seed)
+        return path if self.reduction is None or path.outcome != "found" else self._lifted(path)
 
-    def _lifted(self, found: FoundPath) -> FoundPath | None:
+    def _lifted(self, path: FoundPath) -> FoundPath | None:
         assert self.reduction is not None
-        split = len(found.run) if found.cycle is None else found.cycle
-        begin = self.reduction.lift(found.run[:split])
-        repeated = tuple(chain.from_iterable(self.reduction.runs[t] for t in found.run[split:]))
+        split = len(path.run) if path.cycle is None else path.cycle
+        begin = self.reduction.lift(path.run[:split])
+        repeated = tuple(chain.from_iterable(self.reduction.runs[t] for t in path.run[split:]))
         marking = list(self.net.initial)
         for t in begin:
             self.net.fire_in_place(marking, t)
-        if found.cycle is not None:
+        if path.cycle is not None:
             after = list(marking)
             for t in repeated:
                 self.net.fire_in_place(after, t)
-            return replace(found, run=begin + repeated, cycle=len(begin)) if after == marking else None
-        return replace(found, run=begin + self._ended(found, marking))
+            return replace(path, run=begin + repeated, cycle=len(begin)) if after == marking else None
+        return replace(path, run=begin + self._ended(path, marking))
 
-    def _ended(self, found: FoundPath, marking: list[int]) -> tuple[int, ...]:
+    def _ended(self, path: FoundPath, marking: list[int]) -> tuple[int, ...]:
         """Where the path has ended in the smaller net, what is left to fire until it ends in this one."""
         assert self.reduction is not None
         smaller, at = self.reduction.net, list(self.reduction.net.initial)
-        for t in found.run:
+        for t in path.run:
             smaller.fire_in_place(at, t)
         rest = list[int]()
         while not smaller.enabled(at) and (enabled := self.net.enabled(marking)):
@@ -129,15 +129,15 @@ class PathParts:
         if asked is None:
             return None
         for number, share in enumerate(RESTARTS):
-            found = asked.found(steps // share, len(RESTARTS) * seed + number)
-            if found is None or found.outcome != "steps":
+            answer = asked.found(steps // share, len(RESTARTS) * seed + number)
+            if answer is None or answer.outcome != "steps":
                 break
-        if found is None:
+        if answer is None:
             self._searches[path] = self._search(path)
             return self.decide(path, steps, seed)
-        if found.outcome in ("bytes", "tokens"):
+        if answer.outcome in ("bytes", "tokens"):
             self._searches[path] = None  # more steps would meet the same limit
-        return found
+        return answer
 
     def _search(self, path: Formula, *, enrich: bool = False) -> _Asked | None:
         path, net, reduction = normal(path), self._net, None
@@ -175,10 +175,10 @@ class PathParts:
     def _reduced(self, path: Formula) -> tuple[Reduction, Formula] | None:
         """A smaller net for a formula, and the formula there; ``None`` where none would give its answer."""
         goals = {condition: as_goal(condition, self._net) for condition in _conditions(path)}
-        found = [goal for goal in goals.values() if goal is not None and not asks_dead(goal)]
-        if self._net.priorities or len(found) < len(goals) or not is_stutter_insensitive(path):
+        observed = [goal for goal in goals.values() if goal is not None and not asks_dead(goal)]
+        if self._net.priorities or len(observed) < len(goals) or not is_stutter_insensitive(path):
             return None
-        reduction = reduce_for_paths(self._net, {place for goal in found for place in wanted(goal)})
+        reduction = reduce_for_paths(self._net, {place for goal in observed for place in wanted(goal)})
         if _size(reduction.net) == _size(self._net):
             return None  # it would only be searched in another order
         there = {

@@ -117,7 +117,7 @@ class Product(Generic[S]):
 
     def reached(self, begin: S) -> Sets[S]:
         """What runs from some states, with the automaton in its initial state, lead to."""
-        found: Sets[S] = {0: begin}
+        reached: Sets[S] = {0: begin}
         fresh: Sets[S] = {0: begin}
         leaving = _by(self.edges, lambda edge: edge.source)
         while fresh:
@@ -127,21 +127,21 @@ class Product(Generic[S]):
                 along = reduce(or_, (e.states for e in stays))
                 inside = self.space.reached(states & along, along)
                 wider = states | inside | self.space.after(inside)
-                states = states | (wider - found[q])
-                found[q] = found[q] | states
+                states = states | (wider - reached[q])
+                reached[q] = reached[q] | states
             for edge in leaving.get(q, ()):
-                new = self.on(edge, states) - found.get(edge.target, self.space.nothing)
+                new = self.on(edge, states) - reached.get(edge.target, self.space.nothing)
                 if new:
-                    found[edge.target] = found.get(edge.target, self.space.nothing) | new
+                    reached[edge.target] = reached.get(edge.target, self.space.nothing) | new
                     fresh[edge.target] = fresh.get(edge.target, self.space.nothing) | new
-        return found
+        return reached
 
     def reaching(
         self, goal: Mapping[int, S], within: Mapping[int, S], edges: Collection[ProductEdge[S]]
     ) -> Sets[S]:
         """Where runs along some edges and through some sets lead into a goal, the goal's own included."""
         nothing = self.space.nothing
-        found: Sets[S] = dict(goal)
+        leading: Sets[S] = dict(goal)
         fresh: Sets[S] = {q: states for q, states in goal.items() if states}
         entering = _by(edges, lambda edge: edge.target)
         while fresh:
@@ -150,17 +150,17 @@ class Product(Generic[S]):
             if stays and q in within:
                 along = reduce(or_, (e.states for e in stays)) & within[q]
                 wider = self.space.reaching(states, along)
-                states = states | (wider - found[q])
-                found[q] = found[q] | states
+                states = states | (wider - leading[q])
+                leading[q] = leading[q] | states
             for edge in entering.get(q, ()):
                 p = edge.source
                 if p not in within:
                     continue
-                new = (self.back(edge, states) & within[p]) - found.get(p, nothing)
+                new = (self.back(edge, states) & within[p]) - leading.get(p, nothing)
                 if new:
-                    found[p] = found.get(p, nothing) | new
+                    leading[p] = leading.get(p, nothing) | new
                     fresh[p] = fresh.get(p, nothing) | new
-        return found
+        return leading
 
     # --- acceptance ---
 
@@ -174,13 +174,13 @@ class Product(Generic[S]):
         everything = self.automaton.accepting_all
         inside = [e for e in self.edges if e.source == e.target and e.source in everything]
         goal = {e.source: fair[e.source] for e in inside if e.source in fair}
-        found = self.reaching(goal, within, inside)
+        decided = self.reaching(goal, within, inside)
         for edge in self.edges:
             into_one = edge.target in everything and edge.source not in everything
-            if into_one and edge.target in found and edge.transitions is None and edge.rests:
-                before = self.back(edge, found[edge.target]) & within.get(edge.source, self.space.nothing)
-                found[edge.source] = found.get(edge.source, self.space.nothing) | before
-        return found
+            if into_one and edge.target in decided and edge.transitions is None and edge.rests:
+                before = self.back(edge, decided[edge.target]) & within.get(edge.source, self.space.nothing)
+                decided[edge.source] = decided.get(edge.source, self.space.nothing) | before
+        return decided
 
     def accepted(self, within: Mapping[int, S] | None = None) -> Sets[S]:
         """By state of the automaton, the states from which it accepts some path.
@@ -190,18 +190,20 @@ class Product(Generic[S]):
         """
         everything = dict.fromkeys(range(len(self.automaton.edges)), self.space.everything)
         within = everything if within is None else within
-        found: Sets[S] = {}
+        accepted: Sets[S] = {}
         for fair, states in self.fair(within):
             goal = {q: fair.get(q, self.space.nothing) for q in states}
             out = [
-                e for e in self.edges if e.source in states and e.target not in states and e.target in found
+                e
+                for e in self.edges
+                if e.source in states and e.target not in states and e.target in accepted
             ]
             for edge in out:
-                before = self.back(edge, found[edge.target]) & within.get(edge.source, self.space.nothing)
+                before = self.back(edge, accepted[edge.target]) & within.get(edge.source, self.space.nothing)
                 goal[edge.source] = goal[edge.source] | before
             inside = [e for e in self.edges if e.source in states and e.target in states]
-            found.update(self.reaching(goal, within, inside))
-        return found
+            accepted.update(self.reaching(goal, within, inside))
+        return accepted
 
     def fair(self, within: Mapping[int, S]) -> Iterator[tuple[Sets[S], frozenset[int]]]:
         """By component of the automaton: where an accepted path may stay for ever, and the component."""
@@ -220,26 +222,26 @@ class Product(Generic[S]):
         meetings = self.meetings(inside)
         if not meetings and not more and first.transitions is None:
             return {first.source: self.space.staying(first.states & within[first.source])}
-        found = within
+        fair = within
         while True:
-            narrower = self._going_on(found, inside)
+            narrower = self._going_on(fair, inside)
             for met, _, _ in meetings:
                 if narrower:
                     narrower = self.reaching(met(narrower), narrower, inside)
-            if all(not found[q] - narrower.get(q, self.space.nothing) for q in found):
+            if all(not fair[q] - narrower.get(q, self.space.nothing) for q in fair):
                 return narrower
-            found = {q: states for q, states in narrower.items() if states}
-            if not found:
+            fair = {q: states for q, states in narrower.items() if states}
+            if not fair:
                 return {}
 
     def _going_on(self, sets: Sets[S], inside: Collection[ProductEdge[S]]) -> Sets[S]:
         """Those of some sets from which some edge leads into them again."""
-        found: Sets[S] = {}
+        continued: Sets[S] = {}
         for edge in inside:
             if edge.source in sets and edge.target in sets:
                 before = self.back(edge, sets[edge.target]) & sets[edge.source]
-                found[edge.source] = found.get(edge.source, self.space.nothing) | before
-        return found
+                continued[edge.source] = continued.get(edge.source, self.space.nothing) | before
+        return continued
 
     def meetings(self, inside: Collection[ProductEdge[S]]) -> list[Meeting[S]]:
         """What a path along some edges must meet again and again, but for what every edge meets.
@@ -248,45 +250,45 @@ class Product(Generic[S]):
             For each mark and each constraint: what makes of some sets the states at which it is met, there or
             by a step inside them; the edges that bear the mark; and what fires where that meets a constraint.
         """
-        found: list[Meeting[S]] = []
+        meetings: list[Meeting[S]] = []
         for mark in sorted(frozenset[int]().union(*(edge.marks for edge in inside))):
             bearing = [edge for edge in inside if mark in edge.marks]
             if len(bearing) < len(inside):
-                found.append((partial(self._going_on, inside=bearing), bearing, None))
+                meetings.append((partial(self._going_on, inside=bearing), bearing, None))
         for constraint in self.constraints:
             met = partial(self._met, constraint, inside=inside)
-            found.append((met, (), constraint.transitions or None))
-        return found
+            meetings.append((met, (), constraint.transitions or None))
+        return meetings
 
     def _met(self, constraint: Constraint[S], sets: Sets[S], inside: Collection[ProductEdge[S]]) -> Sets[S]:
         """States of some sets at which a constraint is met; where nothing fires all are."""
         here = constraint.states | self.space.dead
-        found = {q: states & here for q, states in sets.items()}
+        met = {q: states & here for q, states in sets.items()}
         asked = frozenset(constraint.transitions)
         for edge in inside if asked else ():
             if edge.source in sets and edge.target in sets:
                 fired = asked if edge.transitions is None else asked & edge.transitions
                 before = self.space.before(sets[edge.target], fired) & edge.states & sets[edge.source]
-                found[edge.source] = found[edge.source] | before
-        return found
+                met[edge.source] = met[edge.source] | before
+        return met
 
 
 def _joined(edges: Iterator[ProductEdge[S]]) -> list[ProductEdge[S]]:
     """Edges that differ in what they read alone, as one; those that read nothing are left out."""
-    found: dict[object, ProductEdge[S]] = {}
+    joined: dict[object, ProductEdge[S]] = {}
     for e in edges:
         key = e.source, e.target, e.marks, e.transitions, e.rests
         if not e.states:
             continue
-        states = e.states | found[key].states if key in found else e.states
-        found[key] = ProductEdge(e.source, e.target, e.marks, states, e.transitions, e.rests)
-    return list(found.values())
+        states = e.states | joined[key].states if key in joined else e.states
+        joined[key] = ProductEdge(e.source, e.target, e.marks, states, e.transitions, e.rests)
+    return list(joined.values())
 
 
 def _by(
     edges: Collection[ProductEdge[S]], key: Callable[[ProductEdge[S]], int]
 ) -> dict[int, list[ProductEdge[S]]]:
-    found: dict[int, list[ProductEdge[S]]] = {}
+    groups: dict[int, list[ProductEdge[S]]] = {}
     for edge in edges:
-        found.setdefault(key(edge), []).append(edge)
-    return found
+        groups.setdefault(key(edge), []).append(edge)
+    return groups

@@ -134,7 +134,7 @@ def functioning_modes(mission_net: MissionNet, space: Space[S]) -> dict[str, lis
         return tuple(sorted(place for name in served(own) for place in places_of[name]))
 
     everywhere = {section.name: section.activities for section in mission_net.graph.walk()}
-    found, known = dict[str, list[Mode]](), dict[Hashable, list[list[Mode]]]()
+    modes_of, known = dict[str, list[Mode]](), dict[Hashable, list[list[Mode]]]()
     for piece in space.pieces(space.stable):
         names = tuple(everywhere) if piece.kind is None else piece.names
         if piece.kind not in known:
@@ -144,5 +144,5 @@ def functioning_modes(mission_net: MissionNet, space: Space[S]) -> dict[str, lis
                 running = space.marked(mission_net.by_role["objective", name]) & piece.states
                 places = places_saying(own)
                 modes.append(sorted_modes(own, places, space.image(running, places, store(len(places)))))
-        found |= zip(names, known[piece.kind], strict=True)
-    return {name: found.get(name, []) for name in everywhere}
+        modes_of |= zip(names, known[piece.kind], strict=True)
+    return {name: modes_of.get(name, []) for name in everywhere}

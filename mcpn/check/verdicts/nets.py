@@ -322,16 +322,16 @@ class Structure:
     @property
     def proves(self) -> list[str]:
         """What follows, whatever the order of firing."""
-        found = []
+        proved = []
         if self.conservative:
-            found.append("bounded, whatever the initial marking: every place is in a P-semiflow")
+            proved.append("bounded, whatever the initial marking: every place is in a P-semiflow")
         if "ordinary" in self.classes and "components" in self.parts:
             initial = self.net.initial
             if self._every_place(c for c in self.parts["components"] if sum(initial[p] for p in c) == 1):
-                found.append("1-safe: every place is in a state machine component with one token")
+                proved.append("1-safe: every place is in a state machine component with one token")
         decided = {"ordinary", "free choice"} <= self.classes and not self.net.priorities
         if decided and {"siphons", "traps", "unmarked_siphon"} <= self.parts.keys():
             live = self.parts["unmarked_siphon"] is None
             why = "every minimal siphon contains" if live else "a minimal siphon does not contain"
-            found.append(f"{'live' if live else 'not live'}: free choice, and {why} a marked trap")
-        return found
+            proved.append(f"{'live' if live else 'not live'}: free choice, and {why} a marked trap")
+        return proved

@@ -43,7 +43,7 @@ def never_happens(mission_net: MissionNet, space: Space[S], firings: Mapping[int
     sections = list(usage.graph.walk())
     begun = {activity for section in sections if section.name in entered for activity in section.activities}
     running = frozenset[str]().union(*map(usage.closure, begun))
-    found, used = list[Problem](), set[str]()
+    problems, used = list[Problem](), set[str]()
     for activity in mission.activities:
         if activity.name not in usage.started:
             continue
@@ -54,15 +54,15 @@ def never_happens(mission_net: MissionNet, space: Space[S], firings: Mapping[int
                 used.update(alternative.consumes)
             else:
                 why = _held(usage, activity.name, alternative.consumes)
-                found.append(Problem(alternative.source, f"alternative {name} can never be selected{why}"))
+                problems.append(Problem(alternative.source, f"alternative {name} can never be selected{why}"))
     routing = Routing(usage.graph, entered, happens)
-    found.extend(routing.never_entered(mission))
+    problems.extend(routing.never_entered(mission))
     for what, verb in ((What.SUCCESS, "succeed"), (What.FAILURE, "fail")):
         never = (s for s in sections if s.name in entered and Event(what, s.name) not in happens)
-        found.extend(of_objectives(never, f"can never {verb}"))
-    found.extend(never_entered(usage.graph.never_entered()))
-    found.extend(never_used(mission, used))
-    return Never(tuple(in_order(found)), tuple(in_order(routing.futile())))
+        problems.extend(of_objectives(never, f"can never {verb}"))
+    problems.extend(never_entered(usage.graph.never_entered()))
+    problems.extend(never_used(mission, used))
+    return Never(tuple(in_order(problems)), tuple(in_order(routing.futile())))
 
 
 def _come_about(mission_net: MissionNet, space: Space[S]) -> tuple[set[str], set[str]]:

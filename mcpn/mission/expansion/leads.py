@@ -56,6 +56,6 @@ class Leads(NamedTuple):
 
     @property
     def exits(self) -> dict[str, Lead]:
-        """The same by the routes that the blocks in it, and copies of it, name."""
+        """Where each exit leads, by the route to it that blocks inside name."""
         exits = {SUCCEED: self.success, FAIL: self.failure, ABORT: self.abort}
         return exits | {TIMED_OUT: self.timed_out}

@@ -102,18 +102,18 @@ def ways(
     """
     if not cases and not changes:
         return [Way([], [], [], default)]
-    facts, found = canvas.usage.world.facts, list[Way]()
+    facts, leads = canvas.usage.world.facts, list[Way]()
     for known, target in _decided(cases, default, dict(changes), facts):
         read = [canvas.fact(name, value) for name, value in known.items() if name not in changes]
         for before in product(*(facts[name].values for name in changes)):
-            if len(found) == MAX_WAYS:
+            if len(leads) == MAX_WAYS:
                 raise LimitError(f"{what}: more than {MAX_WAYS} combinations of facts: the limit was hit")
             both = [(name, was, changes[name]) for name, was in zip(changes, before, strict=True)]
             kept = [canvas.fact(name, was) for name, was, now in both if was == now]
             ended = [canvas.fact(name, was) for name, was, now in both if was != now]
             begun = [canvas.fact(name, now) for name, was, now in both if was != now]
-            found.append(Way(ended, begun, [*read, *kept], target))
-    return found
+            leads.append(Way(ended, begun, [*read, *kept], target))
+    return leads
 
 
 def _decided(

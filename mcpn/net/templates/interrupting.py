@@ -41,8 +41,8 @@ class Interrupting(Level):
         pen = self.canvas.of(*element_of(section), section.source)
         for name in dict.fromkeys(events_of(section)):
             event = Event(What.DECLARED, name)
-            found = [p for p in self.positions(section, name) if p.put is not None]
-            for number, position in enumerate(found, 1):
+            handled = [p for p in self.positions(section, name) if p.put is not None]
+            for number, position in enumerate(handled, 1):
                 read = [place for place in dict.fromkeys(position.read) if place not in position.take]
                 read += self.of_handlers(position.happened, "happened")
                 take = [*position.take, *self.of_handlers(position.once, "open")]

@@ -126,7 +126,7 @@ class Leaving:
                     self._leave(pen, f"{name}_{number}", taken, led(outcome))
 
     def _counted(self, pen: Pen, led: Led, begin: int, all_ended: list[str], needed: int) -> None:
-        """The same where some number of children must succeed, which is counted up to that number."""
+        """The outcome of a block in which some number of children must succeed: they are counted up to it."""
         last = len(self.section.branches)
         after: dict[tuple[int, int], list[str]] = {(0, 0): []}
         for i, branch in enumerate(self.section.branches, 1):

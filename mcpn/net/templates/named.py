@@ -36,8 +36,8 @@ def templates_named(name: str) -> TemplateSet:
     path = list(sys.path)
     sys.path.append("")  # a command that is installed does not look in the current directory by itself
     try:
-        found = getattr(import_module(module), attribute)
-        templates: TemplateSet = found() if isinstance(found, type) else found
+        value = getattr(import_module(module), attribute)
+        templates: TemplateSet = value() if isinstance(value, type) else value
     except Exception as error:  # whatever the caller's code raises while it is loaded
         told = f"{type(error).__name__}: {error}"
         raise InputError.at(None, f"templates {name} cannot be loaded: {told}") from error

@@ -98,22 +98,22 @@ class Diagrams:
 
     def enabling(self, transitions: Collection[int]) -> Zdd:
         """States with an edge of some of these transitions."""
-        found, enabling = self.nothing, self.encoding.enabling
+        before, enabling = self.nothing, self.encoding.enabling
         for group, states in self.groups:
             wanted = set(group).intersection(transitions)
             conditions = [c for t in sorted(wanted) if (c := enabling[t]) is not None]
             if conditions:
-                found |= states - states.without(conditions)
-        return found
+                before |= states - states.without(conditions)
+        return before
 
     def firings(self, states: Zdd) -> Mapping[int, int]:
         """In how many of some states each transition has an edge."""
-        found: dict[int, int] = {}
+        firings: dict[int, int] = {}
         for group, where in self.groups:
             wanted = [(t, c) for t in group if (c := self.encoding.enabling[t]) is not None]
             counts = (states if where is self.everything else states & where).counts([c for _, c in wanted])
-            found.update((t, n) for (t, _), n in zip(wanted, counts, strict=True) if n)
-        return found
+            firings.update((t, n) for (t, _), n in zip(wanted, counts, strict=True) if n)
+        return firings
 
     @cached_property
     def later(self) -> list[tuple[list[int], Zdd]]:

@@ -113,14 +113,14 @@ class CompositeSpace(Glued):
 
     def enabling(self, transitions: Collection[int]) -> CompositeSet:
         """States with an edge of some of these transitions."""
-        allowed, found, parts = self.filtered(transitions), dict[str, Zdd](), self.everything.parts
+        allowed, enabling, parts = self.filtered(transitions), dict[str, Zdd](), self.everything.parts
         holders = (name for t in transitions for name in self.holders("transitions", t))
         for name in {*holders} if self.layout.toggles.keys().isdisjoint(transitions) else parts:
             if name in parts:
                 stage, part = self.stages[name], parts[name]
                 own = stage.type.graph.enabling(allowed(name).local or ())
-                found[name] = (part & own) | (part - part.without(stage.conditions(allowed(name))))
-        return CompositeSet(self, found)
+                enabling[name] = (part & own) | (part - part.without(stage.conditions(allowed(name))))
+        return CompositeSet(self, enabling)
 
     def crossing(self, among: CompositeSet, into: CompositeSet) -> Iterator[tuple[int, CompositeSet]]:
         """Transitions with edges from some states into others, each with the states before it."""

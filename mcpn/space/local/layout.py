@@ -151,11 +151,11 @@ class Layout:
 
     def _slots_true(self, values: Iterable[str]) -> set[int]:
         """The slots that are marked where facts have some values, each as ``fact=value``."""
-        facts, found = self.mission_net.usage.world.facts, set[int]()
+        facts, slots = self.mission_net.usage.world.facts, set[int]()
         for said in values:
             name, _, value = said.partition("=")
-            found |= {*self.slots_of([("fact", flag) for flag in flags(facts[name])[value]])}
-        return found
+            slots |= {*self.slots_of([("fact", flag) for flag in flags(facts[name])[value]])}
+        return slots
 
     @memoized
     def beside(

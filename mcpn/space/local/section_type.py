@@ -89,14 +89,14 @@ class SectionType:
         for states in self.ended.values():
             self.inside -= states
 
-    def _forgetting(self, encoding: Encoding, found: Zdd) -> Zdd:
+    def _forgetting(self, encoding: Encoding, stable: Zdd) -> Zdd:
         """Stable states as if what happens once had not happened yet."""
         by_role = self.net.by_role
         for name in self.part.once:
             still, gone = (by_role[role, name][0] for role in ("open", "happened"))
-            before = encoding.restricted(found, [gone])
-            found = (found - before) | before.images([encoding.event((gone,), (still,), ())])
-        return found
+            before = encoding.restricted(stable, [gone])
+            stable = (stable - before) | before.images([encoding.event((gone,), (still,), ())])
+        return stable
 
     # --- steps and closures: inside the section, or from inside to its ends ---
 

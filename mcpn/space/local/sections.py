@@ -147,7 +147,7 @@ class Stage(Levels):
 
     def named(self, own: Mapping[int, Found], beside: Mapping[int, Found]) -> Iterator[tuple[int, Found]]:
         """Values of both kinds of events by transition of the whole net: renames those of the local net."""
-        yield from ((self.transitions[t], found) for t, found in own.items())
+        yield from ((self.transitions[t], value) for t, value in own.items())
         yield from beside.items()
 
     def forth(self, part: Zdd, allowed: Allowed) -> Zdd:
@@ -208,7 +208,7 @@ class WholeNet:
 
     def _locate(
         self,
-        found: list[int],
+        indices: list[int],
         kind: Kind,
         part: LocalPart,
         type_: SectionType,
@@ -231,7 +231,7 @@ class WholeNet:
                 index = net.place_index if kind == "places" else net.transition_index
                 there = [index.get(own[i].name, NOWHERE) for i in here]
             for i, where in zip(here, there, strict=True):
-                found[i] = where
+                indices[i] = where
 
     def _drawn(self, part: LocalPart, type_: SectionType) -> MissionNet:
         """A section's local net: place by place that of its type, but for names."""

@@ -113,12 +113,12 @@ DEADLOCK = Deadlock()
 def joined(formula: And | Or) -> Formula:
     """A conjunction or disjunction of simplified formulas, simplified."""
     kind, absorbing = (And, FALSE) if isinstance(formula, And) else (Or, TRUE)
-    found: dict[Formula, None] = {}
+    members: dict[Formula, None] = {}
     for operand in formula.operands:
-        found.update(dict.fromkeys(operand.operands if isinstance(operand, kind) else (operand,)))
-    if absorbing in found or any(isinstance(f, Not) and f.operands[0] in found for f in found):
+        members.update(dict.fromkeys(operand.operands if isinstance(operand, kind) else (operand,)))
+    if absorbing in members or any(isinstance(f, Not) and f.operands[0] in members for f in members):
         return absorbing
-    return next(iter(found)) if len(found) == 1 else kind(*found)
+    return next(iter(members)) if len(members) == 1 else kind(*members)
 
 
 Goal: TypeAlias = Formula
@@ -145,10 +145,10 @@ def as_goal(formula: Formula, net: PetriNet, wanted: bool = True) -> Goal | None
         case Not((operand,)):
             return as_goal(operand, net, not wanted)
         case And(operands) | Or(operands):
-            found = [as_goal(operand, net, wanted) for operand in operands]
-            goals = [goal for goal in found if goal is not None]
+            parts = [as_goal(operand, net, wanted) for operand in operands]
+            goals = [goal for goal in parts if goal is not None]
             kind = And if isinstance(formula, And) == wanted else Or
-            return kind(*goals) if len(goals) == len(found) else None
+            return kind(*goals) if len(goals) == len(parts) else None
         case AtMost(weights, bound) if not wanted:
             return AtMost(tuple((place, -weight) for place, weight in weights), -bound - 1)
         case AtMost() | Deadlock():
