@@ -24,7 +24,6 @@ from mcpn.notebook import Told
 from mcpn.space.algebra import S, Space
 from mcpn.space.markings.explicit import Progress
 from mcpn.space.run import Run, run_of_fewest_events, transitions_of
-from mcpn.space.stable.clash_words import explained
 from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
@@ -284,6 +283,8 @@ def _broken(mission_net: MissionNet, error: SemanticsError) -> Verdict:
         name = "confluent"
         step(Doing.EXPLAINING)
         if isinstance(error, ConfluenceError):
+            from mcpn.space.stable.clash_words import explained
+
             error = explained(mission_net, error)
     net, index = mission_net.net, mission_net.net.transition_index
     runs = (names for names in error.runs if all(name in index for name in names))

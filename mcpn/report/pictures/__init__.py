@@ -1,1 +1,1 @@
-"""Pictures of a mission, made without any program or library for drawing."""
+"""Pictures: a mission as it is written, by a layout of its own; graphs, by Graphviz."""
