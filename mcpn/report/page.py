@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from mcpn import __version__
 from mcpn.report.assets import environment
-from mcpn.report.pages.identity import identity
+from mcpn.report.pages.identity import date, identity
 from mcpn.report.pages.live import live_data
 from mcpn.report.pages.story import runs_of, story, verdict_of_all
 from mcpn.report.pages.tables import tables
@@ -59,6 +59,7 @@ def page(findings: Findings, *, served: int = 0, robot: bool = False) -> str:
             name=mission_net.mission.name,
             description=mission_net.mission.description,
             identity=list(identity(findings)),
+            foot=f"mission {mission_net.mission.name}, made {date()} by mcpn {__version__}",
             picture=lay_out(root, mission_net.mission),
             alone=False,
             served=served,

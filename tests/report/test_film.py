@@ -156,7 +156,7 @@ def test_on_paper_nothing_is_cut(browser: Any, ulysse_findings: Findings, tmp_pa
     assert tab.locator("details.verdict ol").first.is_visible()
     for part in ("aside", "nav", ".zoom", "#lost"):
         assert not tab.locator(part).first.is_visible()
-    assert tab.locator(".sign").is_visible()
+    assert all(line.is_visible() for line in tab.locator(".sign").all())
     heads = tab.locator("section", has=tab.locator("h2", has_text="FMECA")).locator("th")
     boxes = [head.bounding_box() for head in heads.all()]
     assert [head.inner_text() for head in heads.all()][:3] == ["hardware", "objective", "severity"]
@@ -320,6 +320,22 @@ def test_a_long_mission(browser: Any, tmp_path: Path) -> None:
     tab.locator("#end").click()
     assert state(tab) == "The mission has ended in success."
     assert tab.locator("#place").text_content() == "1001 of 1001"
+    assert wrong == []
+
+
+def test_a_film_that_plays_is_brought_to_its_end(
+    browser: Any, ulysse_findings: Findings, tmp_path: Path
+) -> None:
+    """By the button, and step by step before the next step is due: then it plays no further."""
+    tab, wrong = opened(browser, page(ulysse_findings), tmp_path)
+    for press in ("#end", "#step"):
+        tab.locator(".story .replay").click()
+        assert tab.locator("#play").text_content() == "pause"
+        while tab.locator(press).is_enabled():
+            tab.locator(press).click()
+        tab.wait_for_timeout(1_000)  # the next step would be due
+        assert state(tab) == "The mission has ended in success."
+        assert tab.locator("#play").text_content() == "play"
     assert wrong == []
 
 

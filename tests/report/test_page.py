@@ -207,7 +207,7 @@ def test_the_page_answers_what_is_asked_first(ulysse_findings: Findings) -> None
         "this hardware is lost and not repaired: thruster_actuator; GPS_sensor and IMU_sensor together."
         in told
     )
-    assert "It survives the loss of any one of these alone: GPS_sensor, IMU_sensor." in told
+    assert "It can still succeed after the loss of any one of these alone: GPS_sensor, IMU_sensor." in told
     row = re.search(r"transect\.diving ?(goes on[^;]*); mission can still succeed", told)
     assert row is not None
     assert row[1] == "goes on in another mode (localisation: gps_localisation -> imu_localisation)"

@@ -44,8 +44,11 @@ def told(text: str, tmp_path: Path) -> tuple[Findings, dict[str, tuple[str, str]
 
 def test_a_mission_that_may_fly(tmp_path: Path) -> None:
     _, said = told('<objective name="a" activities="go"/>', tmp_path)
-    assert said["May it fly?"] == ("holds", "Yes. All required verdicts hold.")
+    stated = "the mission states no requirements of its own"
+    assert said["May it fly?"] == ("holds", f"Yes. All required verdicts hold; {stated}.")
     assert said["Can it succeed?"][0] == "holds"
+    assert said["What endangers the robot?"][1].startswith("Not known: the mission never says abort")
+    assert "What is taken for granted?" not in said
     assert said["What defeats it?"][1].endswith("not repaired: motor.")
     assert said["What must hold?"][1] == "The mission states no requirements of its own."
     assert said["What can never run?"][0] == "note"
@@ -62,6 +65,34 @@ def test_a_requirement_that_is_violated(tmp_path: Path) -> None:
         "fails",
         "0 of 1 requirements are met; violated: 'It never ends'.",
     )
+
+
+@pytest.mark.parametrize(
+    ("severities", "answer"),
+    [
+        (("advice",), "; 1 advised requirement is not met"),
+        (("advice", "advice"), "; 2 advised requirements are not met"),
+        (("required", "advice"), "; it meets all that it requires; 1 advised requirement is not met"),
+        (("required",), "; it meets all that it requires"),
+    ],
+)
+def test_a_yes_says_what_it_leaves_open(severities: tuple[str, ...], answer: str, tmp_path: Path) -> None:
+    """What is required holds here, and what is advised does not."""
+    absent = {"required": "deadlock &amp; !success &amp; !failure", "advice": "success"}
+    stated = "".join(
+        f'<requirement name="r{i}" severity="{of}"><absence of="{absent[of]}"/></requirement>'
+        for i, of in enumerate(severities)
+    )
+    _, said = told(f'{stated}<objective name="a" activities="go"/>', tmp_path)
+    assert said["May it fly?"] == ("holds", f"Yes. All required verdicts hold{answer}.")
+
+
+def test_hardware_that_never_fails_is_taken_for_granted(tmp_path: Path) -> None:
+    text = MISSION.replace('<hardware name="lamp"/>', '<hardware name="lamp" faulty="false"/>')
+    (tmp_path / "m.xml").write_text(text.format('<objective name="a" activities="go look"/>'))
+    found = findings(compose(read_mission(tmp_path / "m.xml")))
+    answer = next(a for a in story(found) if a.asked == "What is taken for granted?")
+    assert answer.said == "That these never fail, as the mission says of them: lamp."
 
 
 def test_an_end_that_is_not_safe_is_no_safe_end(tmp_path: Path) -> None:

@@ -145,9 +145,8 @@
     if (!film.length) return;
     if (place === film.length) place = 0;
     playing = setInterval(() => {
-      place += 1;
-      if (place >= film.length) pause();
-      show();
+      if (place + 1 >= film.length) pause();
+      seek(place + 1);
     }, EVERY);
     show();
   }
@@ -192,7 +191,7 @@
 
   const KEYS = new Map([["u", () => seek(place - 1)], ["ArrowLeft", () => seek(place - 1)],
     ["ArrowRight", () => seek(place + 1)], ["r", () => { pause(); seek(0); }], ["Home", () => seek(0)],
-    ["End", () => seek(film.length)], [" ", play], ["c", chance]]);
+    ["End", () => { pause(); seek(film.length); }], [" ", play], ["c", chance]]);
   for (const [id, does] of [["restart", "r"], ["undo", "u"], ["step", "ArrowRight"], ["end", "End"],
     ["play", " "], ["chance", "c"]]) {
     byId(id).addEventListener("click", KEYS.get(does));

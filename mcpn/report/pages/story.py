@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 MOST_TOLD = 8
 """Cut sets, or names, of one sentence; the tables have all."""
 
+ABORTED = "it ends in a safe way, not accomplished"
+
 MOST_LAST = 3
 """Events of a run that one sentence has."""
 
@@ -57,8 +59,21 @@ def verdict_of_all(check: MissionCheck) -> StoryLine:
     if not check.passed:
         unknown = len(check.undecided) + len(check.violated)
         return StoryLine("unknown", asked, f"Not proved. {unknown} of its questions have no answer.")
-    met = " It meets what it requires." if any(answer.required for answer in check.requirements) else ""
-    return StoryLine("holds", asked, f"Yes. All required verdicts hold.{met}")
+    return StoryLine("holds", asked, f"Yes. All required verdicts hold{_with_requirements(check)}.")
+
+
+def _with_requirements(check: MissionCheck) -> str:
+    """What a yes says of the mission's own requirements."""
+    answers = check.requirements
+    if not answers:
+        return "; the mission states no requirements of its own"
+    unmet = sum(not a.required and not a.met for a in answers)
+    met = "; it meets all that it requires" if any(a.required for a in answers) else ""
+    return (
+        f"{met}; {unmet} advised {'requirement is' if unmet == 1 else 'requirements are'} not met"
+        if unmet
+        else met
+    )
 
 
 def story(findings: Findings) -> Iterator[StoryLine]:
@@ -66,11 +81,11 @@ def story(findings: Findings) -> Iterator[StoryLine]:
     yield _success(findings)
     if findings.causes is not None:
         mission, safety = findings.causes.mission, findings.causes.safety
+        yield _safety(findings, None if safety is None else safety.cut_sets)
         yield _lost(mission.cut_sets, aborts=safety is not None)
         yield from _survived(findings)
-        if safety is not None:
-            yield _safety(findings, safety.cut_sets)
     yield from _required(findings.check)
+    yield from _granted(findings.check)
     if (chance := findings.risk) is not None:
         aborts = "" if chance.abort is None else f", is aborted with {chance.abort:.6g}"
         told = (
@@ -133,14 +148,11 @@ def _survived(findings: Findings) -> Iterator[StoryLine]:
         return [] if () in cut_sets else [h.name for h in faulty if h.name not in alone]
 
     succeeding = left(causes.mission.cut_sets)
-    if causes.safety is None:
-        if succeeding:
-            said = f"It survives the loss of any one of these alone: {', '.join(succeeding)}."
-            yield StoryLine("holds", asked, said)
-        return
     if succeeding:
-        said = f"It can succeed after the loss of any one of these alone: {', '.join(succeeding)}."
+        said = f"It can still succeed after the loss of any one of these alone: {', '.join(succeeding)}."
         yield StoryLine("holds", asked, said)
+    if causes.safety is None:
+        return
     aborting = [name for name in left(causes.safety.cut_sets) if name not in succeeding]
     if aborting:
         names = ", ".join(aborting)
@@ -152,15 +164,20 @@ def _together(lost: CutSet) -> str:
     return enumeration(lost) + (" together" if len(lost) > 1 else "")
 
 
-def _safety(findings: Findings, cut_sets: Sequence[CutSet]) -> StoryLine:
+def _safety(findings: Findings, cut_sets: Sequence[CutSet] | None) -> StoryLine:
     """What makes a mission that can abort end in neither success nor abort."""
-    asked, verdict = "What endangers the robot?", findings.check.verdicts["can_always_end_safely"]
+    asked = "What endangers the robot?"
+    if cut_sets is None:
+        said = "Not known: the mission never says abort, so none of its failures is told to be safe."
+        return StoryLine("note", asked, said)
+    verdict = findings.check.verdicts["can_always_end_safely"]
     if () in cut_sets:
         return StoryLine("fails", asked, "It can never succeed, and never be aborted.")
     if not cut_sets and verdict.holds is False:
         return _unsafe(findings, verdict.runs)
     if not cut_sets:
-        return StoryLine("holds", asked, "Whatever hardware is lost, it can still succeed or be aborted.")
+        said = f"Whatever hardware is lost, it can still succeed or be aborted: {ABORTED}."
+        return StoryLine("holds", asked, said)
     said = "It can neither succeed nor be aborted once this hardware is lost and not repaired:"
     return StoryLine("note", asked, f"{said} {_listed(cut_sets)}.")
 
@@ -196,6 +213,14 @@ def _required(check: MissionCheck) -> Iterator[StoryLine]:
     yield StoryLine(state, asked, f"{'; '.join(told)}.")
 
 
+def _granted(check: MissionCheck) -> Iterator[StoryLine]:
+    """Hardware of which the mission says that it never fails: nothing here speaks of its loss."""
+    if sound := [h.name for h in check.mission_net.mission.hardware if not h.faulty]:
+        more = f" and {len(sound) - MOST_TOLD} more" if len(sound) > MOST_TOLD else ""
+        said = f"That these never fail, as the mission says of them: {', '.join(sound[:MOST_TOLD])}{more}."
+        yield StoryLine("note", "What is taken for granted?", said)
+
+
 def _quoted(words: Sequence[str]) -> str:
     return enumeration([f"'{text}'" for text in words[:MOST_TOLD]])
 
@@ -220,7 +245,7 @@ def _unproved(findings: Findings) -> StoryLine:
         return StoryLine("unknown", asked, wrong)
     if findings.notes:
         return StoryLine("note", asked, " ".join(findings.notes))
-    said = "Nothing of this page. It speaks of the mission as written, not of drivers and control laws."
+    said = "All that this page says of the mission as written is proved. Drivers are no part of it."
     return StoryLine("holds", asked, said)
 
 
