@@ -114,7 +114,7 @@ class Dense:
                     ended = frozenset(self.runs[source] - self.runs[target])
                     if event.what in (What.SUCCESS, What.FAILURE, What.TIMEOUT):
                         ended |= {event.element}
-                    elif event.what is What.DECLARED and self.runs[source] & self.runs[target]:
+                    if self.runs[source] & self.runs[target]:
                         ended |= self.ended(markings[source], label, self.runs[source])
                     self.edges.append(Edge(source, target, event, ended, started))
 

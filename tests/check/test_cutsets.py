@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from mcpn.check.causes.cutsets import CutSet, CutSets, Moment
 from mcpn.check.causes.find import Causes
 from mcpn.check.causes.fmeca import fmeca
-from mcpn.check.causes.prospects import Prospects, refuse_reentry
+from mcpn.check.causes.prospects import Prospects
 from mcpn.check.engines import Engine
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.names import Names
@@ -329,8 +329,8 @@ def small(mission: Mission, max_states: int) -> MissionNet | None:
     """The net of a mission that every engine answers for, or ``None``."""
     found = compose(mission)
     try:
-        direct(found.net, max_states=max_states)
-        refuse_reentry(found.graph)
+        graph = direct(found.net, max_states=max_states)
+        assert Prospects(found, ArraySpace(graph)).objectives
     except (LimitError, SemanticsError) as error:
         returns_early(type(error).__name__)
         return None

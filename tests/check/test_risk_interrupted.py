@@ -18,7 +18,7 @@ import pytest
 from hypothesis import HealthCheck, Phase, assume, given, seed, settings
 from hypothesis import strategies as st
 
-from mcpn.check.causes.prospects import Prospects, refuse_reentry
+from mcpn.check.causes.prospects import Prospects
 from mcpn.check.causes.risk import Risk, risk
 from mcpn.check.engines import Engine
 from mcpn.check.spaces import spaces_of
@@ -246,8 +246,8 @@ def judge(mission: Mission) -> str:
     if len(found.net.transitions) > MOST_TRANSITIONS:
         return "too large"
     try:
-        refuse_reentry(found.graph)
         graph = direct(found.net, max_states=MOST_STATES)
+        assert Prospects(found, ArraySpace(graph)).objectives
     except (LimitError, ConfluenceError, DivergenceError) as error:
         return type(error).__name__
     numbers = Dense(found, graph).numbers()

@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from mcpn.check.causes.demands import entered_again, split_edges
 from mcpn.check.causes.linear_systems import CHUNK, Floats, csc_array, csr_array, splu
-from mcpn.check.causes.prospects import Prospects
+from mcpn.check.causes.prospects import Goal, Prospects
 from mcpn.net.events import What
 from mcpn.net.sections import Element
 from mcpn.net.templates import Role
@@ -59,6 +59,7 @@ class ListedChain:
         interrupting: By edge of a declared event its rate, 0 where the mission gives none; 0 for other edges.
         ending: Edges with which some objective ends.
         inside: Edges between its own states, or from these to its exits.
+        returning: Edges that leave it and enter it again.
     """
 
     def __init__(
@@ -90,11 +91,13 @@ class ListedChain:
         self.split = split_edges(self.graph, prospects.mission_net, carried, demanded) if demanded else None
         if self.split is not None:
             self.graph = self.split.graph
-            if again:
-                back = np.isin(exit_of, [self.exits.index(name) for name in again])[self.graph.targets]
-                back &= ~self.ended[self.graph.sources]
-                self.split = entered_again(self.split, back, status, self.carrying(What.START))
-                self.graph, again = self.split.graph, ()
+        self.returning: Mask = np.zeros(self.graph.edges, np.bool_)
+        if self.split is not None and again:
+            back = np.isin(exit_of, [self.exits.index(name) for name in again])[self.graph.targets]
+            back &= ~self.ended[self.graph.sources]
+            starts = self.carrying(What.START)
+            self.split, self.returning = entered_again(self.split, back, status, starts)
+            self.graph, again = self.split.graph, ()
         sources, targets = self.graph.sources, self.graph.targets
         self.failing = self._hardware_of(What.OUT_OF_SERVICE, carried)
         self.repaired = self._hardware_of(What.REPAIRED, carried)
@@ -115,6 +118,7 @@ class ListedChain:
             returning = np.isin(exit_of[targets], [self.exits.index(name) for name in again])
             first = self.entries[status[targets]]
             returning &= self.inside & (first >= 0)
+            self.returning = np.asarray(returning, np.bool_)
             self.graph = replace(self.graph, targets=np.where(returning, first, targets))
 
     def _hardware_of(self, what: What, carried: Sequence[Element]) -> Ints:
@@ -133,6 +137,13 @@ class ListedChain:
         wanted = np.zeros(len(self.graph.net.transitions), np.bool_)
         wanted[list(transitions)] = True
         return np.asarray(wanted[self.graph.labels], np.bool_)
+
+    def ending_run(self, goal: Goal[ArraySet]) -> Mask:
+        """Edges that end the present run of an objective."""
+        found = self.of(goal.ends) | self.returning
+        for t, states in goal.ends_from.items():
+            found |= self.of([t]) & states.mask[self.graph.sources]
+        return found
 
     def at_entries(self, states: npt.NDArray[T]) -> npt.NDArray[T]:
         """What is said of states, of the first one by status; zero where it is never entered so."""
@@ -212,7 +223,7 @@ class Chain:
                 self.rates[well] = rate * (1.0 - failure)
                 self.rates[badly & won[sources]] = rate * failure
                 # What ends the present run may lead back into the objective: that is another run.
-                going_on = running[sources] & running[targets] & may_happen & ~listed.of(goal.ends)
+                going_on = running[sources] & running[targets] & may_happen & ~listed.ending_run(goal)
                 failed |= badly & (running & ~self.graph.reaching(won, going_on))[sources]
         return failed
 

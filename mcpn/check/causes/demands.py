@@ -151,7 +151,7 @@ class _Splitting:
         raise AssertionError("what is in service may always fail")
 
 
-def entered_again(split: SplitEdges, returning: Mask, status: Ints, start: Mask) -> SplitEdges:
+def entered_again(split: SplitEdges, returning: Mask, status: Ints, start: Mask) -> tuple[SplitEdges, Mask]:
     """Leads edges that come back to the entry to the first states there, as the edges of the start do.
 
     Args:
@@ -159,6 +159,9 @@ def entered_again(split: SplitEdges, returning: Mask, status: Ints, start: Mask)
         returning: Edges to exits after which the section is entered again at once; they ask for nothing.
         status: By state, its status.
         start: The edges with which the section begins.
+
+    Returns:
+        The edges, and which of them come back so.
     """
     graph = split.graph
     columns = np.stack(
@@ -167,11 +170,12 @@ def entered_again(split: SplitEdges, returning: Mask, status: Ints, start: Mask)
     first: dict[int, list[tuple[int, int]]] = {}
     for source, _, target, asked in columns[start].tolist():
         first.setdefault(int(status[source]), []).append((target, asked))
-    rows = list[Sequence[int]]()
+    rows, came_back = list[Sequence[int]](), list[bool]()
     for row, back in zip(columns.tolist(), returning.tolist(), strict=True):
         ends = first.get(int(status[row[2]]), []) if back else []
         rows += [(row[0], row[1], target, asked) for target, asked in ends] or [row]
-    return _of_rows(graph, rows, split.answers)
+        came_back += [bool(ends)] * max(1, len(ends))
+    return _of_rows(graph, rows, split.answers), np.array(came_back, np.bool_)
 
 
 def _of_rows(graph: StateGraph, rows: Sequence[Sequence[int]], answers: Sequence[Asked]) -> SplitEdges:

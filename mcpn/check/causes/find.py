@@ -12,7 +12,7 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 from mcpn.check.causes.cutsets import CutSet, CutSets, Moment, Nonmonotone
-from mcpn.check.causes.prospects import CriticalEvent, Goal, Prospects, refuse_reentry
+from mcpn.check.causes.prospects import CriticalEvent, Goal, Prospects
 from mcpn.check.engines import Asked, Choice, answered
 from mcpn.check.spaces import Spaces, spaces_of
 from mcpn.errors import InputError
@@ -155,7 +155,6 @@ def find_causes(
         :mod:`mcpn.check.causes.chain`: how probable it all is.
     """
     spaces, mission_net = spaces_of(of), spaces_of(of).mission
-    refuse_reentry(mission_net.graph)
 
     def both(by: Choice) -> tuple[Space[Any], Space[Any]]:
         told = None if by.brief else progress

@@ -16,7 +16,7 @@ from itertools import compress
 from typing import Generic, NamedTuple, TypeAlias
 
 from mcpn.check.causes.effects import Case, Loss, Severity, changes, joined, local_effect, worth_telling
-from mcpn.check.causes.prospects import Goal, Prospects, refuse_reentry
+from mcpn.check.causes.prospects import Goal, Prospects
 from mcpn.check.verdicts.modes import Situation, said_by
 from mcpn.mission.flatten import Branch, ParallelSection
 from mcpn.net.events import What
@@ -77,9 +77,8 @@ def fmeca(prospects: Prospects[S], objectives: Collection[str] | None = None) ->
         hardware, then of objectives; also where the failure has no effect, so that no pair is missing.
 
     Raises:
-        LimitError: What aborts may lead back into what it stops.
+        LimitError: An event may end a block and enter it again, or lead to the beginning of a branch in it.
     """
-    refuse_reentry(prospects.mission_net.graph)
     return list(_Table(prospects).rows(objectives))
 
 

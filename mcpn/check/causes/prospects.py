@@ -10,15 +10,14 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Hashable, Iterable, Mapping, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
 from typing import Any, Generic, Literal, TypeAlias
 
+from mcpn.check.causes.reentry import Reentry
 from mcpn.check.verdicts.modes import Mode, said_by
-from mcpn.errors import LimitError
-from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
-from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.mission.flatten import ElementarySection, Section
 from mcpn.mission.static.handover import entries
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import ENDING, Event, What
@@ -26,36 +25,6 @@ from mcpn.space.algebra import Alike, Edge, Piece, S, Space, Without, partition
 from mcpn.space.images import ImageStore
 from mcpn.space.memoized import memoized
 from mcpn.space.run import Run, transitions_of
-
-
-def refuse_reentry(graph: ObjectivesGraph, around: tuple[ParallelSection, ...] = ()) -> None:
-    """Refuses missions in which one event may end a block while it runs, and enter it again.
-
-    A run of an objective there would end and another begin without a state between them.
-
-    Args:
-        graph: The mission's graph, or that of a branch.
-        around: The blocks around it, the innermost first.
-
-    Raises:
-        LimitError: There may be such an event.
-    """
-    for block in graph.sections:
-        if not isinstance(block, ParallelSection):
-            continue
-        early = {outcome for outcome, _ in block.deciding}
-        routes = {route for outcome, route in block.outcomes if outcome in early}
-        for outer, further in zip((block, *around), (*around, None), strict=True):
-            if outer.name in routes:
-                raise LimitError(
-                    f"an early end of {block.name}, or an abort, may lead back into {outer.name} at once: "
-                    "causes and numbers of risk cannot tell one run of its objectives from the next"
-                )
-            left = further is not None and not routes.isdisjoint((SUCCEED, FAIL, ABORT))
-            routes = {route for _, route in further.outcomes} if further is not None and left else set()
-        for branch in block.branches:
-            refuse_reentry(branch.graph, (block, *around))
-
 
 Kind: TypeAlias = Literal["objective", "pending", "done", "oos", "alive", "dead"]
 
@@ -69,12 +38,14 @@ class Goal(Generic[S]):
         running: States in which it is not decided yet; runs to it pass no others.
         won: States in which it is reached, or in which the event that reaches it may happen.
         ends: Transitions that end the present run, which no run to it takes.
+        ends_from: By transition that ends it from some states alone, these states.
     """
 
     name: str
     running: S
     won: S
     ends: frozenset[int] = frozenset()
+    ends_from: Mapping[int, S] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -185,7 +156,12 @@ class Prospects(Generic[S]):
         running = self.space.marked(self.places("objective", [name]))
         won = self.space.enabling(self.carrying(What.SUCCESS, name)) & running if running else running
         ends = frozenset().union(*(self.carrying(what, name) for what in ENDING))
-        return Goal(name, running, won, ends | interrupting)
+        return Goal(name, running, won, ends | interrupting, self.reentry.ending(name, running))
+
+    @cached_property
+    def reentry(self) -> Reentry[S]:
+        """Edges with which a block that runs is entered again."""
+        return Reentry(self.mission_net, self.space)
 
     @cached_property
     def begun(self) -> S:
@@ -201,10 +177,12 @@ class Prospects(Generic[S]):
         if isinstance(section, ElementarySection):
             # A retry ends one run and begins the next with one event.
             again = space.after(before & inside, self.objectives[section.name].ends)
+            again = again | self.reentry.entered(section, inside)
         else:
             names = [*(b.name for b in section.branches), *(inner.name for inner in section.walk())]
             kinds: tuple[Kind, ...] = ("objective", "pending", "done")
             running = running | space.marked([p for kind in kinds for p in self.places(kind, names)])
+            again = self.reentry.entered(section, running)
         entry = (space.after(before - running, self.everything) | again) & inside
         return space.reached(entry, transitions=self.failing | self.dying)
 
@@ -217,7 +195,9 @@ class Prospects(Generic[S]):
     @memoized
     def hopeful(self, goal: Goal[S], *, repairs: bool) -> S:
         """States from which a goal can be reached; where repairs are allowed, of hardware that is alive."""
-        return self.space.reaching(goal.won, goal.running, self.allowed(goal, repairs=repairs))
+        allowed, ends = self.allowed(goal, repairs=repairs), goal.ends_from.items()
+        guards = {t: self.space.everything - states for t, states in ends}
+        return self.space.reaching(goal.won, goal.running, allowed, guards or None)
 
     def losing(self, goal: Goal[S], *, repairs: bool) -> S:
         """States in which a goal is still open and can no longer be reached."""
@@ -265,6 +245,8 @@ class Prospects(Generic[S]):
         for t, states in self.space.crossing(goal.running - losing, losing) if losing else ():
             event = self.mission_net.net.transitions[t].event
             if event is None or t not in allowed:
+                continue
+            if t in goal.ends_from and not (states := states - goal.ends_from[t]):
                 continue
             for piece in self.space.pieces(states):
                 for (objectives, mode), count in self._counted(event, piece).items():

@@ -28,7 +28,7 @@ from functools import cache
 from typing import Any
 
 from mcpn.check.causes.chain import ListedChain
-from mcpn.check.causes.prospects import Prospects, refuse_reentry
+from mcpn.check.causes.prospects import Prospects
 from mcpn.check.causes.section_chains import ChainSection, Outlook, Sections
 from mcpn.check.spaces import spaces_of
 from mcpn.errors import InputError, LimitError
@@ -84,10 +84,9 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
 
     Raises:
         InputError: An objective that may run has no duration.
-        LimitError: There are too many states to be listed, or too much hardware to be remembered; or what
-            aborts may lead back into what it stops.
+        LimitError: There are too many states to be listed, or too much hardware to be remembered; or an
+            event may end a block and enter it again, or lead to the beginning of a branch in it.
     """
-    refuse_reentry(prospects.mission_net.graph)
     _refuse_unknown(prospects)
     limit = MAX_MARKINGS if max_states is None else max_states
     model = _sections(prospects, limit)
