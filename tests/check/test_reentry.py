@@ -9,9 +9,9 @@ from hypothesis import event, given
 from hypothesis import strategies as st
 
 from mcpn.check.causes.prospects import Prospects
-from mcpn.check.causes.reentry import blocks_entered_again
 from mcpn.check.causes.risk import risk
 from mcpn.check.engines import Engine
+from mcpn.check.reentry import blocks_entered_again
 from mcpn.check.spaces import spaces_of
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Block, Handler, Mission, Objective, Parallel, Recursive

@@ -15,7 +15,7 @@ from functools import cached_property
 from itertools import product
 from typing import Any, Generic, Literal, TypeAlias
 
-from mcpn.check.causes.reentry import Reentry
+from mcpn.check.reentry import Reentry
 from mcpn.check.verdicts.modes import Mode, said_by
 from mcpn.mission.flatten import ElementarySection, Section
 from mcpn.mission.static.handover import entries
