@@ -15,6 +15,7 @@ from mcpn.check.reentry import blocks_entered_again
 from mcpn.check.spaces import spaces_of
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Block, Handler, Mission, Objective, Parallel, Recursive
+from mcpn.mission.robot import Hardware
 from mcpn.net.compose import compose
 from mcpn.space.arrays import ArraySpace
 from mcpn.space.stable.alternatives import direct
@@ -76,17 +77,15 @@ def test_what_may_be_either_is_refused_with_its_line(engine: Engine, tmp_path: P
 
 
 SEVERAL = st.sampled_from([2, 2, 2, 3])
-MOST_STATES = 120
+MOST_STATES = 250
 
 
 @st.composite
 def returning(draw: st.DrawFn) -> Mission:
     """Blocks that end early, or are aborted, and whose routes lead back into them or into those around."""
-    resources = hw("h", "g")[: draw(st.sampled_from([1, 1, 2]))]
-    shared = tuple(type(h)(name=h.name, shared=True) for h in resources)
+    shared = (Hardware(name="h", shared=True),)
     # Each objective has an activity of its own: two that start one at the same moment would contend.
-    first, last = shared[0].name, shared[-1].name
-    ways: list[tuple[tuple[str, ...], ...]] = [((),), ((),), ((first,),), ((last,), ())]
+    ways: list[tuple[tuple[str, ...], ...]] = [((),), ((),), (("h",),), (("h",), ())]
     activities = tuple(activity(f"a{i}", *draw(st.sampled_from(ways))) for i in range(18))
     started = iter([a.name for a in activities])
     numbers = iter(range(100))
