@@ -1,6 +1,7 @@
 """Missions with shared data that grow: what a check costs beside listing the stable states along one run.
 
 Usage: ``python experiments/growth.py [--family NAME ...] [--sizes N ...] [--seconds S] [--python PYTHON]``
+or ``python experiments/growth.py --bars``
 
 Five families: a *ladder* of data, each made of the two before it or of one; *producers* with fallbacks, all
 of which one activity wants; branches that *share* one localisation, each with a sensor of its own; branches
@@ -8,13 +9,15 @@ with *drivers* of their own beside it; and a *natural* mission (sites, branches,
 interruption), of which one number grows at a time. Each row runs in a process of its own: CPU seconds and MB
 of the listing without proof, and of ``check`` with all verdicts. At the end it fits exponents: cost goes as
 size to that power. ``--python`` names another interpreter, with another mcpn installed, to run the same rows
-with beside.
+with beside. A check should take at most twice the listing and 0.3 s; the last column says by how much more it
+takes. ``--bars`` runs commands on large members instead, each beside the seconds and MB that it should keep.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import os
 import platform
 import resource
 import subprocess
@@ -24,6 +27,8 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from math import log
 from pathlib import Path
+
+from missions import Parameters, generate
 
 from mcpn.mission.model import SUCCEED, Block, Handler, Mission, Objective, Parallel, Recursive
 from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware, Robot, Software
@@ -155,14 +160,27 @@ def of_natural(parameter: str) -> Callable[[int], Mission]:
 
 FAMILIES: dict[str, tuple[Callable[[int], Mission], tuple[int, ...]]] = {
     "ladder": (ladder, (6, 10, 20, 30)),
-    "producers": (producers, (4, 8, 12)),
+    "producers": (producers, (4, 8, 10, 12)),
     "share": (share, (2, 4, 6, 8)),
-    "drivers": (drivers, (2, 4, 5, 6)),
-    "sites": (of_natural("sites"), (5, 100, 1000)),
-    "branches": (of_natural("branches"), (2, 3, 4, 5, 6)),
+    "drivers": (drivers, (2, 4, 5, 6, 8)),
+    "sites": (of_natural("sites"), (5, 100, 1000, 10_000)),
+    "branches": (of_natural("branches"), (2, 3, 4, 5, 6, 8)),
     "hardware": (of_natural("hardware"), (8, 16, 24, 40)),
     "data": (of_natural("data"), (5, 8, 10, 20)),
 }
+
+BARS: tuple[tuple[str, int, str, float, int | None], ...] = (
+    *((family, size, "check", 5, None) for family, size in (("data", 20), ("ladder", 30), ("producers", 12))),
+    *((family, 8, "check", 5, None) for family in ("share", "drivers", "branches")),
+    ("hardware", 40, "check", 5, None),
+    ("hardware", 40, "causes", 15, None),
+    ("hardware", 40, "controller", 10, None),
+    ("100 sections of", 30, "causes", 2, None),
+    ("sites", 10_000, "check", 15, 600),
+    ("sites", 10_000, "causes", 60, None),
+    ("sites", 10_000, "report", 60, None),
+)
+"""A family and a size, a command, the seconds and MB that it should take at most."""
 
 LIST = """
 import json, resource, sys, time
@@ -184,36 +202,33 @@ print(json.dumps([found.failing, time.process_time() - begin]))
 """
 
 
-def measured(python: str, script: str, path: Path, seconds: float) -> tuple[object, float, float] | None:
-    """What a script prints first, its CPU seconds and peak MB; nothing where it does not end in time."""
+def run(
+    arguments: Sequence[str], folder: Path, seconds: float
+) -> tuple[bytes, resource.struct_rusage] | None:
+    """What a program prints, and what it used; nothing where it fails, or does not end in time."""
     limit = int(seconds) + 1
 
     def bounded() -> None:
         resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))
         resource.setrlimit(resource.RLIMIT_AS, (8 << 30, 8 << 30))
 
-    run = subprocess.Popen(
-        [python, "-c", script, str(path)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        preexec_fn=bounded,
-        cwd=path.parent,
+    process = subprocess.Popen(
+        arguments, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, preexec_fn=bounded, cwd=folder
     )
-    assert run.stdout is not None
-    told = run.stdout.read()
-    _, status, used = _waited(run.pid)
-    run.returncode = status
-    if status or not told:
+    assert process.stdout is not None
+    told = process.stdout.read()
+    _, status, used = os.wait4(process.pid, 0)
+    process.returncode = status
+    return (told, used) if status in (0, 256) and told else None
+
+
+def measured(python: str, script: str, path: Path, seconds: float) -> tuple[object, float, float] | None:
+    """What a script prints first, its CPU seconds and peak MB; nothing where it does not end in time."""
+    found = run([python, "-c", script, str(path)], path.parent, seconds)
+    if found is None:
         return None
-    value, spent = json.loads(told)
-    return value, spent, used / 1024
-
-
-def _waited(pid: int) -> tuple[int, int, float]:
-    import os
-
-    number, status, usage = os.wait4(pid, 0)
-    return number, status, usage.ru_maxrss
+    value, spent = json.loads(found[0])
+    return value, spent, found[1].ru_maxrss / 1024
 
 
 def exponent(rows: Sequence[tuple[int, float]]) -> float:
@@ -229,6 +244,43 @@ def said(found: tuple[object, float, float] | None) -> str:
     return "-, -" if found is None else f"{found[1]:.2f}, {found[2]:.0f}"
 
 
+def over(listed: tuple[object, float, float] | None, checked: tuple[object, float, float] | None) -> str:
+    """By how many seconds a check took more than twice the listing and 0.3 s."""
+    if listed is None or checked is None:
+        return "-"
+    more = checked[1] - 2 * listed[1] - 0.3
+    return f"{more:.2f}" if more > 0 else "kept"
+
+
+def write(family: str, size: int, folder: str) -> Path:
+    """Writes a member of a family."""
+    many = family == "100 sections of"
+    made = generate(Parameters(100, 20, size, per_section=4)) if many else FAMILIES[family][0](size)
+    path = Path(folder) / f"{family.replace(' ', '_')}{size}.xml"
+    path.write_bytes(write_mission(made))
+    return path
+
+
+def print_bars(seconds: float) -> None:
+    """Prints what commands take beside what they should."""
+    print("| mission | command | should take, s, MB | took, s, MB | |\n|---|---|---|---|---|")
+    outputs = {"controller": ("-o", "controller"), "report": ("-o", "report.html")}
+    with tempfile.TemporaryDirectory() as folder:
+        for family, size, command, most, memory in BARS:
+            path = write(family, size, folder)
+            options = outputs.get(command, ("--json",))
+            found = run(
+                [sys.executable, "-m", "mcpn.cli", command, str(path), *options], path.parent, seconds
+            )
+            wanted = f"{most:g}" + (f", {memory}" if memory else "")
+            took, verdict = "-, -", "missed"
+            if found is not None:
+                spent, used = found[1].ru_utime, found[1].ru_maxrss / 1024
+                took = f"{spent:.2f}, {used:.0f}"
+                verdict = "kept" if spent <= most and (memory is None or used <= memory) else "missed"
+            print(f"| {family} {size} | {command} | {wanted} | {took} | {verdict} |", flush=True)
+
+
 def main() -> None:
     """Prints the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
@@ -236,25 +288,30 @@ def main() -> None:
     parser.add_argument("--sizes", nargs="+", type=int)
     parser.add_argument("--seconds", type=float, default=60, help="of CPU for each row (default 60)")
     parser.add_argument("--python", help="another interpreter to run the same rows with")
+    parser.add_argument("--bars", action="store_true", help="commands on large members instead")
     options = parser.parse_args()
+    if options.bars:
+        print_bars(options.seconds)
+        return
     pythons = [sys.executable, *([options.python] if options.python else [])]
     others = "| check beside, s, MB " * (len(pythons) - 1)
-    print(f"| family | size | stable states | listed, s, MB | check, s, MB {others}|")
-    print("|---|---|---|---|---|" + "---|" * (len(pythons) - 1))
+    print(f"| family | size | stable states | listed, s, MB | check, s, MB {others}| over |")
+    print("|---|---|---|---|---|---|" + "---|" * (len(pythons) - 1))
     begin = time.monotonic()
     fitted = {}
     with tempfile.TemporaryDirectory() as folder:
         for family in options.family:
-            made, sizes = FAMILIES[family]
             rows = []
-            for size in options.sizes or sizes:
-                path = Path(folder) / f"{family}{size}.xml"
-                path.write_bytes(write_mission(made(size)))
+            for size in options.sizes or FAMILIES[family][1]:
+                path = write(family, size, folder)
                 listed = measured(sys.executable, LIST, path, options.seconds)
                 checks = [measured(python, CHECK, path, options.seconds) for python in pythons]
                 states = "-" if listed is None else f"{listed[0]}"
                 rest = " | ".join(said(found) for found in checks)
-                print(f"| {family} | {size} | {states} | {said(listed)} | {rest} |", flush=True)
+                print(
+                    f"| {family} | {size} | {states} | {said(listed)} | {rest} | {over(listed, checks[0])} |",
+                    flush=True,
+                )
                 if checks[0] is not None:
                     rows.append((size, checks[0][1]))
             if len(rows) > 1:
