@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import importlib
+import itertools
 import json
 import os
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -56,6 +59,25 @@ def test_a_mission_runs_in_a_world(world: dict[str, str], tmp_path: Path) -> Non
     assert found.returncode == (0 if said["outcome"] == "success" else 1), found.stderr
     replayed = output("simulate", FOLDER / "problem1.xml", "--events", tmp_path / "log.jsonl")
     assert replayed["outcome"] == said["outcome"]
+
+
+def test_what_a_run_does_is_of_its_seed_and_not_of_the_machine(
+    roscon: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A way is found however long the machine takes for it, and the same one again."""
+    planner = pytest.importorskip("pyrobosim.navigation.rrt", reason="needs mcpn[worlds]")
+    monkeypatch.syspath_prepend(FOLDER)
+    actions = importlib.import_module("actions")
+    clock = itertools.count(0.0, 10.0)  # ten seconds between any two looks at it
+    monkeypatch.setattr(planner, "time", SimpleNamespace(time=lambda: next(clock)))
+    ways = []
+    for seed in (0, 0, 1):
+        world = actions.begin(roscon / "worlds" / "world4.yaml", seed)
+        way = world.robots[0].plan_path(goal="desk")
+        ways.append([(pose.x, pose.y) for pose in way.poses])
+        actions.end()
+    assert len(ways[0]) > 2
+    assert ways[0] == ways[1] != ways[2]
 
 
 @pytest.mark.slow
