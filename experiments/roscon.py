@@ -5,7 +5,7 @@ Usage: ``python experiments/roscon.py --roscon FOLDER [--runs N] [--seed S] [--j
 FOLDER (or ``MCPN_ROSCON``) has the workshop's worlds, as PyRoboSim reads them (``mcpn[worlds]``). Each
 mission is verified, and run N times with seeded failures (default 100); the share of successes is to be what
 risk says. Each run is replayed on the mission's net, and watched by its monitors; where the mission has ended
-well, the world must be as its goal says. It takes some half an hour for 100 runs of each on two
+well, the world must be as its goal says. It takes some thirty minutes for 100 runs of each on two
 busy cores. ``--write`` puts the table into papers/roscon.md.
 """
 
