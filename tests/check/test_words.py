@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from mcpn.check.engines import Engine
@@ -9,7 +11,8 @@ from mcpn.check.logic.questions import Questions
 from mcpn.check.verdicts.mission import check
 from mcpn.check.verdicts.modes import Situation
 from mcpn.errors import InputError
-from mcpn.mission.model import SUCCEED, Handler, Objective
+from mcpn.mission.model import SUCCEED, Handler, Objective, Recursive
+from mcpn.mission.robot import Fact
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event, What
 from mcpn.report.words import changes, event_in_words, what_happens
@@ -176,3 +179,30 @@ def test_a_word_about_nothing_of_the_mission_is_an_error(formula: str, words: st
     found = looking()
     with pytest.raises(InputError, match=words):
         Questions(found, on="alternatives").answer(formula)
+
+
+@pytest.mark.parametrize(
+    ("formula", "words"),
+    [
+        ("EF objective(walkk)", r"no objective is named walkk; did you mean rows\.walk\?"),
+        ("EF objective(extrakt)", r"no objective is named extrakt; did you mean extract\?"),
+        ("EF block(row)", r"no block is named row; did you mean rows\?"),
+        ("EF event(leek)", r"no event is named leek; did you mean leak\?"),
+        ("EF done(walkk)", r"no objective is named walkk; did you mean walk\?"),
+        ("EF done(walk)", r"done\(walk\) is not kept: no route, condition or requirement"),
+        ("EF fact(dor)=closed", r"no fact is named dor; did you mean door\?"),
+        ("EF abbort", r"no place is named abbort; did you mean abort\?"),
+    ],
+)
+def test_what_is_near_is_said_as_it_is_written(formula: str, words: str) -> None:
+    """One name for all rounds and tries, as an author writes it."""
+    of = robot((), activity("a", ()), events=("leak",))
+    of = replace(of, facts=(Fact(name="door", values=("open", "closed")),))
+    leaks = (Handler(event="leak", goto="fail"),)
+    walked = Objective(name="walk", activities=("a",), retries=1, handlers=leaks)
+    blocks = (
+        Recursive(name="rows", blocks=(walked,), repeat=12, failure="extract"),
+        Objective(name="extract", activities=("a",), repeat=3, success="abort", failure="abort"),
+    )
+    with pytest.raises(InputError, match=words):
+        Questions(compose(mission(of, *blocks)), on="alternatives").answer(formula)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from difflib import get_close_matches
 from functools import cached_property
 from itertools import islice
@@ -14,7 +14,7 @@ from mcpn.check.ltl.formulas import Happens
 from mcpn.errors import InputError
 from mcpn.mission.expansion.recovery import pausing, recovering
 from mcpn.mission.flatten import blocks_of
-from mcpn.mission.model import Each, Holder, walk
+from mcpn.mission.model import Each, Holder, Objective, walk
 from mcpn.mission.robot import BOOLEAN_VALUES
 from mcpn.mission.world.conditions import is_boolean, objective_done
 from mcpn.net.events import ENDING, START, Event, What
@@ -68,7 +68,8 @@ class Names:
 
     def place(self, name: str) -> int:
         """The index of a place."""
-        return self.net.place_index[_known(name, self.net.place_index, "place")]
+        alone = () if self.mission_net is None else ("success", "failure", "abort")
+        return self.net.place_index[_known(name, self.net.place_index, "place", alone)]
 
     def transition(self, name: str) -> int:
         """The index of a transition."""
@@ -152,7 +153,10 @@ class Names:
         if kind == "done":
             kept = [objective for fact in facts if (objective := objective_done(fact))]
             if name not in kept:
-                objectives = [s.name.rpartition(".")[2] for s in self.mission_net.graph.walk()]
+                mission = self.mission_net.mission
+                texts = (mission.blocks, *(protocol.blocks for protocol in mission.protocols))
+                every = (block for blocks in texts for block in walk(blocks))
+                objectives = [block.name for block in every if isinstance(block, Objective)]
                 done = _known(name, dict.fromkeys([*kept, *objectives]), "objective")
                 message = (
                     f"done({done}) is not kept: no route, condition or requirement of the mission reads it"
@@ -228,14 +232,26 @@ class Names:
         fitting = [known for known in names if known.endswith(f".{name}")]
         if len(fitting) > 1 and self.within:
             fitting = [known for known in fitting if known.startswith(self.within)] or fitting
-        return fitting[0] if name not in names and len(fitting) == 1 else _known(name, names, what)
+        if name not in names and len(fitting) == 1:
+            return fitting[0]
+        assert self.mission_net is not None
+        declared = [e.name for e in self.mission_net.mission.events] if what == "event" else []
+        return _known(name, names, what, [*declared, *self.folded(names)])
 
 
-def _known(name: str, names: Collection[str], what: str) -> str:
-    """The name, if it exists; else an error that lists what is near."""
+def _known(name: str, names: Collection[str], what: str, also: Sequence[str] = ()) -> str:
+    """The name, if it exists; else an error that lists what is near.
+
+    Args:
+        name: The name.
+        names: Those that there are.
+        what: What they name.
+        also: What else may be written there, which is listed first, as one name for all rounds and tries.
+    """
     if name in names:
         return name
-    near = get_close_matches(name, names, n=3)
+    near = get_close_matches(name, also, n=3) or get_close_matches(name, names, n=3)
+    names = list(dict.fromkeys([*also, *names]))
     if not near:  # the use of a protocol that qualifies a name may have been left out, or be another
         by_last = {known.rpartition(".")[2]: known for known in names}
         near = [by_last[last] for last in get_close_matches(name.rpartition(".")[2], by_last, n=3)]
