@@ -222,7 +222,8 @@ def resources(mission_net: MissionNet, now: Situation) -> Iterator[tuple[str, st
 
     Yields:
         The name, and ``free``, ``out of service``, ``used by …`` or ``produced by …``; of a fault
-        ``fault`` or ``no fault``, of what may crash ``crashed`` or ``not crashed``.
+        ``fault`` or ``no fault``, of what may crash ``crashed`` or ``not crashed``. What is detected late may
+        be ``out of service, unnoticed, used by …``.
     """
     activities = mission_net.usage.activities
     users: dict[str, list[str]] = {}
@@ -242,7 +243,8 @@ def resources(mission_net: MissionNet, now: Situation) -> Iterator[tuple[str, st
         elif name in faults:
             yield name, "fault" if name in now.out_of_service else "no fault"
         elif name in now.out_of_service or not affecting[name].isdisjoint(now.out_of_service):
-            yield name, "out of service"
+            use = f", unnoticed, used by {', '.join(users[name])}" if name in users else ""
+            yield name, f"out of service{use}"
         else:
             yield name, f"used by {', '.join(users[name])}" if name in users else "free"
     for activity in now.mode:

@@ -300,6 +300,11 @@ class Mission(Drawn, Element):
         return tuple(fault for robot in self.robots for fault in robot.faults)
 
     @property
+    def late(self) -> tuple[Hardware, ...]:
+        """Hardware whose loss is detected late, in document order."""
+        return tuple(h for robot in self.robots for h in robot.hardware if h.detected == "late")
+
+    @property
     def crashes(self) -> tuple[Crash, ...]:
         """What stands for activities and alternatives that may crash, in document order."""
         return tuple(as_crashes(activity for robot in self.robots for activity in robot.activities))

@@ -13,6 +13,7 @@ from typing import Annotated
 
 from mcpn.errors import Source
 from mcpn.mission.language.datatypes import (
+    DETECTION,
     OCCASION,
     STATUS,
     VALUE,
@@ -74,6 +75,11 @@ class Hardware(Element):
     )
     repairable: Annotated[bool, "false: once out of service it never comes back."] = True
     initial: Annotated[str, STATUS, "oos: out of service at the start, until it is repaired."] = "service"
+    detected: Annotated[
+        str,
+        DETECTION,
+        "late: the robot learns of its loss only from an activity that detects it, or as an objective fails.",
+    ] = "at_once"
     failure_rate: Annotated[Rate, "Failures per hour of service, for numbers of risk."] = None
     repair_rate: Annotated[Rate, "Repairs per hour out of service; without it nobody repairs."] = None
     demand_probability: Annotated[
@@ -188,6 +194,7 @@ class Activity(Element):
     switch_back: Annotated[
         bool, "true: it evaluates its alternatives again when a better one is possible again."
     ] = False
+    detects: Annotated[Resources, "Hardware detected late of which it finds out the loss while it runs."] = ()
     requires: Annotated[When, "What facts must be for any of its alternatives to be possible."] = ()
     faulty: Annotated[
         bool,

@@ -7,7 +7,13 @@ from collections.abc import Collection, Iterator, Mapping
 
 from mcpn.errors import InputError, Problem, Source
 from mcpn.mission.expansion.clashes import clashes
-from mcpn.mission.expansion.faults import Crash, crash_errors, failure_errors
+from mcpn.mission.expansion.faults import (
+    Crash,
+    crash_errors,
+    detected_twice,
+    detection_errors,
+    failure_errors,
+)
 from mcpn.mission.expansion.pauses import no_siblings, pause_problems
 from mcpn.mission.expansion.recovery import problems as recoveries
 from mcpn.mission.language.datatypes import NAME
@@ -111,12 +117,14 @@ class _Checks:
             for requirement in requirements:
                 yield from self.requirement(requirement)
         yield from failure_errors(mission.robots, self.hints)
+        yield from detected_twice(mission.activities)
         yield from self.products()
         yield from fact_errors(mission, self.hints)
         for robot in mission.robots:
             for activity in robot.activities:
                 yield from self.activity(activity)
                 yield from crash_errors(activity, self.named)
+                yield from detection_errors(activity, self.hardware, self.named, self.hints)
         yield from cycles(
             "activities need each other's resources",
             self.activities,

@@ -32,6 +32,8 @@ class What(StrEnum):
     """A hardware resource that is out of service is given up for good (:mod:`mcpn.net.mortal`)."""
     EARLIER = "earlier"
     """A handler that happens once has happened before this part of the mission; in nets of parts alone."""
+    DETECTED = "detected"
+    """The robot learns that a hardware resource is out of service which is detected late."""
     DECLARED = "declared"
     """An event that the mission declares by name."""
     NAMED = "named"
@@ -49,6 +51,7 @@ _FORMS = {
     What.REPAIRED: ("", "_EV_RD"),
     What.LOST: ("", "_EV_DEATH"),
     What.EARLIER: ("", "_EARLIER"),
+    What.DETECTED: ("", "_EV_DETECTED"),
     What.DECLARED: ("", "_EV"),
 }
 """Text before and after the element; no text ends like two of them."""

@@ -69,6 +69,8 @@ def what_happens(event: Event, mission: str) -> str:
             return f"the time of objective {name} is over"
         case What.OUT_OF_SERVICE:
             return f"{name} fails"
+        case What.DETECTED:
+            return f"the loss of {name} is noticed"
         case What.LOST:
             return f"{name} is lost for good"
         case What.REPAIRED:

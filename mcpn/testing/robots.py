@@ -48,6 +48,8 @@ class RobotDrawing(WorldDrawing):
         # Hardware that one activity may use at a time; who uses it, where no other may at all.
         self.exclusive_hardware: set[str] = set()
         self.users: dict[str, str] = {}
+        # Hardware detected late that no activity detects so far.
+        self.undetected: list[str] = []
 
     def island(self) -> Island:
         """One of the islands."""
@@ -105,6 +107,10 @@ class RobotDrawing(WorldDrawing):
         faulty = self.number(0, 4) > 0
         repairable = not (faulty and self.lasting())
         out = faulty and repairable and self.lasting()
+        shared = self.number(0, 1 if self.shape.own_hardware else 3) == 0
+        late = self.shape.late and faulty and not shared and self.number(0, 2) > 0
+        if late:
+            self.undetected.append(name)
         fails = self.value(0, 1e6) if faulty else None
         back = self.value(0, 1e6) if faulty and repairable else None
         return Hardware(
@@ -112,7 +118,8 @@ class RobotDrawing(WorldDrawing):
             faulty=faulty,
             repairable=repairable,
             initial="oos" if out else "service",
-            shared=self.number(0, 1 if self.shape.own_hardware else 3) == 0,
+            shared=shared,
+            detected="late" if late else "at_once",
             description=self.description(),
             failure_rate=fails,
             repair_rate=back,
@@ -147,8 +154,15 @@ class RobotDrawing(WorldDrawing):
             alternatives=tuple(ways),
             parameters=self.parameters(),
             description=self.description(),
+            detects=self.detected(),
             **self.crashing(),
         )
+
+    def detected(self) -> tuple[str, ...]:
+        """Hardware whose loss an activity finds out, that no other does."""
+        if not self.undetected or not self.chance():
+            return ()
+        return (self.undetected.pop(),)
 
     def crashing(self) -> Crashing:
         """Whether an activity, or an alternative, may crash, and how often; mostly not."""

@@ -48,6 +48,7 @@ class Shape:
         faults: Most common causes of failures, each of some hardware.
         lasting: Whether some hardware is never repaired, and some is out of service at the start.
         crashes: Whether some activities and alternatives may crash, and some of those never recover.
+        late: Whether the loss of some hardware is detected late, by an activity or as an objective fails.
         text: Whether descriptions and parameters are drawn.
         numbers: Whether rates, durations and probabilities are drawn, each or none.
         awkward_names: Whether names are drawn that look like parts of one another and of what nets and
@@ -81,6 +82,7 @@ class Shape:
     faults: int = 0
     lasting: bool = False
     crashes: bool = False
+    late: bool = False
     text: bool = False
     numbers: bool = False
     awkward_names: bool = False

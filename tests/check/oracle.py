@@ -85,7 +85,9 @@ class Play:
         return lambda marking: bool(marking[number])
 
     def out(self, marking: Marking) -> frozenset[str]:
-        return frozenset(h for h in self.hardware if marking[self.place[f"{h}_OOS"]])
+        return frozenset(
+            h for h in self.hardware if marking[self.place.get(f"{h}_gone", self.place[f"{h}_OOS"])]
+        )
 
     def subsets(self) -> list[frozenset[str]]:
         sizes = range(len(self.hardware) + 1)

@@ -62,6 +62,7 @@ def test_every_kind_of_event_is_said() -> None:
         What.LOST: "x is lost for good",
         What.EARLIER: "the handler x has happened before",
         What.REPAIRED: "x works again",
+        What.DETECTED: "the loss of x is noticed",
         What.DECLARED: "event x happens",
     }
     assert what_happens(Event.parse("GO"), "m") == "GO"

@@ -28,6 +28,11 @@ CRASHING = missions(sections=5, faults=1, aborts=1, lasting=True, crashes=True)
 CRASHING_APART = missions(
     sections=5, outputs=3, hardware=2, own_hardware=True, shared_activities=False, events=1, crashes=True
 )
+LATE = missions(sections=5, hardware=2, lasting=True, aborts=1, timeouts=1, late=True)
+"""Hardware whose loss is detected late."""
+LATE_APART = missions(
+    sections=5, outputs=3, own_hardware=True, shared_activities=False, events=1, faults=1, late=True
+)
 RECOVERING = st.integers(0, 1).flatmap(
     lambda facts: missions(
         sections=5,

@@ -21,6 +21,7 @@ FAILURE = "failure"
 TIMEOUT = "timeout"
 OUT_OF_SERVICE = "out of service"
 REPAIRED = "repaired"
+DETECTED = "detected"
 DECLARED = "declared"
 ABORTED = "abort"
 ENDS = {SUCCEED: SUCCESS, FAIL: FAILURE, ABORT: ABORTED}
@@ -47,6 +48,8 @@ class State:
         facts: The value of every fact; what objectives have succeeded, of those that are read.
         outcome: ``success``, ``failure`` or ``abort`` at the end, ``None`` before it and before the start.
         begun: Whether the mission has started.
+        unnoticed: Hardware out of service of which the robot does not know that it is.
+        suspected: That of it which is found out when who has it lets it go.
     """
 
     running: frozenset[str] = frozenset()
@@ -58,6 +61,8 @@ class State:
     facts: frozenset[tuple[str, str]] = frozenset()
     outcome: str | None = None
     begun: bool = False
+    unnoticed: frozenset[str] = frozenset()
+    suspected: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -109,6 +114,7 @@ class Interpreter:
             self.lasting |= {activity.name} if activity.faulty and not activity.recovers else set()
             ways = (way.name for way in activity.alternatives if way.faulty and not way.recovers)
             self.lasting |= {f"{activity.name}.{way}" for way in ways}
+        self.late = {h.name for h in hardware if h.detected == "late"}
         out = frozenset(h.name for h in hardware if h.initial == "oos")
         self.initial = State(out=out, facts=frozenset(values.items()))
         self.changing = {e.name: {c.fact: c.to for c in e.sets} for e in mission.events if e.sets}
@@ -124,9 +130,10 @@ class Interpreter:
     def possible(self, state: State) -> set[Happening]:
         """The events that may happen in a stable state."""
         found = {(OUT_OF_SERVICE, h) for h in self.faulty if h not in state.out}
-        found |= {(REPAIRED, h) for h in state.out - self.lasting}
+        found |= {(REPAIRED, h) for h in state.out - self.lasting - state.unnoticed}
         for name, (doing, rank) in state.activities:
             if doing is Doing.RUNS:
+                found |= {(DETECTED, h) for h in self.robot.activities[name].detects if h in state.unnoticed}
                 found |= {(OUT_OF_SERVICE, crash) for crash in self.robot.crashes(name, rank)}
         if not state.begun:
             found.add((START, ""))
@@ -135,7 +142,7 @@ class Interpreter:
             found.add((FAILURE, name))
             if self.objectives[name].timeout is not None:
                 found.add((TIMEOUT, name))
-            if runs.issuperset(self.objectives[name].activities):
+            if runs.issuperset(self.objectives[name].activities) and not self.misused(state, name):
                 found.add((SUCCESS, name))
         found.update(
             (DECLARED, name)
@@ -146,6 +153,20 @@ class Interpreter:
             (DECLARED, e.name) for e in self.mission.events if self.handling(self.root, e.name, state)
         )
         return found
+
+    def held(self, state: State) -> set[str]:
+        """What some activity has, or has asked for."""
+        return {k for _, consumes in self.robot.holding(self.robot_in(state)) for k in consumes}
+
+    def misused(self, state: State, objective: str) -> frozenset[str]:
+        """What somebody has though it is lost, and the objective may use, itself or through producers."""
+        reached, stack = set[str](), [*self.objectives[objective].activities]
+        while stack:
+            activity = self.robot.activities[stack.pop()]
+            consumed = {k for way in activity.alternatives for k in way.consumes} - reached
+            reached |= consumed
+            stack += [self.robot.producer[k] for k in consumed if k in self.robot.producer]
+        return state.unnoticed & self.held(state) & reached
 
     def handling(self, node: Node, event: str, state: State) -> list[tuple[Node, Handler]]:
         """The blocks that handle an event, in a block that runs: the innermost of each branch."""
@@ -176,7 +197,11 @@ class Interpreter:
         what, element = happening
         routes: list[tuple[Node, str | Node]] = []
         if what == OUT_OF_SERVICE:
-            state = replace(state, out=state.out | {element})
+            unnoticed = {element} & self.late
+            state = replace(state, out=state.out | {element}, unnoticed=state.unnoticed | unnoticed)
+        elif what == DETECTED:
+            noticed = {element}
+            state = replace(state, unnoticed=state.unnoticed - noticed, suspected=state.suspected - noticed)
         elif what == REPAIRED:
             state = replace(state, out=state.out - {element})
         elif what == START:
@@ -191,6 +216,8 @@ class Interpreter:
         else:
             node = self.objectives[element]
             occasion = SUCCESS if what == SUCCESS else FAILURE
+            if what != SUCCESS:
+                state = replace(state, suspected=state.suspected | self.misused(state, element))
             state = changed(state, {c.fact: c.to for c in node.sets if (c.on or SUCCESS) == occasion})
             done = f"done({node.written})"
             if what == SUCCESS and done in dict(state.facts):
@@ -212,7 +239,10 @@ class Interpreter:
             if name in after.pending - waiting:
                 sets = self.objectives[name].sets
                 after = changed(after, {c.fact: c.to for c in sets if c.on == START})
-        return self.reaction(replace(after, activities=self.at_rest(state)))
+        rest = self.at_rest(state)
+        learnt = state.suspected - self.held(replace(state, activities=rest))
+        after = replace(after, unnoticed=after.unnoticed - learnt, suspected=after.suspected - learnt)
+        return self.reaction(replace(after, activities=rest))
 
     def paused(self, node: Node, handler: Handler, state: State) -> Node:
         """What is run while a block pauses, made for the objective that runs in it."""
@@ -299,7 +329,8 @@ class Interpreter:
     def robot_in(self, state: State) -> Activities:
         """The activities of a state."""
         wanted = {name: self.objectives[name].activities for name in sorted(state.pending)}
-        return Activities(dict(state.activities), wanted, state.out, state.facts)
+        known, suspected = state.out - state.unnoticed, state.suspected
+        return Activities(dict(state.activities), wanted, known, state.facts, suspected)
 
     def at_rest(self, state: State) -> frozenset[tuple[str, At]]:
         """The activities when all that stops has stopped."""
@@ -316,6 +347,8 @@ class Interpreter:
             running=state.running | (state.pending - set(end.wanted)),
             pending=frozenset(end.wanted),
             activities=frozenset(end.at.items()),
+            unnoticed=state.unnoticed - end.out,
+            suspected=end.suspected,
         )
 
     # --- what is seen ------------------------------------------------------------------------------------

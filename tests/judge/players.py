@@ -177,12 +177,16 @@ def graphs(mission_net: MissionNet, max_states: int) -> Iterator[tuple[str, Play
         LimitError: There are too many states.
     """
     for engine in ENGINES:
+        if engine == "local" and mission_net.mission.late:
+            continue  # composition refuses what is detected late, as controllers do
         yield engine, OfGraph(mission_net, engine, max_states)
 
 
 def controllers(mission_net: MissionNet, max_states: int) -> Iterator[tuple[str, Player[Any]]]:
     """The simulator, and every form of controller, minimised and not; the modular one if there is one."""
     yield "simulator", OfSimulator(mission_net)
+    if mission_net.mission.late:
+        return
     for form in FORMS:
         controller = generate(mission_net, form, max_states=max_states)
         yield f"{form} controller", OfController(mission_net, controller)

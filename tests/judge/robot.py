@@ -47,12 +47,14 @@ class Activities:
         wanted: Activities that objectives have yet to start, by objective.
         out: Hardware out of service.
         facts: The value of every fact.
+        suspected: Hardware that is found to be out of service when who has it lets it go.
     """
 
     at: Mapping[str, At]
     wanted: Mapping[str, tuple[str, ...]]
     out: frozenset[str]
     facts: Facts = frozenset()
+    suspected: frozenset[str] = frozenset()
 
     def but(self, changes: Mapping[str, At | None]) -> Activities:
         """The same with some activities elsewhere; ``None`` for idle."""
@@ -61,7 +63,7 @@ class Activities:
 
     def key(self) -> tuple[object, ...]:
         """What tells two moments apart."""
-        return frozenset(self.at.items()), frozenset(self.wanted), self.out, self.facts
+        return frozenset(self.at.items()), frozenset(self.wanted), self.out, self.facts, self.suspected
 
 
 def so(facts: Facts, words: Iterable[str]) -> bool:
@@ -103,7 +105,7 @@ class Robot:
         seen, stack = {start.key()}, [start]
         while stack and len(ends) < 2:
             now = stack.pop()
-            after = self.move(now)
+            after = [self.noticed(one) for one in self.move(now)]
             if not after:
                 ends[now.key()] = now
             for one in after:
@@ -111,6 +113,12 @@ class Robot:
                     seen.add(one.key())
                     stack.append(one)
         return list(ends.values())
+
+    def noticed(self, now: Activities) -> Activities:
+        """What is suspected and nobody has any more is out of service, and known to be."""
+        held = {k for _, consumes in self.holding(now) for k in consumes} if now.suspected else set()
+        found = now.suspected - held
+        return replace(now, out=now.out | found, suspected=now.suspected - found) if found else now
 
     def stopped(self, now: Activities) -> Activities:
         """Every producer stopped that nobody needs, and those that only these needed."""

@@ -103,6 +103,19 @@ def test_crashes_where_nothing_contends(of: Mission) -> None:
     assert check(of) != "undetermined"
 
 
+@fewer(0.5)
+@given(drawn.LATE)
+def test_hardware_that_is_detected_late(of: Mission) -> None:
+    event(f"detected late: {len(of.late)}")
+    check(of)
+
+
+@fewer(0.5)
+@given(drawn.LATE_APART)
+def test_late_detection_where_nothing_contends(of: Mission) -> None:
+    assert check(of) != "undetermined"
+
+
 @given(drawn.RECOVERING)
 def test_blocks_that_recover(of: Mission) -> None:
     event(f"recovers: {any(block.recover for block in walk(of.blocks))}")

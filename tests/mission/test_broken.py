@@ -639,6 +639,43 @@ BROKEN: dict[str, tuple[str, int, str]] = {
         7,
         "activity b is faulty, though a resource is called b too",
     ),
+    "hardware detected at some time": (robot("<hardware name='G' detected='soon'/>"), 7, "detected"),
+    "hardware that cannot fail is detected late": (
+        robot("<hardware name='G' faulty='false' detected='late'/>"),
+        7,
+        "G is detected late, though it cannot fail",
+    ),
+    "shared hardware is detected late": (
+        robot("<hardware name='G' shared='true' detected='late'/>"),
+        7,
+        "G is detected late and shared",
+    ),
+    "activity that detects what is known": (
+        robot("<activity name='b' consumes='H' detects='H'/>"),
+        7,
+        "activity b detects H, whose loss is known at once: say that it is detected late",
+    ),
+    "activity that detects what is not declared": (
+        robot("<activity name='b' consumes='H' detects='HH'/>"),
+        7,
+        "activity b detects HH, which is not declared",
+    ),
+    "activity that detects software": (
+        robot(
+            "<hardware name='G'/><software name='s'/><activity name='p' produces='s' consumes='G'/>"
+            "<activity name='b' consumes='H' detects='s'/>"
+        ),
+        7,
+        "activity b detects s, which is no hardware",
+    ),
+    "hardware that two activities detect": (
+        robot(
+            "<hardware name='G' detected='late'/><activity name='b' consumes='G' detects='G'/>"
+            "<activity name='c' consumes='H' detects='G'/>"
+        ),
+        7,
+        "activities b and c both detect G, expected one of them",
+    ),
     "fault of nothing": (robot("<fault name='f' affects=''/>"), 7, "fault f affects nothing"),
     "fault without what it affects": (robot("<fault name='f'/>"), 7, "<fault> has no attribute affects"),
     "fault of what is not declared": (

@@ -30,7 +30,7 @@ RELAX_NG = etree.RelaxNG(etree.parse(SCHEMA))
 DRAWN = (
     missions(text=True, numbers=True, max_events=2, facts=2)
     | missions(max_sections=12, max_events=1, pauses=7)
-    | missions(max_sections=6, facts=3, lasting=True, crashes=True, numbers=True)
+    | missions(max_sections=6, facts=3, lasting=True, crashes=True, late=True, numbers=True)
 )
 ATTRIBUTES = [(name, a) for name, tag in language().items() for a in tag.attributes.values()]
 DATATYPES = {a.datatype.name: a.datatype for _, a in ATTRIBUTES if a.datatype.pattern is not None}
@@ -229,6 +229,7 @@ def test_the_schema_and_the_reader_know_the_same_texts(name: str, data: st.DataO
 
 REFERS = {
     "affects": "resource",
+    "detects": "resource",
     "consumes": "resource",
     "produces": "resource",
     "activities": "activity",

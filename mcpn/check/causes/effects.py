@@ -90,6 +90,7 @@ class Case:
         mission_regained: Whether the mission can.
         safety_regained: Whether the mission can be aborted again, or succeed.
         elsewhere: By objective in other branches of the same block, what it does there, in words.
+        found: Whether the robot may learn of it next, where it is detected late.
     """
 
     severity: Severity
@@ -103,6 +104,7 @@ class Case:
     mission_regained: bool = False
     safety_regained: bool = False
     elsewhere: tuple[tuple[str, str], ...] = ()
+    found: bool = False
 
     def objective_effect(self) -> str:
         """What it means for the objective."""
@@ -119,6 +121,12 @@ class Case:
         of = usage.hardware[hardware]
         if isinstance(of, Crash):
             return f"at once: {of.activity} has crashed"
+        if of.detected == "late":
+            finding = [a.name for a in usage.activities.values() if hardware in a.detects]
+            if self.found:
+                return f"by {finding[0]}, which runs"
+            later = f"late, by {finding[0]} when it runs" if finding else "late"
+            return f"{later}, or as an objective fails that uses it"
         users = [
             activity
             for activity, chosen in self.before.mode.items()

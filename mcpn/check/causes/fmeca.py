@@ -266,7 +266,14 @@ class _Table(Generic[S]):
             if states and severity:
                 yield from self.distinct(severity, states, transition, hardware, goal)
             elif states:
-                yield self.without_effect(states, goal)
+                yield replace(
+                    self.without_effect(states, goal), found=self.found(states, transition, hardware)
+                )
+
+    def found(self, states: S, transition: int, hardware: str) -> bool:
+        """Whether the robot may learn of a failure next, where that is detected late."""
+        finding = self.prospects.carrying(What.DETECTED, hardware)
+        return bool(finding) and bool(states & self.leading(self.space.enabling(finding), [transition]))
 
     def without_effect(self, states: S, goal: Goal[S]) -> Case:
         """That nothing changes, told of the states with the best prospects."""
@@ -300,7 +307,8 @@ class _Table(Generic[S]):
             mission, *safety = (bool(was) and not now for was, now in zip(loss[::2], still, strict=False))
             regained = gone and not still_gone, mission, any(safety)
             elsewhere = self.elsewhere(those, transition, goal.name) if before == after else ()
-            yield Case(severity, before, after, back, already, gone, loss, *regained, elsewhere)
+            found = self.found(those, transition, hardware)
+            yield Case(severity, before, after, back, already, gone, loss, *regained, elsewhere, found)
 
     def elsewhere(self, states: S, transition: int, name: str) -> tuple[tuple[str, str], ...]:
         """By objective in another branch of the blocks around, what a failure does to its mode, in words."""

@@ -32,6 +32,7 @@ from mcpn.check.causes.prospects import Prospects
 from mcpn.check.causes.section_chains import ChainSection, Outlook, Sections
 from mcpn.check.spaces import spaces_of
 from mcpn.errors import InputError, LimitError
+from mcpn.mission.expansion.faults import refuse_late
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.static.warnings import of_objectives
 from mcpn.mission.world.conditions import all_flags
@@ -87,6 +88,7 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
         LimitError: There are too many states to be listed, or too much hardware to be remembered; or an
             event may end a block and enter it again, or lead to the beginning of a branch in it.
     """
+    refuse_late(prospects.mission_net.mission.late, "numbers of risk do")
     _refuse_unknown(prospects)
     limit = MAX_MARKINGS if max_states is None else max_states
     model = _sections(prospects, limit)

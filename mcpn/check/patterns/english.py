@@ -31,6 +31,7 @@ _EVENTS = {
     What.FAILURE: "the failure of {0}",
     What.OUT_OF_SERVICE: "the loss of {0}",
     What.REPAIRED: "the return of {0}",
+    What.DETECTED: "the detection of the loss of {0}",
 }
 
 

@@ -12,10 +12,10 @@ Source: K. N. Fleming, *A reliability model for common mode failures in redundan
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Sequence
+from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from mcpn.errors import Problem
+from mcpn.errors import LimitError, Problem
 from mcpn.mission.near import Hints
 from mcpn.mission.robot import Activity, Alternative, Fault, Hardware, Robot
 
@@ -105,6 +105,13 @@ def failure_errors(robots: Sequence[Robot], hints: Hints) -> Iterator[Problem]:
             yield Problem(
                 h.source, f"{h.name} has a demand_probability, though it cannot fail (faulty is false)"
             )
+        if h.detected == "late" and not h.faulty:
+            yield Problem(h.source, f"{h.name} is detected late, though it cannot fail (faulty is false)")
+        elif h.detected == "late" and h.shared:
+            message = (
+                f"{h.name} is detected late and shared: who of those that use it notices is not told yet"
+            )
+            yield Problem(h.source, f"{message}; expected hardware of one activity at a time")
         if not h.faulty and h.initial == "oos":
             yield Problem(h.source, f"{h.name} is out of service at the start, though it cannot fail")
         if not h.repairable and not h.faulty:
@@ -126,6 +133,50 @@ def failure_errors(robots: Sequence[Robot], hints: Hints) -> Iterator[Problem]:
             elif name not in hardware:
                 message = f"fault {fault.name} affects {name}, which is not declared"
                 yield Problem(fault.source, message + hints.known(name, hardware))
+
+
+def refuse_late(late: Iterable[Hardware], who: str, instead: str = "") -> None:
+    """Refuses hardware that is detected late, for who does not know it.
+
+    Raises:
+        LimitError: There is some.
+    """
+    for h in late:
+        message = f"{h.name} is detected late, which {who} not know yet{instead}"
+        raise LimitError(f"{h.source}: {message}" if h.source else message)
+
+
+def detection_errors(
+    activity: Activity, hardware: Mapping[str, Hardware], known: Collection[str], hints: Hints
+) -> Iterator[Problem]:
+    """What makes invalid what an activity says that it detects.
+
+    Args:
+        activity: The activity.
+        hardware: All that robots declare, by name.
+        known: The names of all resources.
+        hints: At names that are near.
+    """
+    for name in dict.fromkeys(activity.detects):
+        said = f"activity {activity.name} detects {name}"
+        if name in hardware and hardware[name].detected != "late":
+            yield Problem(
+                activity.source, f"{said}, whose loss is known at once: say that it is detected late"
+            )
+        elif name not in hardware and name in known:
+            yield Problem(activity.source, f"{said}, which is no hardware")
+        elif name not in hardware:
+            yield Problem(activity.source, f"{said}, which is not declared{hints.known(name, hardware)}")
+
+
+def detected_twice(activities: Iterable[Activity]) -> Iterator[Problem]:
+    """Hardware whose loss several activities find out."""
+    by: dict[str, str] = {}
+    for activity in activities:
+        for name in dict.fromkeys(activity.detects):
+            if (other := by.setdefault(name, activity.name)) != activity.name:
+                message = f"activities {other} and {activity.name} both detect {name}, expected one of them"
+                yield Problem(activity.source, message)
 
 
 def crash_errors(activity: Activity, resources: Container[str]) -> Iterator[Problem]:

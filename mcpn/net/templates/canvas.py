@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from functools import partial
+from itertools import product
 from typing import Literal, TypeAlias
 
-from mcpn.errors import Source
+from mcpn.errors import LimitError, Source
 from mcpn.mission.flatten import ObjectivesGraph, ParallelSection
 from mcpn.mission.robot import Activity, Alternative, Fact
 from mcpn.mission.static.usage import Usage
-from mcpn.net.events import Event
+from mcpn.net.events import ENDING, Event, What
 from mcpn.net.petri import NetBuilder, Provenance
 from mcpn.net.templates.names import names_of
 
@@ -56,6 +58,9 @@ for the release, and holds nothing (:meth:`~mcpn.mission.static.usage.Usage.wait
 ``("alive", "GPS_sensor")``, ``("dead", "GPS_sensor")``: it may be repaired, or is lost for good (only in
 :mod:`mcpn.net.mortal`).
 """
+
+MAX_LATE = 4
+"""Hardware detected late that one objective may use: its failure is drawn for each way in which it may be."""
 
 MAX_COMBINED = 6
 """Children of a parallel block up to which each combination of outcomes has a transition of its own."""
@@ -167,6 +172,53 @@ class Canvas(NetBuilder):
         self.ranks = Ranks(usage)
         self.roles: dict[str, Role] = {}
         self.most_combined = MAX_COMBINED
+        late = {h.name for h in usage.mission.late}
+        sections = usage.graph.walk() if late else ()
+        self._late = {section.name: self._may_use(section.activities, late) for section in sections}
+
+    def _may_use(self, activities: Iterable[str], late: set[str]) -> list[str]:
+        """Hardware detected late that some activities, or those that may produce for them, consume."""
+        reached = frozenset[str]().union(*(self.usage.closure(name) for name in activities))
+        used = self.usage.resources_of(reached)
+        return [h.name for h in self.usage.mission.late if h.name in used & late]
+
+    def transition(
+        self,
+        name: str,
+        *,
+        consume: Iterable[str] | Mapping[str, int] = (),
+        produce: Iterable[str] | Mapping[str, int] = (),
+        read: Iterable[str] | Mapping[str, int] = (),
+        event: Event | None = None,
+        rank: int = 0,
+        provenance: Provenance | None = None,
+    ) -> None:
+        """Declares a transition; one that ends an objective asks how hardware is that is detected late.
+
+        The objective succeeds only while nothing of it that it may use is lost and in use. Where it fails
+        while something is, that is suspected, and known to be lost when who uses it lets it go.
+        """
+        late = self._late.get(event.element, ()) if event is not None and event.what in ENDING else ()
+        draw = partial(super().transition, event=event, rank=rank, provenance=provenance)
+        if event is None or not late:
+            draw(name, consume=consume, produce=produce, read=read)
+            return
+        well = event.what is What.SUCCESS
+        if len(late) > MAX_LATE and not well:
+            found = f"objective {event.element} may use {len(late)} resources detected late"
+            raise LimitError(f"{found}, the limit is {MAX_LATE}")
+        for ways in product(*(("fine",) if well else ("fine", "suspecting", "suspected") for _ in late)):
+            taken, put, asked = list(consume), list(produce), list(read)
+            for hardware, way in zip(late, ways, strict=True):
+                part = partial(self.place_of, "hardware", hardware)
+                asked.append(part("fine") if way == "fine" else part("misused"))
+                if way == "suspecting":
+                    taken.append(part("trusted"))
+                    put.append(part("suspected"))
+                elif way == "suspected":
+                    asked.append(part("suspected"))
+            plain = all(way == "fine" for way in ways)
+            draw(name if plain else f"{name}_{'_'.join(ways)}", consume=taken, produce=put, read=asked)
 
     def owners(self, resource: str) -> list[str | None]:
         """Whose interfaces of a resource are drawn (``None``: it has one for all)."""

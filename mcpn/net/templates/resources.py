@@ -19,6 +19,9 @@ def draw_hardware(canvas: Canvas, resource: Hardware) -> None:
         canvas: Where to draw.
         resource: The resource.
     """
+    if resource.detected == "late":
+        _draw_late(canvas, resource)
+        return
     r = resource.name
     pen, ready = canvas.of("hardware", r, resource.source), _ready(canvas, resource)
     free, busy = pen.place("free", initial=ready), pen.place("busy")
@@ -47,6 +50,58 @@ def draw_hardware(canvas: Canvas, resource: Hardware) -> None:
     pen.transition("9", [free, take], [busy, answer])
     canvas.unit([free, busy, *([oos, failing] if resource.faulty else [])])
     canvas.unit([available, take, answer, release, *([error] if resource.faulty else [])])
+
+
+def _draw_late(canvas: Canvas, resource: Hardware) -> None:
+    """Draws hardware whose loss is detected late: 17 places, and 12 transitions or more.
+
+    What the robot knows of it is as of other hardware. Beside it stands whether it is *well* or *gone*;
+    whether it is *misused*, gone and in use; and whether it is *suspected*, since an objective has failed
+    that may use it while it was misused. What is suspected is out of service when it is released.
+    """
+    r, ready = resource.name, _ready(canvas, resource)
+    pen = canvas.of("hardware", r, resource.source)
+    free, busy = pen.place("free", initial=ready), pen.place("busy")
+    out, failing = pen.place("OOS", initial=1 - ready), pen.place("failing")
+    watched = _watched(canvas, pen, resource)
+    available, take = pen.place("available", initial=ready), pen.place("take")
+    answer, release, error = pen.place("answer"), pen.place("release"), pen.place("error")
+    well, gone = pen.place("well", initial=ready), pen.place("gone", initial=1 - ready)
+    canvas.role(gone, ("oos", r))
+    fine, misused = pen.place("fine", initial=1), pen.place("misused")
+    trusted, suspected = pen.place("trusted", initial=1), pen.place("suspected")
+    fails, seen, returns = (Event(w, r) for w in (What.OUT_OF_SERVICE, What.DETECTED, What.REPAIRED))
+    pen.transition("EV_OOS_f", [well], [gone], read=[free], event=fails)
+    pen.transition("EV_OOS_b", [well, fine], [gone, misused], read=[busy], event=fails)
+    for number, running in enumerate(_detecting(canvas, r), 1):
+        pen.transition(
+            f"EV_DETECTED_f{number}", [free, *watched], [failing], read=[gone, running], event=seen
+        )
+        lost, told = [busy, answer, misused, *watched], [failing, error, fine]
+        pen.transition(f"EV_DETECTED_b{number}", lost, told, read=[running, trusted], event=seen)
+        lost, told = [*lost, suspected], [*told, trusted]
+        pen.transition(f"EV_DETECTED_s{number}", lost, told, read=[running], event=seen)
+    pen.transition("3", [failing, available], [out])
+    pen.transition("4", [failing, release], [out])
+    if resource.repairable:
+        pen.transition("EV_RD", [out, gone], [free, available, well, *watched], event=returns)
+    pen.transition("8", [busy, release], [free, available], read=[well])
+    pen.transition("8g", [busy, release, misused], [free, available, fine], read=[trusted])
+    pen.transition("8s", [busy, release, misused, suspected, *watched], [out, fine, trusted])
+    pen.transition("9", [free, take], [busy, answer], read=[well])
+    pen.transition("9g", [free, take, fine], [busy, answer, misused], read=[gone])
+    canvas.unit([free, busy, out, failing])
+    canvas.unit([available, take, answer, release, error])
+    for pair in ([well, gone], [fine, misused], [trusted, suspected]):
+        canvas.unit(pair)
+
+
+def _detecting(canvas: Canvas, hardware: str) -> Iterator[str]:
+    """The places that say that an alternative runs of an activity that detects the loss of some hardware."""
+    for activity in canvas.usage.activities.values():
+        if hardware in activity.detects and ("activity", activity.name) not in canvas.left_out:
+            for number in range(1, len(activity.alternatives) + 1):
+                yield canvas.place_of("activity", activity.name, f"active{number}")
 
 
 def _ready(canvas: Canvas, resource: Hardware) -> int:

@@ -1,0 +1,197 @@
+"""Loss that is detected late: what can still succeed, causes by brute force, and who refuses it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from mcpn.check.causes.effects import Severity
+from mcpn.check.causes.fmeca import fmeca
+from mcpn.check.causes.risk import risk
+from mcpn.check.engines import Engine
+from mcpn.check.verdicts.mission import check
+from mcpn.controller.generate import Form, generate
+from mcpn.controller.simulator import Simulation, resources
+from mcpn.errors import LimitError, SemanticsError
+from mcpn.mission.model import Mission
+from mcpn.mission.writer import written
+from mcpn.mission.xml import read_mission
+from mcpn.net.compose import compose
+from mcpn.net.events import Event
+from mcpn.net.templates.compact import CompactTemplates
+from mcpn.space.stable.alternatives import direct
+from mcpn.study import Study
+from mcpn.testing import missions
+from tests.check.asked import Asked
+from tests.check.oracle import fragile_missions
+from tests.check.test_cutsets import confirm
+from tests.check.test_fmeca import assert_severities
+from tests.commands import mcpn
+from tests.draws import fewer
+
+KNOWING: tuple[Engine, ...] = ("explicit", "symbolic")
+FORMS: tuple[Form, ...] = ("flat", "hierarchical", "modular")
+
+PHOTO = """<mission name="photo" xmlns="urn:mcpn:mission:1">
+  <robot name="drone">
+    <hardware name="camera" detected="late" failure_rate="1"/>
+    <hardware name="sonar"/>
+    <activity name="look">
+      <alternative name="by_eye" consumes="camera"/>
+      <alternative name="by_ear" consumes="sonar"/>
+    </activity>
+    <activity name="self_test" consumes="" detects="camera"/>
+  </robot>
+  {first}<objective name="search" activities="look" duration="1" retries="{tries}"/>
+</mission>
+"""
+TEST = '<objective name="test" activities="self_test" duration="1"/>'
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "photo.xml"
+
+
+def photo(path: Path, first: str = "", tries: int = 0) -> Mission:
+    path.write_text(PHOTO.format(first=first, tries=tries))
+    return read_mission(path)
+
+
+@pytest.mark.parametrize("engine", KNOWING)
+def test_what_is_lost_unnoticed_does_not_serve(path: Path, engine: Engine) -> None:
+    for first, tries, formula, holds in (
+        # Nobody notices: the robot goes on to look by eye, and cannot succeed.
+        ("", 0, "AG (objective(search) & oos(camera) -> alternative(look)=by_eye)", True),
+        ("", 0, "EF (objective(search) & oos(camera) & event(OBJ_search_EV_OK))", False),
+        ("", 0, "AG (oos(camera) -> !EF success)", False),  # it may be lost when nobody needs it any more
+        ("", 0, "AG (objective(search) & oos(camera) -> !EF success)", True),
+        # The first try that fails tells.
+        ("", 1, "EF (alternative(look)=by_eye & oos(camera) & EX alternative(look)=by_ear)", True),
+        ("", 1, "AG (objective(search_try2) & oos(camera) & alternative(look)=by_eye -> EF success)", False),
+        ("", 1, "AG (oos(camera) & alternative(look)=by_ear -> EF success)", True),
+        # A test before finds it, if it is lost by then.
+        (TEST, 0, "AG (objective(test) & oos(camera) -> EF success)", True),
+        (TEST, 0, "AG (objective(search) & oos(camera) & alternative(look)=by_eye -> EF success)", False),
+    ):
+        study = Study(photo(path, first, tries))
+        assert study.ctl(formula, engine=engine).holds is holds, (tries, formula)
+
+
+@pytest.mark.parametrize("engine", KNOWING)
+def test_causes_by_hand(path: Path, engine: Engine) -> None:
+    once, twice, tested = (Asked(compose(photo(path, *of)), engine) for of in (("", 0), ("", 1), (TEST, 0)))
+    assert once.all.mission.cut_sets == [("camera",)]  # sonar is of no use, as nobody knows
+    assert twice.all.mission.cut_sets == [("camera", "sonar")]
+    assert tested.all.mission.cut_sets == [("camera", "sonar")]
+    (run,) = once.all.mission.runs.values()
+    assert run is not None
+    assert [str(e) for e in run.events][-1] == "OBJ_search_EV_FAIL"
+    rows = {(row.hardware, row.objective): row for row in fmeca(tested.prospects)}
+    late = "late, by self_test when it runs, or as an objective fails that uses it"
+    assert rows["camera", "search"].detection == late
+    assert rows["camera", "search"].severity is Severity.MISSION_LOST
+    assert rows["camera", "test"].detection == "by self_test, which runs"
+    (row,) = [row for row in fmeca(once.prospects) if row.hardware == "camera"]
+    assert row.severity is Severity.MISSION_LOST
+
+
+@pytest.mark.parametrize("engine", KNOWING)
+def test_verdicts(path: Path, engine: Engine) -> None:
+    found = check(compose(photo(path, "", 1)), engine=engine)
+    assert all(verdict.holds for verdict in found.verdicts.values() if verdict.required)
+
+
+def small(of: Mission) -> bool:
+    try:
+        direct(compose(of).net, max_states=400)
+    except (LimitError, SemanticsError):
+        return False
+    return True
+
+
+@fewer(0.4)
+@given(
+    fragile_missions(max_objectives=2, max_sections=4, max_hardware=2, late=True)
+    | missions(max_objectives=2, max_sections=4, max_hardware=2, max_producers=1, late=True, aborts=1),
+    st.sampled_from(KNOWING),
+)
+def test_cut_sets_are_those_of_brute_force(of: Mission, engine: Engine) -> None:
+    assume(of.late and small(of))
+    confirm(Asked(compose(of), engine))
+
+
+@fewer(0.2)
+@given(
+    fragile_missions(max_objectives=2, max_sections=4, max_hardware=2, late=True), st.sampled_from(KNOWING)
+)
+def test_severities_are_those_of_plain_search(of: Mission, engine: Engine) -> None:
+    assume(of.late and small(of))
+    net = compose(of)
+    assert_severities(net, fmeca(Asked(net, engine).prospects))
+
+
+@fewer(0.5)
+@given(missions(sections=4, hardware=2, producers=2, branches=3, late=True, lasting=True))
+def test_compact_templates_do_the_same(of: Mission) -> None:
+    assume(of.late and small(of))
+    each = [direct(compose(of, templates).net) for templates in (None, CompactTemplates())]
+    assert len({(graph.states, graph.edges) for graph in each}) == 1
+
+
+def test_the_simulator_shows_what_nobody_knows(path: Path) -> None:
+    net = compose(photo(path, "", 1))
+    simulation = Simulation(net)
+    for text in ("MISSION_EV_START", "camera_EV_OOS"):
+        assert simulation.take(Event.parse(text)) is not None
+    said = dict(resources(net, simulation.situation))
+    assert said["camera"] == "out of service, unnoticed, used by look"
+    possible = {str(event) for event in simulation.possible}
+    assert possible == {"OBJ_search_try1_EV_FAIL", "sonar_EV_OOS"}  # no success, and no repair
+    change = simulation.take(Event.parse("OBJ_search_try1_EV_FAIL"))
+    assert change is not None
+    assert change.after.mode == {"look": "by_ear"}
+    assert dict(resources(net, simulation.situation))["camera"] == "out of service"
+    assert "camera_EV_RD" in {str(event) for event in simulation.possible}
+
+
+def test_it_is_written_as_it_was_read(path: Path, tmp_path: Path) -> None:
+    of = photo(path, TEST)
+    other = tmp_path / "other.xml"
+    other.write_bytes(written(of))
+    assert read_mission(other) == of
+    assert 'detects="camera"' in other.read_text()
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_controllers_say_that_they_do_not_know_it(path: Path, form: Form) -> None:
+    net = compose(photo(path))
+    with pytest.raises(
+        LimitError, match=r"photo.xml:3: camera is detected late, which controllers do not know"
+    ):
+        generate(net, form)
+
+
+def test_numbers_and_composition_say_so_too(path: Path) -> None:
+    net = compose(photo(path))
+    with pytest.raises(
+        LimitError, match=r"photo.xml:3: camera is detected late, which numbers of risk do not"
+    ):
+        risk(Asked(net).prospects)
+    with pytest.raises(
+        LimitError, match=r"photo.xml:3: camera is .* composition does .*use --engine symbolic"
+    ):
+        Asked(net, "local")
+
+
+def test_the_command_line_tells_what_refuses_it(path: Path, tmp_path: Path) -> None:
+    photo(path, TEST)
+    done = mcpn("controller", str(path), "-o", str(tmp_path / "out"))
+    assert done.returncode == 2
+    assert "camera is detected late" in done.stderr
+    assert not (tmp_path / "out").exists()
+    for command in (["check"], ["causes"], ["report", "-o", str(tmp_path / "page.html")]):
+        assert mcpn(command[0], str(path), *command[1:]).returncode == 0, command
