@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import secrets
 import threading
-from collections.abc import Collection, Generator, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Generator, Iterable, Iterator, Mapping
 from contextlib import closing, suppress
 from dataclasses import dataclass, field
 from http import HTTPStatus
@@ -19,6 +19,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from mcpn.editor.supposing import compared
 from mcpn.errors import InputError, McpnError, Problem
 from mcpn.opening import open_study
 from mcpn.report.page import failed_page, page
@@ -71,6 +72,10 @@ class Content:
 
     def answer(self, formula: str) -> dict[str, Any] | None:
         """The answer to a formula, or what is wrong with it; ``None`` where none is given."""
+        return None
+
+    def suppose(self, lost: list[str], ways: dict[str, list[str]]) -> dict[str, Any] | None:
+        """What would be with hardware lost and with other alternatives; ``None`` where that is not found."""
         return None
 
     def stream(self, after: int) -> Generator[str] | None:
@@ -134,13 +139,24 @@ class ServedMission(Content):
 
     def answer(self, formula: str) -> dict[str, Any]:
         """The answer to a formula as a JSON object, or what is wrong with it."""
+
+        def answered(study: Study) -> dict[str, Any]:
+            found = study.ctl(formula, engine=self.engine, max_states=self.max_states)
+            return {"formula": found.formula, "holds": found.holds, **_shows(study, found)}
+
+        return self._asked(answered)
+
+    def suppose(self, lost: list[str], ways: dict[str, list[str]]) -> dict[str, Any]:
+        """The mission as it is beside what it would be, as a JSON object, or why that is not known."""
+        return self._asked(lambda study: {"rows": compared(study, lost, ways, self.engine, self.max_states)})
+
+    def _asked(self, question: Callable[[Study], dict[str, Any]]) -> dict[str, Any]:
         study = self.shown.study
         if study is None:
             return {"error": "the mission cannot be read: see the page"}
         try:
             with self._lock:
-                found = study.ctl(formula, engine=self.engine, max_states=self.max_states)
-                return {"formula": found.formula, "holds": found.holds, **_shows(study, found)}
+                return question(study)
         except McpnError as error:
             return {"error": str(error)}
 
@@ -221,14 +237,21 @@ class _Handler(BaseHTTPRequestHandler):
 
     def do_POST(self) -> None:
         """An answer to a question."""
-        asked_for = self._asked_for()
+        asked_for, content = self._asked_for(), self.server.content
         if asked_for is None or self.headers.get("Content-Type") != "application/json":
             self._refuse(HTTPStatus.FORBIDDEN)
-        elif asked_for != "ask":
-            self._refuse(HTTPStatus.NOT_FOUND)
-        elif (formula := self._formula()) is None:
-            self._refuse(HTTPStatus.BAD_REQUEST)
-        elif (answer := self.server.content.answer(formula)) is None:
+            return
+        match asked_for, self._question():
+            case "ask", {"formula": str(formula)}:
+                answer = content.answer(formula)
+            case "suppose", {"lost": list(lost), "ways": dict(ways)} if _names([lost, *ways.values()]):
+                answer = content.suppose(lost, ways)
+            case "ask" | "suppose", _:
+                self._refuse(HTTPStatus.BAD_REQUEST)
+                return
+            case _:
+                answer = None
+        if answer is None:
             self._refuse(HTTPStatus.NOT_FOUND)
         else:
             self._send(HTTPStatus.OK, "application/json", json.dumps(answer))
@@ -248,16 +271,15 @@ class _Handler(BaseHTTPRequestHandler):
             return None
         return rest
 
-    def _formula(self) -> str | None:
+    def _question(self) -> Any:
         """The question of a request; ``None`` where it has none."""
         length = self.headers.get("Content-Length", "")
         if not (length.isascii() and length.isdigit() and int(length[:9]) <= MOST_ASKED):
             return None
         try:
-            formula = json.loads(self.rfile.read(int(length)))["formula"]
-        except (ValueError, KeyError, TypeError, RecursionError):
+            return json.loads(self.rfile.read(int(length)))
+        except (ValueError, RecursionError):
             return None
-        return formula if isinstance(formula, str) else None
 
     def _last(self) -> int:
         """The number of the last event that the browser had before it asks again; 0 of none."""
@@ -292,6 +314,11 @@ class _Handler(BaseHTTPRequestHandler):
 
     def log_message(self, *_told: object) -> None:
         """Says nothing: the token stands in what is asked."""
+
+
+def _names(lists: list[Any]) -> bool:
+    """Whether some values are lists of texts."""
+    return all(isinstance(names, list) and all(isinstance(name, str) for name in names) for names in lists)
 
 
 def _headers(kind: str) -> Iterator[tuple[str, str]]:

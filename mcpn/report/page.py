@@ -26,6 +26,7 @@ from mcpn.report.pictures.layout import lay_out
 
 if TYPE_CHECKING:
     from mcpn.errors import Problem, Source
+    from mcpn.mission.model import Mission
     from mcpn.report.findings import Findings
 
 SCRIPTS = ("tables.js", "losses.js", "served.js", "game.js", "machine.js", "film.js", "robot.js")
@@ -64,6 +65,7 @@ def page(findings: Findings, *, served: int = 0, robot: bool = False) -> str:
             alone=False,
             served=served,
             robot=robot,
+            ways=list(_ways(mission_net.mission)) if served else [],
             played="net" in live,
             verdicts=list(runs_of(findings.check)),
             verdict=verdict_of_all(findings.check),
@@ -83,6 +85,14 @@ def page(findings: Findings, *, served: int = 0, robot: bool = False) -> str:
             version=__version__,
         )
     )
+
+
+def _ways(mission: Mission) -> Iterator[tuple[str, list[str]]]:
+    """Activities with several alternatives, and these."""
+    for robot in mission.robots:
+        for activity in robot.activities:
+            if len(activity.alternatives) > 1:
+                yield activity.name, [way.name for way in activity.alternatives]
 
 
 def failed_page(file: Path, problems: Sequence[Problem], number: int) -> str:

@@ -15,20 +15,68 @@
         location.reload();
       }
     }, 700);
+    const posted = async (to, question) => {
+      try {
+        return await (await fetch(to, {
+          method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(question),
+        })).json();
+      } catch {
+        return { error: "no answer: mcpn serve has ended" };
+      }
+    };
+    const said = (text, className) => Object.assign(make("p", text), { className });
+    const supposing = byId("suppose"), orders = [...document.querySelectorAll("#suppose fieldset")].map((set) =>
+      [set.dataset.activity, set.querySelector("ol"), [...set.querySelectorAll("li")]]);
+    supposing?.addEventListener("click", (clicked) => {
+      const item = clicked.target.closest("button[type=button]")?.closest("li");
+      if (item?.previousElementSibling) {
+        item.previousElementSibling.before(item);
+        item.querySelector("button").focus();
+      }
+    });
+    supposing?.addEventListener("reset", () => {
+      for (const [, list, items] of orders) list.replaceChildren(...items);
+      byId("supposed").replaceChildren();
+    });
+    supposing?.addEventListener("submit", async (asked) => {
+      asked.preventDefault();
+      const told = byId("supposed"), ways = Object.create(null);
+      for (const [activity, list] of orders) {
+        ways[activity] = [...list.querySelectorAll("input:checked")].map((tick) => tick.value);
+      }
+      const lost = [...document.querySelectorAll("#lost input:checked")].map((tick) => tick.value);
+      told.replaceChildren(said("…", ""));
+      const answer = await posted("suppose", { lost, ways });
+      if (answer.error !== undefined) {
+        told.replaceChildren(said(answer.error, "missing"));
+        return;
+      }
+      const table = make("table", ""), head = make("tr", "");
+      head.append(...["", "as it is", "so"].map((text) => Object.assign(make("th", text), { scope: "col" })));
+      table.append(head);
+      for (const { asked: question, said: both } of answer.rows) {
+        const row = make("tr", "");
+        row.append(Object.assign(make("th", question), { scope: "row" }), ...both.map(([state, text]) => said(text, state)).map((p) => {
+          const cell = make("td", "");
+          cell.append(p);
+          return cell;
+        }));
+        row.classList.toggle("other", both[0][1] !== both[1][1]);
+        table.append(row);
+      }
+      const wide = Object.assign(make("div", ""), { className: "wide" });
+      wide.append(table);
+      const same = answer.rows.every(({ said: both }) => both[0][1] === both[1][1]);
+      told.replaceChildren(said(same ? "Nothing that this page says first would be other." :
+        "What would be other has a mark.", "reading"), wide);
+    });
     byId("ask")?.addEventListener("submit", async (asked) => {
       asked.preventDefault();
       const formula = byId("formula").value, told = byId("answered");
       told.replaceChildren(make("p", "…"));
-      let answer;
-      try {
-        answer = await (await fetch("ask", {
-          method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify({ formula }),
-        })).json();
-      } catch {
-        answer = { error: "no answer: mcpn serve has ended" };
-      }
+      const answer = await posted("ask", { formula });
       if (answer.error !== undefined) {
-        told.replaceChildren(Object.assign(make("p", answer.error), { className: "missing" }));
+        told.replaceChildren(said(answer.error, "missing"));
         return;
       }
       const run = make("ol", "");
@@ -37,9 +85,8 @@
         item.append(make("code", event));
         run.append(item);
       }
-      const said = make("p", `${answer.holds ? "✓ holds" : "✗ fails"}: ${answer.formula}`);
-      said.className = answer.holds ? "holds" : "fails";
-      told.replaceChildren(said, run, ...answer.notes.map((note) => make("p", note)));
+      const [mark, state] = answer.holds ? ["✓ holds", "holds"] : ["✗ fails", "fails"];
+      told.replaceChildren(said(`${mark}: ${answer.formula}`, state), run, ...answer.notes.map((note) => make("p", note)));
       if (answer.steps.length && data.controller) {
         const again = make("button", "Replay this run");
         again.type = "button";
