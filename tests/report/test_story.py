@@ -191,3 +191,22 @@ def test_rounds_that_differ_stay_apart() -> None:
     assert fold_rows(drone, rows) == rows
     own = [(f"stock_{a}.leave", f"then stock_{a}.wait; mission lost") for a in ("A1", "A2", "B1")]
     assert fold_rows(drone, own) == [("stock.leave (all 3)", "then stock.wait; mission lost")]
+
+
+def test_what_is_lost_where_a_mission_goes_on_is_told(tmp_path: Path) -> None:
+    """Where a route leads on, an objective that can never succeed does not keep the mission from success."""
+    path = tmp_path / "mission.xml"
+    path.write_text(
+        '<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r"><hardware name="camera"/>'
+        '<hardware name="motor"/><activity name="film" consumes="camera"/><activity name="move">'
+        '<alternative name="by_motor" consumes="motor"/><alternative name="drift"/></activity></robot>'
+        '<objective name="filming" activities="film" failure="moving"/>'
+        '<objective name="moving" activities="move"/></mission>'
+    )
+    lines = {line.asked: line for line in story(findings(compose(read_mission(path))))}
+    assert lines["What does it survive?"].said.endswith("of any one of these alone: camera, motor.")
+    lost = lines["What is lost then?"]
+    assert lost.state == "note"
+    assert lost.said == (
+        "The mission then goes on, but some objectives cannot succeed; without camera: filming."
+    )

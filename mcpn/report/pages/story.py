@@ -12,10 +12,11 @@ from mcpn.net.events import Event
 from mcpn.report.failures.sentences import without_a_rate
 from mcpn.report.pages.live import nominal_run, strip
 from mcpn.report.text import SENTENCES
-from mcpn.report.words import in_words, skipped_in_words, what_happens
+from mcpn.report.words import folded, in_words, skipped_in_words, what_happens
 from mcpn.sentences import enumeration
 
 if TYPE_CHECKING:
+    from mcpn.check.causes.find import Causes
     from mcpn.check.verdicts.mission import MissionCheck
     from mcpn.report.findings import Findings
     from mcpn.space.run import Run
@@ -151,6 +152,7 @@ def _survived(findings: Findings) -> Iterator[StoryLine]:
     if succeeding:
         said = f"It can still succeed after the loss of any one of these alone: {', '.join(succeeding)}."
         yield StoryLine("holds", asked, said)
+        yield from _left_out(findings, causes, succeeding)
     if causes.safety is None:
         return
     aborting = [name for name in left(causes.safety.cut_sets) if name not in succeeding]
@@ -158,6 +160,22 @@ def _survived(findings: Findings) -> Iterator[StoryLine]:
         names = ", ".join(aborting)
         said = f"After the loss of any one of these alone it can only be aborted: {names}."
         yield StoryLine("note", "What makes it give up?", said)
+
+
+def _left_out(findings: Findings, causes: Causes, hardware: Sequence[str]) -> Iterator[StoryLine]:
+    """Objectives that cannot succeed without hardware whose loss a mission survives."""
+    without: dict[tuple[str, ...], list[str]] = {}
+    for lost in hardware:
+        if names := [name for name, goal in causes.objectives.items() if (lost,) in goal.cut_sets]:
+            without.setdefault(tuple(folded(findings.check.mission_net, names)), []).append(lost)
+    if not without:
+        return
+    told = []
+    for objectives, needed in list(without.items())[:MOST_TOLD]:
+        more = f" and {len(objectives) - MOST_TOLD} more" if len(objectives) > MOST_TOLD else ""
+        told.append(f"without {' or '.join(needed)}: {', '.join(objectives[:MOST_TOLD])}{more}")
+    said = f"The mission then goes on, but some objectives cannot succeed; {'; '.join(told)}."
+    yield StoryLine("note", "What is lost then?", said)
 
 
 def _together(lost: CutSet) -> str:
