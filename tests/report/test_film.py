@@ -145,6 +145,15 @@ def test_a_page_fits_a_phone(browser: Any, ulysse_findings: Findings, dark: bool
     assert wrong == []
 
 
+def test_a_long_run_is_scrolled_on_a_phone(browser: Any, tmp_path: Path) -> None:
+    found = findings(compose(read_mission(ROOT / "experiments" / "drone" / "mission.xml")))
+    tab, wrong = opened(browser, page(found), tmp_path)
+    for width in (390, 700, 900, 1280):
+        tab.set_viewport_size({"width": width, "height": 844})
+        assert tab.evaluate("document.documentElement.scrollWidth") <= width
+    assert wrong == []
+
+
 def test_on_paper_nothing_is_cut(browser: Any, ulysse_findings: Findings, tmp_path: Path) -> None:
     """Runs are open, the last column of the FMECA stands on the sheet, what is clicked is left out."""
     tab, wrong = opened(browser, page(ulysse_findings), tmp_path)
