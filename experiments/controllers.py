@@ -32,7 +32,7 @@ from mcpn.controller.targets.json import document
 from mcpn.errors import LimitError
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
-from mcpn.runtime import TableController as Runtime
+from mcpn.runtime import Controller as Runtime
 
 HERE = Path(__file__).parent
 

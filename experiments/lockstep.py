@@ -47,8 +47,8 @@ from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event
+from mcpn.runtime import Controller as Runtime
 from mcpn.runtime import Refused
-from mcpn.runtime import TableController as Runtime
 from mcpn.runtime.tables import Tables
 from mcpn.space.local.composing import composite_space
 from mcpn.testing import missions as drawn

@@ -75,6 +75,11 @@ class Judge:
         self._after: dict[State, dict[Happening, State | None]] = {}
         self._seen: dict[State, Seen] = {}
 
+    @property
+    def states(self) -> Collection[State]:
+        """Those that have been looked at."""
+        return self._after.keys()
+
     def after(self, state: State) -> dict[Happening, State | None]:
         """Where each event leads; ``None`` where that is not determined."""
         if state not in self._after:
