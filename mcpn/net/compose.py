@@ -66,7 +66,7 @@ class MissionNet(Drawn):
 
     @cached_property
     def exits(self) -> Mapping[str, int]:
-        """The places that say how it has ended: its ends, and of a part each other exit."""
+        """Exit places by name: the mission's ends and, in the net of a part, each other exit of the part."""
         named = {name: place for place, name in self.saying("exit").items()}
         return {**self.ends, **named}
 
@@ -79,7 +79,7 @@ class MissionNet(Drawn):
     @cached_property
     def start(self) -> int:
         """The transition with which the mission begins."""
-        (start,) = [t for t, of in enumerate(self.net.transitions) if of.event == START]
+        (start,) = [t for t, transition in enumerate(self.net.transitions) if transition.event == START]
         return start
 
     @cached_property
@@ -90,7 +90,7 @@ class MissionNet(Drawn):
 
     @cached_property
     def in_service(self) -> Marking:
-        """The initial marking but for hardware that is out of service at the start: all is in service."""
+        """The initial marking, with hardware repaired that is out of service at the start."""
         net, out = self.net, {h.name for h in self.mission.hardware if h.initial == "oos"}
         marking = net.initial
         for t, transition in enumerate(net.transitions) if out else ():
@@ -104,21 +104,22 @@ class MissionNet(Drawn):
         return {place: name for place, (said, name) in self.roles.items() if said == kind}
 
     def true_of_fact(self, flag: str) -> tuple[int, bool]:
-        """Where a truth value of a fact is said: a place, and whether it says the reverse."""
-        place = self.by_role.get(("fact", flag))
-        return (place[0], False) if place else (self.by_role["fact", flag.replace("!=", "=")][0], True)
+        """The place that encodes a truth value of a fact, and whether a token there means *false*."""
+        places = self.by_role.get(("fact", flag))
+        return (places[0], False) if places else (self.by_role["fact", flag.replace("!=", "=")][0], True)
 
     def not_idle(self, marking: Sequence[int]) -> list[str]:
-        """Places that differ from the initial marking, aside from what sections hand on, and the mission's.
+        """Names of places that differ from the initial marking, but for status places and the mission's own.
 
-        Between two sections, and when the mission has ended, there should be none (DESIGN: the premise of
+        Status places (of hardware, handlers that happen once and facts) hold what sections hand on. Between
+        two sections, and when the mission has ended, no other place should differ (the premise of
         composition).
         """
-        aside = {"hardware", "mission", "once", "fact"}
+        excepted = {"hardware", "mission", "once", "fact"}
         return [
             place.name
             for place, tokens in zip(self.net.places, marking, strict=True)
-            if tokens != place.initial and not (place.provenance and place.provenance.kind in aside)
+            if tokens != place.initial and not (place.provenance and place.provenance.kind in excepted)
         ]
 
 

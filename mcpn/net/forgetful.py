@@ -1,8 +1,8 @@
-"""Nets that forget what has happened once, for machines and chains that keep it beside.
+"""Nets without the places of handlers that happen once: who explores them keeps that status beside.
 
-What has happened changes by declared events alone, and decides which handler such an event finds and nothing
-else. So it need not multiply the states that are listed: a net without it has an event's transitions side by
-side, each with its *guard*.
+Whether a handler has happened changes by declared events alone, and decides only which handler such an event
+triggers. So this status need not multiply the states that are listed: a net without it has the transitions of
+an event side by side, each with its *guard*.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from mcpn.net.petri import PetriNet, Transition
 
 @dataclass(frozen=True, slots=True)
 class Guard:
-    """Which handlers that happen once a transition asks for, by where they are written.
+    """The condition of a transition on handlers that happen once, each named by where it is written.
 
     Args:
         open: Those that must not have happened yet, and happen with it.
@@ -29,22 +29,23 @@ class Guard:
 
 
 ALWAYS = Guard()
-"""The guard of what asks for none."""
+"""The guard of a transition without such a condition."""
 
 
 def forgetful(
     mission_net: MissionNet, handlers: Collection[str] | None = None
 ) -> tuple[MissionNet, Mapping[int, Guard]]:
-    """The net without what some handlers need to happen once.
+    """The net without the places *open* and *happened* of some handlers.
 
     Args:
         mission_net: The net of a mission, or of a part of it.
         handlers: Which to forget; all by default.
 
     Returns:
-        The net, and the guards of those of its transitions that have one. Its markings are those of the given
-        net, without these places, and those that more than one happening leads to. Transitions of one event
-        that a marking enables together have guards that exclude each other.
+        The net, and the guards of those of its transitions that have one. Its reachable markings are
+        those of the given net, projected to the other places, and those that are reached where a handler
+        happens several times. Transitions of one event that a marking enables together have guards that
+        exclude each other.
     """
     forgotten = {
         place: name
@@ -54,11 +55,11 @@ def forgetful(
     }
     if not forgotten:
         return mission_net, {}
-    net, still = mission_net.net, mission_net.saying("open")
+    net, open_places = mission_net.net, mission_net.saying("open")
     kept = [place for place in range(len(net.places)) if place not in forgotten]
     number = {place: new for new, place in enumerate(kept)}
 
-    def left(arcs: tuple[tuple[int, int], ...]) -> tuple[tuple[int, int], ...]:
+    def projected(arcs: tuple[tuple[int, int], ...]) -> tuple[tuple[int, int], ...]:
         return tuple((number[place], weight) for place, weight in arcs if place in number)
 
     transitions, guards = list[Transition](), dict[int, Guard]()
@@ -68,8 +69,9 @@ def forgetful(
             continue
         if taken or read:
             guards[len(transitions)] = Guard(tuple(taken), tuple(read))
-        transitions.append(replace(t, consume=left(t.consume), produce=left(t.produce), read=left(t.read)))
-    assert all(place in still for t in net.transitions for place, _ in t.consume if place in forgotten)
+        consume, produce, reads = projected(t.consume), projected(t.produce), projected(t.read)
+        transitions.append(replace(t, consume=consume, produce=produce, read=reads))
+    assert all(place in open_places for t in net.transitions for place, _ in t.consume if place in forgotten)
     units = (tuple(number[p] for p in unit if p in number) for unit in net.units)
     places = tuple(net.places[place] for place in kept)
     without = PetriNet(

@@ -5,9 +5,10 @@ it is out of service, and a repair reads that it is alive. Whether a goal can be
 hardware is lost for good is then reachability in this net, and minimal cut sets are a projection on the
 places *dead*.
 
-What stands for a crash fails only while it runs (:class:`mcpn.mission.expansion.faults.Crash`). Yet a part of
-a mission may be entered after it has crashed; and what it means that it is lost is asked of any moment, as of
-hardware. So it is told here, too, where it has crashed though it does not run.
+The resource that stands for a crash of an activity (:class:`mcpn.mission.expansion.faults.Crash`) fails only
+while the activity runs. Two analyses need it to fail at other moments: a part of a mission may be entered
+after the crash (:func:`crashed_before`), and what its loss leads to is asked of any moment, as of hardware
+(:func:`crashing_anytime`).
 """
 
 from __future__ import annotations
@@ -37,10 +38,10 @@ def mortal(mission_net: MissionNet) -> MissionNet:
     net = mission_net.net
     places, transitions = list(net.places), list(net.transitions)
     roles, units = dict(mission_net.roles), list(net.units)
-    leaving: dict[int, list[int]] = {}
+    consumers: dict[int, list[int]] = {}
     for t, transition in enumerate(transitions):
         for place, _ in transition.consume:
-            leaving.setdefault(place, []).append(t)
+            consumers.setdefault(place, []).append(t)
     # In the order in which they are drawn, which in the net of a section is not the mission's.
     for name in dict.fromkeys(mission_net.saying("oos").values()):
         hardware, out = mission_net.usage.hardware[name], mission_net.by_role["oos", name]
@@ -49,7 +50,7 @@ def mortal(mission_net: MissionNet) -> MissionNet:
         places += [Place(f"{hardware.name}_alive", 1, origin), Place(f"{hardware.name}_dead", 0, origin)]
         units.append((alive, dead))
         roles[alive], roles[dead] = ("alive", hardware.name), ("dead", hardware.name)
-        for t in dict.fromkeys(t for place in out for t in leaving.get(place, ())):
+        for t in dict.fromkeys(t for place in out for t in consumers.get(place, ())):
             transitions[t] = replace(transitions[t], read=(*transitions[t].read, (alive, 1)))
         reads = tuple((place, 1) for place in out)
         lost = Event(What.LOST, hardware.name)
@@ -59,40 +60,40 @@ def mortal(mission_net: MissionNet) -> MissionNet:
 
 
 def crashed_before(mission_net: MissionNet) -> MissionNet:
-    """The net of a part of a mission, or of a mission, before which what may crash may have crashed.
+    """The net of a mission, or of a part of it, before which activities may have crashed.
 
     Args:
         mission_net: The net.
 
     Returns:
-        The net with a transition more for each, after all others, where it has some; else the net itself.
+        The net with a transition more for each crash, after all others; the net itself where it has none.
     """
     mission = mission_net.mission
     origin = Provenance("mission", mission.name, mission.source)
     begin = ((mission_net.beginning, 1),)
-    found = [replace(t, read=begin, provenance=origin) for t in _idle(mission_net)]
-    return _with(mission_net, [*mission_net.net.transitions, *found]) if found else mission_net
+    earlier = [replace(t, read=begin, provenance=origin) for t in _crashes_while_idle(mission_net)]
+    return _with(mission_net, [*mission_net.net.transitions, *earlier]) if earlier else mission_net
 
 
 def crashing_anytime(mission_net: MissionNet) -> MissionNet:
-    """The net where what may crash may do so at any moment, whether it runs or not.
+    """The net in which an activity that may crash does so at any moment, whether it runs or not.
 
     Args:
         mission_net: The net of a mission, or of a part of it as :func:`crashed_before` gives it.
 
     Returns:
-        The net with a transition more for each, in the place of those of :func:`crashed_before`.
+        The net with a transition more for each crash, instead of those of :func:`crashed_before`.
     """
-    found = list(_idle(mission_net))
-    if not found:
+    crashes = list(_crashes_while_idle(mission_net))
+    if not crashes:
         return mission_net
-    names = {t.name for t in found}
+    names = {t.name for t in crashes}
     kept = [t for t in mission_net.net.transitions if t.name not in names]
-    return _with(mission_net, [*kept, *found])
+    return _with(mission_net, [*kept, *crashes])
 
 
-def _idle(mission_net: MissionNet) -> Iterator[Transition]:
-    """How what may crash does so while it does not run."""
+def _crashes_while_idle(mission_net: MissionNet) -> Iterator[Transition]:
+    """One transition for each crash: its resource fails while its activity does not run."""
     names = names_of(mission_net.usage)
     for name in dict.fromkeys(mission_net.saying("ready").values()):
         crash = mission_net.usage.hardware[name]
@@ -100,8 +101,8 @@ def _idle(mission_net: MissionNet) -> Iterator[Transition]:
         consume, produce = (tuple((place, 1) for place in places) for places in (ready, out))
         origin = Provenance("hardware", name, crash.source)
         event = Event(What.OUT_OF_SERVICE, name)
-        called = names.of("hardware", name, "earlier")
-        yield Transition(called, consume, produce, (), event, provenance=origin)
+        transition_name = names.of("hardware", name, "earlier")
+        yield Transition(transition_name, consume, produce, (), event, provenance=origin)
 
 
 def _with(mission_net: MissionNet, transitions: list[Transition]) -> MissionNet:

@@ -166,7 +166,7 @@ class PetriNet(Drawn):
     def internal_ranks(self) -> tuple[tuple[int, ...], ...]:
         """The internal transitions by rank, those that fire first at first."""
         ranks = sorted({t.rank for t in self.transitions if t.internal})
-        return tuple(tuple(i for i, of in enumerate(self.ranks) if of == rank) for rank in ranks)
+        return tuple(tuple(t for t, own in enumerate(self.ranks) if own == rank) for rank in ranks)
 
     @cached_property
     def internal_users(self) -> Mapping[int, Sequence[int]]:

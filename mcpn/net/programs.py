@@ -46,7 +46,7 @@ def minimise(
         lower: The least value of each variable.
         upper: The greatest value of each.
         whole: Variables that are whole numbers.
-        nodes: Where given, the first solution will do, and so many nodes are looked at to find it.
+        nodes: Where given, any solution will do, and branch and bound visits at most so many nodes.
 
     Returns:
         The answer.

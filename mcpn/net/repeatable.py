@@ -1,9 +1,10 @@
-"""Transitions that may fire on a cycle of markings, by weights of places that no firing raises.
+"""Transitions that may fire on a cycle of markings: those that no ranking function excludes.
 
-What fires on a cycle changes no marking in sum: its numbers of firings are a T-semiflow. So weights of
-places whose weighted sum of tokens none of some transitions raises show that none of those that lower it
-fires on a cycle of theirs: the sum would never come back. A linear program finds such weights for as many
-transitions as there are (Farkas' lemma: each transition of no T-semiflow has some).
+The numbers of firings on a cycle are a T-semiflow: together they change no marking. Take some transitions,
+and weights of places such that none of these transitions raises the weighted sum of tokens. One that lowers
+the sum fires on no cycle of them, for the sum would never come back. A linear program finds weights that
+exclude as many transitions as can be (Farkas' lemma: weights exclude each transition that is in no T-semiflow
+of the set).
 """
 
 from __future__ import annotations
@@ -56,7 +57,7 @@ def _weights(changes: Sequence[Sparse], places: int) -> list[float]:
     # Variables: the weights, and by how much each change lowers the sum.
     solution = minimise(
         [0.0] * places + [-1.0] * len(changes),
-        [({**of, places + row: 1.0}, -inf, 0.0) for row, of in enumerate(changes)],
+        [({**change, places + row: 1.0}, -inf, 0.0) for row, change in enumerate(changes)],
         [-inf] * places + [0.0] * len(changes),
         [inf] * places + [1.0] * len(changes),
     )

@@ -45,8 +45,8 @@ class Used:
         hardware: Hardware, in the order in which the activities come upon it.
         software: The same.
         activities: The activities, with those that produce what they consume.
-        number: The place of each resource among those of its kind.
-        task: The place of each activity.
+        number: The position of each resource among those of its kind.
+        task: The position of each activity.
     """
 
     def __init__(self, usage: Usage, activities: Sequence[str]) -> None:
@@ -156,7 +156,7 @@ class LocalPart:
         return tuple(self.graph.once())
 
     def once_on(self, events: Collection[str]) -> tuple[str, ...]:
-        """Those of them that some events make happen."""
+        """Those handlers of :attr:`once` that some events trigger."""
         on = {i.once: i.event for section in self.graph.all_sections() for i in section.interruptions}
         return tuple(handler for handler in self.once if on[handler] in events)
 
@@ -223,7 +223,7 @@ class LocalPart:
         return facts, changing, required, sets, cases
 
     def _shape(self, graph: ObjectivesGraph, number: dict[str, int], task: dict[str, int]) -> Hashable:
-        places = {section.name: i for i, section in enumerate(graph.sections)}
+        positions = {section.name: i for i, section in enumerate(graph.sections)}
         shapes = []
         for section in graph.sections:
             inside: Hashable
@@ -234,23 +234,23 @@ class LocalPart:
                 branches = tuple((b.mandatory, self._shape(b.graph, number, task)) for b in section.branches)
                 inside = (branches, section.needed, section.hasty)
             outcomes = (section.led(outcome) for outcome, _ in section.outcomes)
-            routes = (tuple(places.get(route, route) for route in led) for led in outcomes)
+            routes = (tuple(positions.get(route, route) for route in led) for led in outcomes)
             events = tuple(
-                (i.event, tuple(places.get(r, r) for r in i.routes), i.once and self.once.index(i.once))
+                (i.event, tuple(positions.get(r, r) for r in i.routes), i.once and self.once.index(i.once))
                 for i in section.interruptions
             )
             shapes.append((isinstance(section, ParallelSection), gated, inside, events, *routes))
-        return places[graph.entry], tuple(shapes)
+        return positions[graph.entry], tuple(shapes)
 
 
 def exits_on(section: Section) -> Iterator[tuple[str, Interruption]]:
-    """What the exits of a part are called that events lead to; no section can be called so."""
+    """Names of the exits of a part that events lead to, each with its handler; no section has such a name."""
     for number, interruption in section.numbered:
         yield f"on {interruption.event}" + (f" {number}" if number > 1 else ""), interruption
 
 
 def _cases_of(exit_: str, cases: Sequence[FactCase]) -> Iterator[tuple[str, FactCase]]:
-    """What the exits are called that facts lead to instead of another exit."""
+    """Names of the exits that facts lead to instead of the given exit, each with its case."""
     for number, case in enumerate(cases, 1):
         yield f"{exit_} case {number}", case
 
@@ -267,7 +267,7 @@ def routes_of(section: Section) -> dict[str, str]:
 
 
 class SectionParts:
-    """Sections of a mission as parts of it; what those that run the same activities use is found once.
+    """Makes parts of one section, or of two at their junction; parts of the same activities share their use.
 
     Args:
         usage: The static analysis of the whole mission.
@@ -319,6 +319,7 @@ def junction_part(usage: Usage, first: Section, second: Section) -> LocalPart:
 
 
 def _routed(section: Section, kept: set[str]) -> Section:
+    """The section, each of its routes to a section that is not ``kept`` replaced by an exit of its own."""
     success = section.success if section.success in kept else SUCCEED
     failure = section.failure if section.failure in kept else FAIL
 

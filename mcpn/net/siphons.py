@@ -93,8 +93,8 @@ def traps(net: PetriNet, *, max_steps: int = MAX_STEPS) -> tuple[Places, ...]:
 def _closed(around: Sequence[tuple[int, int]], places: int, max_steps: int, what: str) -> tuple[Places, ...]:
     """Minimal sets such that whatever puts into them also takes from them.
 
-    Whatever puts into the set begun and takes nothing from it must be given a place that it takes from: one
-    branch for each.
+    Depth first: where some transition puts into the chosen set and takes nothing from it, one of the places
+    that it takes from must be added; each of them is a branch of the search.
     """
     minimal: list[int] = []
     seen: set[int] = set()
@@ -117,12 +117,12 @@ def _closed(around: Sequence[tuple[int, int]], places: int, max_steps: int, what
             raise LimitError(
                 f"more than {max_steps} sets looked at: the limit on the search for {what} was hit"
             )
-        open_ = next((before for before, after in around if after & chosen and not before & chosen), None)
-        if open_ is None:
+        unfed = next((before for before, after in around if after & chosen and not before & chosen), None)
+        if unfed is None:
             minimal = [known for known in minimal if known & chosen != chosen]
             minimal.append(chosen)
         else:
-            stack.extend(chosen | 1 << p for p in _members(open_))
+            stack.extend(chosen | 1 << p for p in _members(unfed))
     return tuple(sorted(tuple(_members(chosen)) for chosen in minimal))
 
 

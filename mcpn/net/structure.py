@@ -1,4 +1,4 @@
-"""What the arcs of a net tell without exploring it: invariants, one-token units, complements, conflicts.
+"""Structural analysis of a net, without exploring it: invariants, one-token units, complements, conflicts.
 
 Everything here is exact integer arithmetic on the incidence matrix, and holds for every marking reachable
 under any rule that fires one transition at a time; priorities only make the reachable markings fewer.
@@ -238,7 +238,7 @@ class _UnitSearch:
     def grow(self, seed: int, steps: int) -> int:
         """Leaves in ``group`` a unit that holds the seed, or nothing; returns how many places it tried."""
         self.group, self.barred, self.balance, self.tokens = set(), set(), {}, 0
-        # What was chosen, each with the places barred at its choice: those that led nowhere there before.
+        # The places chosen so far; with each, those tried before it at its level, which led to a dead end.
         frames: list[tuple[int, list[int]]] = []
         failed: list[int] = []
         place: int | None = seed if self.fits(seed) else None

@@ -287,20 +287,24 @@ class _TinaReader:
                     declaration.fail(f"pr names the transition {name}, which is not declared")
             for name in above:
                 lines_of[name].append(line)
-        # Each transition must stand above all those of later levels, by one line or by several together.
+        # Each transition must stand above all those of later levels, by one line or by several together. A
+        # level is known by the lines that its transitions stand above on.
         levels: dict[tuple[int, ...], list[str]] = {}
         for name, lines in lines_of.items():
             levels.setdefault(tuple(lines), []).append(name)
-        below_of = {of: frozenset(n for i in of for n in self.priorities[i][2]) for of in levels}
+        below_of = {
+            above_on: frozenset(n for line in above_on for n in self.priorities[line][2])
+            for above_on in levels
+        }
         rank_of: dict[str, int] = {}
         later, last = frozenset[str](), 0
-        for of in sorted(levels, key=lambda of: len(below_of[of])):
-            if below_of[of] != later:
-                if below_of[of] != frozenset(rank_of):
+        for above_on in sorted(levels, key=lambda above_on: len(below_of[above_on])):
+            if below_of[above_on] != later:
+                if below_of[above_on] != frozenset(rank_of):
                     message = "each transition of the net must be in a level of priority"
                     self.priorities[-1][0].fail(f"{message}, and above all of the levels after its own")
-                later, last = below_of[of], last + 1
-            rank_of |= dict.fromkeys(levels[of], last)
+                later, last = below_of[above_on], last + 1
+            rank_of |= dict.fromkeys(levels[above_on], last)
         return {name: last - level for name, level in rank_of.items()}
 
 
@@ -361,7 +365,7 @@ def _lines(net: PetriNet) -> Iterator[str]:
         inputs = [_arc(net, arc, "*") for arc in t.consume] + [_arc(net, arc, "?") for arc in t.read]
         outputs = [_arc(net, arc, "*") for arc in t.produce]
         yield " ".join([f"tr {quote(t.name)}{label}", *inputs, "->", *outputs])
-    levels = [[quote(net.transitions[t].name) for t in of] for of in net.internal_ranks]
+    levels = [[quote(net.transitions[t].name) for t in rank] for rank in net.internal_ranks]
     events = [quote(t.name) for t in net.transitions if not t.internal]
     if net.priorities and events:
         for number, level in enumerate(levels, 1):

@@ -41,12 +41,12 @@ def agglomerate(draft: Draft, kept: Set[int], *, growth: int, paths: bool = Fals
 
 
 def _post_allowed(draft: Draft, place: int, kept: Set[int], paths: bool) -> bool:
-    """Whether what follows can follow at once: it needs nothing but this place.
+    """Whether post-agglomeration is allowed: each output transition of the place needs this place alone.
 
-    A marking with tokens here is no deadlock; and where the question speaks of other places, some
-    transition that follows leaves them as they are, so that it can empty this one unseen. On paths none may
-    be seen: then it makes no difference when what follows fires. Tokens that are here at first are taken
-    away by firing the only one that follows.
+    A marking with tokens here is no deadlock. For a goal, some output transition must leave the kept places
+    as they are, so that it can empty this place without changing the answer. For a formula on paths all of
+    them must: then it makes no difference when they fire. Initial tokens are removed by firing the output
+    transition beforehand, where there is one alone.
     """
     after = draft.users[place]
     weights = {draft.post[t][place] for t in draft.feeders[place]} | {draft.pre[t][place] for t in after}
@@ -69,7 +69,7 @@ def _post_allowed(draft: Draft, place: int, kept: Set[int], paths: bool) -> bool
 
 
 def _pre_allowed(draft: Draft, place: int, kept: Set[int]) -> bool:
-    """Whether what comes before can wait: it does nothing but mark this place, with tokens of its own."""
+    """Whether pre-agglomeration is allowed: input transitions mark this place alone, and share no input."""
     if draft.initial[place]:
         return False
     for t in draft.feeders[place]:
@@ -83,7 +83,8 @@ def _pre_allowed(draft: Draft, place: int, kept: Set[int]) -> bool:
 def _fuse(draft: Draft, place: int) -> bool:
     """Replaces the transitions around a place by their sequences, and takes the place out.
 
-    It is all that the first ones make or all that the second ones need: no other place is between them.
+    The place is the only output of the input transitions, or the only input of the output transitions, so
+    that no other place is between them.
     """
     before, after = sorted(draft.feeders[place]), sorted(draft.users[place])
     if max(draft.lengths[t] for t in before) + max(draft.lengths[t] for t in after) > LONGEST:

@@ -30,7 +30,7 @@ class Draft:
         self.lengths: dict[int, int] = {}
         self.users: list[set[int]] = [set() for _ in net.places]  # transitions that need a place
         self.feeders: list[set[int]] = [set() for _ in net.places]  # transitions that put tokens in it
-        self.prefix: list[int] = []  # fired at first
+        self.prefix: list[int] = []  # firings of the original net before any run
         self._next = 0
         for number, transition in enumerate(net.transitions):
             pre, post = dict(transition.consume), dict(transition.produce)

@@ -63,14 +63,14 @@ class Reduction:
 
 
 def reduce_for_deadlock(net: PetriNet) -> Reduction:
-    """A net that has a reachable dead marking exactly if another has.
+    """A smaller net that has a reachable dead marking exactly if the given net has one.
 
     Args:
         net: A net without priorities.
 
     Returns:
-        The smaller net. A lifted run to its deadlock need not end in one, but each way to go on from there
-        soon does: what is left to fire are the first halves of sequences.
+        The smaller net. A lifted run to its deadlock need not end in a deadlock of the given net, but each
+        way to go on from there soon does: all that may fire are first halves of agglomerated sequences.
     """
     draft = Draft(net)
     _reduce(draft, frozenset(), None)
@@ -93,11 +93,11 @@ def reduce_for_goal(net: PetriNet, wanted: Mapping[int, Set[int]]) -> Reduction:
 
 
 def reduce_for_paths(net: PetriNet, kept: Set[int]) -> Reduction:
-    """A net on whose paths some places change as they do on those of another.
+    """A smaller net whose maximal paths are stutter-equivalent on some places to those of the given net.
 
-    Paths are maximal, and repetitions of what those places hold do not count: so it is one net or the other
-    for each formula on paths that speaks of nothing else and is stutter-insensitive. Rules of Haddad and
-    Pradat-Peyre (2006); what comes before may wait for ever, as it takes tokens that nothing else needs.
+    So both satisfy the same stutter-insensitive formulas on paths that speak of these places alone. The rules
+    are those of Haddad and Pradat-Peyre (2006). The first transition of a pre-agglomeration may be postponed
+    for ever, since no other transition needs the tokens that it takes.
 
     Args:
         net: A net without priorities.

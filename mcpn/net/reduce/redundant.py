@@ -70,7 +70,7 @@ def drop_equal_places(draft: Draft, kept: Set[int]) -> bool:
 
 
 def drop_transitions(draft: Draft, *, deadlock: bool) -> bool:
-    """Transitions whose effect another has that needs no more; without an effect, if no deadlock is asked."""
+    """Transitions of the effect of another that needs no more; without deadlocks also those of no effect."""
     groups: dict[frozenset[tuple[int, int]], list[int]] = {}
     for transition in draft.pre:
         groups.setdefault(frozenset(draft.effect(transition).items()), []).append(transition)
@@ -84,15 +84,15 @@ def drop_transitions(draft: Draft, *, deadlock: bool) -> bool:
         if len(transitions) == 1:
             continue
         transitions.sort(key=lambda t: (sum(draft.pre[t].values()), draft.lengths[t], t))
-        left: list[tuple[frozenset[int], dict[int, int]]] = []  # places that those left need, and how much
+        kept_needs: list[tuple[frozenset[int], dict[int, int]]] = []  # places, and tokens by place
         for transition in transitions:
             needs = draft.pre[transition]
             places = frozenset(needs)
-            if any(few <= places and all(w <= needs[p] for p, w in less.items()) for few, less in left):
+            if any(own <= places and all(w <= needs[p] for p, w in less.items()) for own, less in kept_needs):
                 draft.drop(transition)
                 changed = True
-            elif len(left) < MOST_COMPARED:
-                left.append((places, needs))
+            elif len(kept_needs) < MOST_COMPARED:
+                kept_needs.append((places, needs))
     return changed
 
 

@@ -135,8 +135,8 @@ def _by_request(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
     refuse = []
     if canvas.usage.refusable(a):
         refuse = [canvas.role(pen.place("refusing"), ("refused", a))]
-        # One that has waited may have passed over what is possible again by now: who asks anew is to find it
-        # idle. Else nothing can have changed since it evaluated, so its refusal answers all who ask.
+        # One that has waited may have passed over an alternative that is possible again: it must be idle when
+        # asked anew. Else nothing can have changed since it evaluated, so its refusal answers all who ask.
         waited = canvas.usage.may_wait(a)
         rank = canvas.ranks.answering(a) if waited else canvas.ranks.settling
         pen.transition("refused", refuse, [idle], read=unused, rank=rank)
@@ -220,7 +220,7 @@ class AlternativeDrawing:
             self.draw("else", [self.evaluation], self.otherwise, k, read=[self.canvas.resource(k, "OOS")])
 
     def not_allowed(self) -> None:
-        """A fact is not as it requires: try the next alternative; if it runs, all of them again."""
+        """A fact has another value than required: try the next alternative, or, where it runs, all again."""
         waits = self.usage.waits_for_answer(self.activity.name, self.index)
         for fact, value, place in self.wrong:
             self.draw("not", [self.evaluation], self.otherwise, fact, value, read=[place])
@@ -271,10 +271,10 @@ class AlternativeDrawing:
     def give_up_one_by_one(
         self, verb: str, left: list[str], failing: tuple[str, ...], onward: list[str], alone: bool = False
     ) -> None:
-        """Leaves at the first error, takes note of each one as if it were an answer, then gives all back.
+        """Leaves the alternative at the first error, turns each error into an answer, then gives all back.
 
-        Shared hardware stays in error while it fails, so its error is taken with what is given back; no two
-        hardware resources fail at a time. It may be left ``alone``, without an error, for something better.
+        Shared hardware is in error as long as it fails, so what gives all back consumes its error; no two
+        hardware resources fail at a time. With ``alone`` a better alternative is a reason, too, not an error.
         """
         lost = self.pen.place(f"{verb}{self.number}")
         shared = [k for k in failing if k in self.hardware and k in self.usage.sharing.consumers]
@@ -327,7 +327,7 @@ class AlternativeDrawing:
             self.end("giveup", [self.wait, *asking], given, _initials(stages))
 
     def _while_asking(self) -> Iterator[tuple[tuple[str, ...], list[str], list[str]]]:
-        """How far its requests may be, not all answered: places that say so, places that give all back."""
+        """Stages of its requests, some unanswered, with places marked there and places that give all back."""
         if (number := len(self.consumes)) > MAX_TOGETHER:
             found = f"{number} resources consumed by one alternative that may wait for answers"
             raise LimitError(f"activity {self.activity.name}: {found}, the limit is {MAX_TOGETHER}")

@@ -193,10 +193,11 @@ class Canvas(NetBuilder):
         rank: int = 0,
         provenance: Provenance | None = None,
     ) -> None:
-        """Declares a transition; one that ends an objective asks how hardware is that is detected late.
+        """Declares a transition; one that ends an objective reads hardware whose loss is detected late.
 
-        The objective succeeds only while nothing of it that it may use is lost and in use. Where it fails
-        while something is, that is suspected, and known to be lost when who uses it lets it go.
+        The objective succeeds only while none of the hardware that it may use is *misused*: gone and in use.
+        Where it fails while some is, that hardware becomes *suspected*, and is known to be out of service as
+        soon as its user releases it.
         """
         late = self._late.get(event.element, ()) if event is not None and event.what in ENDING else ()
         draw = partial(super().transition, event=event, rank=rank, provenance=provenance)

@@ -129,7 +129,7 @@ class _CompactAlternative(AlternativeDrawing):
 
     @cached_property
     def left_for_better(self) -> bool:
-        """Whether it is left for a better one by what all alternatives share: few of them need no such."""
+        """Whether it is left for a better one by places that alternatives share; not where these are few."""
         few = len(self.activity.alternatives) < SHARING_RETURNS
         return not few and bool(self.usage.switching.better(self.activity.name, self.index))
 

@@ -88,7 +88,7 @@ def changing(canvas: Canvas, changes: Mapping[str, str], what: str) -> Iterator[
 def ways(
     canvas: Canvas, default: str, cases: Sequence[FactCase], changes: Mapping[str, str], what: str
 ) -> list[Way]:
-    """Where it leads by facts, after some have been given values.
+    """The ways of a transition: one for each combination of values of facts that it changes or is led by.
 
     Args:
         canvas: Names the places.
@@ -119,15 +119,15 @@ def ways(
 def _decided(
     cases: Sequence[FactCase], default: str, known: dict[str, str], facts: Mapping[str, Fact]
 ) -> Iterator[tuple[dict[str, str], str]]:
-    """Values of facts that decide, each with where they lead; just one of these holds at a time."""
+    """The leaves of a decision tree over the cases, one of which holds: values of facts, and the target."""
     for number, case in enumerate(cases):
         if any(known.get(name, value) != value for name, value in case.when):
             continue
-        open_ = next((name for name, _ in case.when if name not in known), None)
-        if open_ is None:
+        undecided = next((name for name, _ in case.when if name not in known), None)
+        if undecided is None:
             yield known, case.target
             return
-        for value in facts[open_].values:
-            yield from _decided(cases[number:], default, {**known, open_: value}, facts)
+        for value in facts[undecided].values:
+            yield from _decided(cases[number:], default, {**known, undecided: value}, facts)
         return
     yield known, default

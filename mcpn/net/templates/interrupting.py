@@ -30,7 +30,7 @@ MAX_POSITIONS = 10_000
 """Combinations of where the branches of a block may be that handle one event, each with a transition."""
 
 _Ways: TypeAlias = Iterable[tuple[list[str], Iterable[str]]]
-"""By values of facts, places that say so, the places that are marked."""
+"""For each combination of values of facts: the places that say so, and the places to mark."""
 
 
 class Interrupting(Level):
@@ -110,7 +110,7 @@ class Interrupting(Level):
         return positions_so_far
 
     def possible(self, position: Position) -> bool:
-        """Whether handlers and facts may be so at once."""
+        """Whether a marking may be so: no handler is both open and happened, and no fact has two values."""
         if not position.possible:
             return False
         roles = (self.canvas.roles.get(place, ("", "")) for place in {*position.read})

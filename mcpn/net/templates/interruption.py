@@ -1,8 +1,8 @@
-"""What an event does where the objectives of a section are, and what of it happens once.
+"""Positions of a section's objectives in which an event is handled, and handlers that happen once.
 
 A handler that happens once has two places of its own: *open*, and *happened*. The transition of an event that
-it handles takes the one and puts the other; that of the next handler outwards reads *happened*. Sections hand
-them on as they do the status of hardware.
+the handler handles consumes *open* and produces *happened*; the transition of the next handler outwards reads
+*happened*. Sections hand both on as they do the status of hardware.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from mcpn.net.templates.canvas import Canvas, Pen
 
 
 def draw_once(canvas: Canvas, mission: Pen, handler: str, begin: str) -> None:
-    """Draws whether a handler that happens once has happened; in a part of a mission it may have before."""
+    """Draws the status of a handler that happens once; before a part of a mission it may have happened."""
     pen = canvas.of("once", handler, None)
-    still = canvas.role(pen.place("open", initial=1), ("open", handler))
-    gone = canvas.role(pen.place("happened"), ("happened", handler))
-    canvas.unit([still, gone])
+    open_ = canvas.role(pen.place("open", initial=1), ("open", handler))
+    happened = canvas.role(pen.place("happened"), ("happened", handler))
+    canvas.unit([open_, happened])
     if canvas.part:
         event = Event(What.EARLIER, handler)
-        mission.transition(("earlier", handler), [still], [gone], read=[begin], event=event)
+        mission.transition(("earlier", handler), [open_], [happened], read=[begin], event=event)
 
 
 @dataclass(frozen=True)
@@ -70,12 +70,12 @@ class Position:
 
     @property
     def possible(self) -> bool:
-        """Whether no handler has happened already that does so there."""
+        """Whether no handler would have to be open and to have happened at the same time."""
         return not {*self.once} & {*self.happened}
 
 
 def called(event: str, number: int, word: str = "on") -> str:
-    """What is drawn for the handlers of an event is called: the innermost has no number."""
+    """The name of what is drawn for one handler of an event; the innermost handler has no number."""
     return f"{word}_{event}" if number == 1 else f"{word}{number}_{event}"
 
 

@@ -78,8 +78,8 @@ class Leaving:
         if self.combined:
             self._combined(pen, running, led)
             return
-        # A block that may be halted takes note of nothing before all have ended, and one of few children
-        # neither: how each has ended stays to be seen.
+        # A block that may be halted, or has few children, counts no outcome before all have ended: until
+        # then each child's outcome stays marked in a place of its own.
         late = halted or len(section.branches) <= MAX_COMBINED
         begin = 0 if late else len(section.branches) - 1
         ended = [*(self.of_branch(b, "ended") for b in section.branches), *running]

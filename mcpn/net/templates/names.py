@@ -26,7 +26,7 @@ class NetNames:
 
     def __init__(self, elements: Iterable[tuple[str, str]]) -> None:
         self._owners: dict[str, tuple[str, str]] = {}
-        self._begun: set[str] = set()  # what longer stems begin with
+        self._begun: set[str] = set()  # proper prefixes of stems, cut where a word ends
         self._resources: set[str] = set()
         self._given: dict[tuple[str, ...], str] = {}
         self._meant: dict[str, tuple[str, ...]] = {}
@@ -88,10 +88,10 @@ def _stem(kind: str, element: str) -> str:
 
 def _boundaries(text: str, begin: int = 0) -> Iterator[int]:
     """Where words of a text end, from a letter on."""
-    at = text.find("_", begin)
-    while at >= 0:
-        yield at
-        at = text.find("_", at + 1)
+    end = text.find("_", begin)
+    while end >= 0:
+        yield end
+        end = text.find("_", end + 1)
     yield len(text)
 
 

@@ -55,9 +55,10 @@ def draw_hardware(canvas: Canvas, resource: Hardware) -> None:
 def _draw_late(canvas: Canvas, resource: Hardware) -> None:
     """Draws hardware whose loss is detected late: 17 places, and 12 transitions or more.
 
-    What the robot knows of it is as of other hardware. Beside it stands whether it is *well* or *gone*;
-    whether it is *misused*, gone and in use; and whether it is *suspected*, since an objective has failed
-    that may use it while it was misused. What is suspected is out of service when it is released.
+    What the robot knows of the hardware has the places of other hardware. Pairs of places hold what is true:
+    whether the hardware is *well* or *gone*; whether it is *misused* (gone and in use) or *fine*; and whether
+    it is *suspected* or *trusted*: it is suspected once an objective that may use it has failed while it was
+    misused. Suspected hardware is out of service when it is released.
     """
     r, ready = resource.name, _ready(canvas, resource)
     pen = canvas.of("hardware", r, resource.source)
@@ -77,10 +78,10 @@ def _draw_late(canvas: Canvas, resource: Hardware) -> None:
         pen.transition(
             f"EV_DETECTED_f{number}", [free, *watched], [failing], read=[gone, running], event=seen
         )
-        lost, told = [busy, answer, misused, *watched], [failing, error, fine]
-        pen.transition(f"EV_DETECTED_b{number}", lost, told, read=[running, trusted], event=seen)
-        lost, told = [*lost, suspected], [*told, trusted]
-        pen.transition(f"EV_DETECTED_s{number}", lost, told, read=[running], event=seen)
+        taken, put = [busy, answer, misused, *watched], [failing, error, fine]
+        pen.transition(f"EV_DETECTED_b{number}", taken, put, read=[running, trusted], event=seen)
+        taken, put = [*taken, suspected], [*put, trusted]
+        pen.transition(f"EV_DETECTED_s{number}", taken, put, read=[running], event=seen)
     pen.transition("3", [failing, available], [out])
     pen.transition("4", [failing, release], [out])
     if resource.repairable:
