@@ -102,7 +102,7 @@ class Without(Set[int]):
 
 
 class Alike(Generic[Known]):
-    """What is found once for all pieces that are alike."""
+    """A memo of results that pieces which are alike share, but for names."""
 
     def __init__(self) -> None:
         self._known: dict[Hashable, tuple[tuple[str, ...], Known]] = {}
@@ -110,20 +110,20 @@ class Alike(Generic[Known]):
     def known(
         self, key: Hashable, names: tuple[str, ...], compute: Callable[[], Known]
     ) -> tuple[Known, Mapping[str, str]]:
-        """What was computed before for a key, or is now.
+        """The result for a key, computed once.
 
         Args:
-            key: Equal where the same is found but for names.
+            key: Equal where results are the same but for names.
             names: The names of the piece that is asked for.
-            compute: How it is found.
+            compute: Computes the result.
 
         Returns:
-            What is found, and its names as those of the piece.
+            The result, and a renaming of the names that it was computed with to those of the piece.
         """
         if key not in self._known:
             self._known[key] = names, compute()
-        theirs, found = self._known[key]
-        return found, dict(zip(theirs, names, strict=True))
+        first_names, result = self._known[key]
+        return result, dict(zip(first_names, names, strict=True))
 
 
 class Space(Protocol[S]):

@@ -15,7 +15,7 @@ MAX_MINIMAL = 10_000
 """Minimal sets of a family that are listed at most."""
 
 Bit = tuple[int, bool] | bool
-"""Where a diagram says whether a place is marked: a level and whether it says the reverse, or a constant."""
+"""How a diagram encodes whether a place is marked: a level and whether it is negated, or a constant."""
 
 
 class ImageStore:
@@ -74,27 +74,27 @@ class ImageStore:
         return self._known[key]
 
     def _built(self, states: Zdd, store: Store, levels: Sequence[int], bits: Sequence[Bit]) -> Zdd:
-        told = {level: (list[int](), list[int]()) for level in levels}
+        # By level, the numbers in the set where it is unmarked, and where it is marked.
+        members = {level: (list[int](), list[int]()) for level in levels}
         for number, bit in enumerate(bits):
             if not isinstance(bit, bool):
-                told[bit[0]][not bit[1]].append(number)
+                members[bit[0]][not bit[1]].append(number)
         always = self.store.event([], [number for number, bit in enumerate(bits) if bit is True])
         ways = [
-            (level, store.event([level], []), *(self.store.event([], numbers) for numbers in told[level]))
+            (level, store.event([level], []), *(self.store.event([], numbers) for numbers in members[level]))
             for level in levels
         ]
         memo: dict[tuple[Zdd, int], Zdd] = {}
 
-        def built(part: Zdd, at: int) -> Zdd:
-            if not part or at == len(ways):
+        def built(part: Zdd, depth: int) -> Zdd:
+            if not part or depth == len(ways):
                 return self.store.singleton([]) if part else self.nothing
-            if (part, at) not in memo:
-                level, take, where_unmarked, where_marked = ways[at]
+            if (part, depth) not in memo:
+                level, take, where_unmarked, where_marked = ways[depth]
                 unmarked, marked = part.subset(unmarked=[level]), part.images([take])
-                memo[part, at] = built(unmarked, at + 1).images([where_unmarked]) | built(
-                    marked, at + 1
-                ).images([where_marked])
-            return memo[part, at]
+                without = built(unmarked, depth + 1).images([where_unmarked])
+                memo[part, depth] = without | built(marked, depth + 1).images([where_marked])
+            return memo[part, depth]
 
         return built(states, 0).images([always])
 

@@ -75,8 +75,8 @@ class _Space:
         by_rank: dict[int, Any] = {}
         for rank in sorted({*self.net.ranks, EVENTS}):
             by_rank[rank] = markings
-            for t, of in zip(self.net.safe_transitions, self.net.ranks, strict=True):
-                if of == rank:
+            for t, own in zip(self.net.safe_transitions, self.net.ranks, strict=True):
+                if own == rank:
                     markings = markings & ~self.enabled(by_rank[rank], t)
         return by_rank
 

@@ -18,14 +18,14 @@ from mcpn.space.algebra import Edge, S, Space
 
 MOST_REPLAYS = 1_000
 MOST_BESIDE = 50
-"""Internal transitions that need one place, of which each is looked at when it receives a token."""
+"""A place that more internal transitions need is *crowded*: not all are tried when it receives a token."""
 
 
 class Completion:
     """How a net evolves by itself: internal transitions fire until none is enabled, lowest ranks first.
 
-    Only the transitions beside a place that has just received a token are looked at; where these are many, as
-    the gates of all sections that wait for one activity, only those of which a rarer place is marked.
+    Only transitions that need a place which has just received a token are tried. Where many need it, as the
+    gates of all sections that wait for one activity do, only those are tried whose rarest place is marked.
 
     Args:
         net: The net.
@@ -57,7 +57,7 @@ class Completion:
 
         Returns:
             Internal transitions, each after the number of its rank; crowded places that receive a token; and
-            rarer places of what needs crowded ones that the firing marks or leaves.
+            rarest places (:attr:`crowds`) whose tokens the firing changes.
         """
         if fired not in self._beside:
             users, transition = self.net.internal_users, self.net.transitions[fired]
@@ -74,10 +74,10 @@ class Completion:
 
     @cached_property
     def crowds(self) -> Mapping[int, Mapping[int, Sequence[int]]]:
-        """By place that many internal transitions need, these by the place that they need and the fewest do.
+        """By crowded place, the internal transitions that need it, by their rarest place.
 
-        That is empty most often: of the objectives that start an activity, which come into question whenever
-        that comes to rest, few are run.
+        The rarest place of a transition is the one that the fewest internal transitions need. It is mostly
+        unmarked: of the objectives that start an activity, all of which wait for it to be idle, few run.
         """
         users = self.net.internal_users
         crowds: dict[int, dict[int, list[int]]] = {p: {} for p, of in users.items() if len(of) > MOST_BESIDE}
@@ -89,7 +89,7 @@ class Completion:
 
     @cached_property
     def rarer(self) -> Set[int]:
-        """The rarer places of all that needs a crowded one."""
+        """The rarest places of all transitions that need a crowded one."""
         return {place for by_rarest in self.crowds.values() for place in by_rarest}
 
 
@@ -106,7 +106,7 @@ class _Needs(dict[int, Arcs]):
 
 
 class Evolution:
-    """A marking that changes in place, by firings and by what follows them by itself.
+    """A marking that changes in place: by firings, and by run to completion after them.
 
     Args:
         completion: Of the net.

@@ -137,15 +137,15 @@ class Diagrams:
     def ways(
         self, events: Mapping[int, int], transitions: Collection[int] | None, guards: Guards[Zdd]
     ) -> list[tuple[list[int], Zdd]]:
-        """Events of the store for what is asked for of waiting and guarded transitions.
+        """Events of the store for transitions that are not free, in groups with where each may fire.
 
-        Those of waiting transitions without a guard are together by rank, and events by the element of the
-        mission that they are of; each group has the states in which they may fire.
+        Without a guard, internal transitions are grouped by rank, and event transitions by the element of the
+        mission that they belong to. Each transition with a guard is a group of its own.
         """
         wanted = set(self.waiting) if transitions is None else set(self.waiting).intersection(transitions)
         wanted.difference_update(guards or ())
         groups = [
-            (distinct(events[t] for t in of if t in wanted), self.stable) for of in elements(self.encoding)
+            (distinct(events[t] for t in own if t in wanted), self.stable) for own in elements(self.encoding)
         ]
         later = [(self.of(events, group, transitions, guards), where) for group, where in self.groups[1:-1]]
         guarded = (([event], where) for event, where in self.guarded(events, transitions, guards))
@@ -293,7 +293,7 @@ class Diagrams:
 
 
 def layers_back(start: Zdd, goal: Zdd, back: Callable[[Zdd], Zdd]) -> list[Zdd] | None:
-    """Layers back from a goal until one meets some states: by the length of shortest runs from there."""
+    """Backward breadth-first layers, by length of shortest runs to a goal, until one meets some states."""
     layers, seen = [goal], goal
     while not layers[-1] & start:
         earlier = back(layers[-1]) - seen

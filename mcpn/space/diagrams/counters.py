@@ -64,9 +64,8 @@ class TokenEncoding(Encoding):
         self._anything = self.store.condition([])
         self._needs = [needs(net, t) for t in range(len(net.transitions))]
         self._deltas = [changes(net, t) for t in range(len(net.transitions))]
-        found = {t: self._checked(self._needs[t]) for t in range(len(net.transitions))}
-        self.transitions = [t for t, condition in found.items() if condition is not None]
-        self.enabling = found
+        self.enabling = {t: self._checked(self._needs[t]) for t in range(len(net.transitions))}
+        self.transitions = [t for t, condition in self.enabling.items() if condition is not None]
         self.events = {
             t: event
             for t in self.transitions

@@ -36,7 +36,7 @@ class Levels:
     def sides(
         self, marked: Iterable[int], unmarked: Iterable[int] = ()
     ) -> tuple[list[int], list[int]] | None:
-        """Levels that are marked, and that are not, where places are; ``None`` where no marking is so."""
+        """The levels to be marked and those not to be, for some places; ``None`` where they contradict."""
         yes, no = set[int](), set[int]()
         for wanted, places in ((True, marked), (False, unmarked)):
             for place in places:
@@ -157,13 +157,13 @@ class Encoding(Levels):
 
     @cached_property
     def unstable_ranks(self) -> list[list[int]]:
-        """When some internal transition of each rank is enabled."""
+        """By rank, the conditions of the store under which an internal transition of it is enabled."""
         conditions = ([self.enabling.get(t) for t in of] for of in self.net.internal_ranks)
         return [[c for c in of if c is not None] for of in conditions]
 
     @property
     def unstable(self) -> list[int]:
-        """When some internal transition is enabled."""
+        """The conditions of the store under which some internal transition is enabled."""
         return [*chain.from_iterable(self.unstable_ranks)]
 
     def bit(self, place: int) -> tuple[int, bool]:

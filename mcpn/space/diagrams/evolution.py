@@ -1,4 +1,4 @@
-"""Internal evolution of sets of markings, on diagrams: to all that is behind them, and back.
+"""Internal evolution of sets of markings, on diagrams: its closure forward (:func:`behind`), and backward.
 
 Where all internal transitions have one rank, both are one saturation. Where they have several, a transition
 fires only in markings that enable none of a lower rank: the first rank is saturated, then each of the others
@@ -41,7 +41,7 @@ class Clock:
 def behind(
     encoding: Encoding, begun: Zdd, clock: Clock | None = None, *, ranks: int | None = None
 ) -> tuple[Zdd, Zdd]:
-    """The markings behind some others.
+    """The markings that internal evolution comes to from some others, and those in which it ends.
 
     Args:
         encoding: The net, which has priorities, on the levels of a store.

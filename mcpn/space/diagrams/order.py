@@ -142,8 +142,8 @@ def _named(net: PetriNet) -> Iterator[tuple[str, Order]]:
     # As they won on nets of the contest and on those of experiments/hard_nets.py; each of the first four is
     # good for nets of which the others are bad.
     seeded = cuthill_mckee(net)
-    near = sum(len(places) ** 2 for places in _touched(net)) <= MOST_PAIRS
-    if near:
+    few_pairs = sum(len(places) ** 2 for places in _touched(net)) <= MOST_PAIRS
+    if few_pairs:
         yield "closing", closing(net, seeded)
     forced = force(net, seeded)
     units = net.units or state_machine_units(net)
@@ -151,7 +151,7 @@ def _named(net: PetriNet) -> Iterator[tuple[str, Order]]:
         by_force = together(net, units, forced)
         yield "units", by_units(net, units)
         yield "units-by-force-rcm-reversed", by_force[::-1]
-    if near:
+    if few_pairs:
         yield "sloan", sloan(net, seeded)
     components = state_machine_units(net) if net.units else units
     if components:
@@ -223,17 +223,18 @@ def cuthill_mckee(net: PetriNet) -> Order:
     """
     count = len(net.places)
     touched = _touched(net)
-    near: list[list[int]] = [[] for _ in range(count)]
+    neighbours: list[list[int]] = [[] for _ in range(count)]
     for number, places in enumerate(touched):
         for place in places:
-            near[place].append(count + number)
-    near += touched
+            neighbours[place].append(count + number)
+    neighbours += touched
 
     def walk(start: int) -> tuple[list[int], list[int]]:
         """Nodes as they are come to, and their distances."""
         seen, visited, distances = {start}, [start], [0]
         for at, node in enumerate(visited):  # grows while it is walked
-            fresh = sorted((n for n in near[node] if n not in seen), key=lambda n: (len(near[n]), n))
+            unseen = (n for n in neighbours[node] if n not in seen)
+            fresh = sorted(unseen, key=lambda n: (len(neighbours[n]), n))
             seen.update(fresh)
             visited += fresh
             distances += [distances[at] + 1] * len(fresh)
@@ -249,7 +250,7 @@ def cuthill_mckee(net: PetriNet) -> Order:
         while distances[-1] > far:
             far = distances[-1]
             rim = [n for n, distance in zip(visited, distances, strict=True) if distance == far]
-            visited, distances = walk(min(rim, key=lambda n: (len(near[n]), n)))
+            visited, distances = walk(min(rim, key=lambda n: (len(neighbours[n]), n)))
         placed.update(visited)
         order += visited
     return tuple(node for node in reversed(order) if node < count)

@@ -182,7 +182,7 @@ class Race(Generic[Result]):
 
 
 def part(budget: int, place: int) -> int:
-    """What of the first runner's budget is for another: the late ones seldom win."""
+    """The share of the first runner's budget that the one at a position gets: late ones seldom win."""
     return max(budget // (place + 1 if place < FAVOURED else isqrt((place + 1) ** 3)), 1)
 
 

@@ -1,7 +1,8 @@
 """Maximal runs that stay in a set, on diagrams: by layers, and beside them by what fires on cycles.
 
-Layers drop the states without a successor in the set until none is left; over long distances they are many.
-After some steps of the kernel another way takes turns with them. A run that stays comes to
+This is EG: a greatest fixpoint. Layers drop the states without a successor in the set until none is left to
+drop; where runs out of the set are long, layers are many. After some steps of the kernel another way takes
+turns with them. A run that stays in the set comes to
 
 - a dead state: one closure back finds what does;
 - or a cycle. Of the states that remain, only transitions of a T-semiflow of those with edges there may fire

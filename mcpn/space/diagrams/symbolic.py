@@ -86,11 +86,11 @@ class SymbolicSpace:
     def __reduce__(self) -> tuple[Any, ...]:
         """A space goes from process to process as tables of its diagrams."""
         stable = None if self.stable is None else self.stable.to_bytes()
-        told = (
+        described = (
             *(self.order, self.places, self.peak_nodes, self.explored),
             *(self.encoding.memory_limit, self.encoding.counters),
         )
-        return _revived, (self.encoding.net, self.reachable.to_bytes(), stable, *told)
+        return _revived, (self.encoding.net, self.reachable.to_bytes(), stable, *described)
 
     @cached_property
     def reachable(self) -> Zdd:
@@ -180,8 +180,8 @@ def _revived(
         from mcpn.space.diagrams.counters import TokenEncoding
 
         encoding = TokenEncoding(net, places, memory, *counters)
-    sets = [None if told is None else encoding.store.from_bytes(told) for told in (reachable, stable)]
-    assert sets[0] is not None, "what is reachable is always told"
+    sets = [None if table is None else encoding.store.from_bytes(table) for table in (reachable, stable)]
+    assert sets[0] is not None, "what is reachable is always there"
     return SymbolicSpace(encoding, sets[0], sets[1], order, places, peak, explored)
 
 
@@ -333,17 +333,18 @@ def elements(encoding: Encoding) -> list[list[int]]:
 
 
 def chained(begin: Zdd, steps: Sequence[Callable[[Zdd], Zdd]]) -> Zdd:
-    """The least set that holds one and what steps make of it, each closed before the next is taken.
+    """The least fixpoint of a union of steps above a set; each step is closed before the next is taken.
 
-    Sets that are met breadth first, all those so many steps away, have large diagrams on the way to a small
-    one; what follows from one element alone has not (*chaining*: Roig, Cortadella, Pastor, ICATPN 1995).
+    This is *chaining* (Roig, Cortadella, Pastor, ICATPN 1995). Breadth-first layers, all states so many steps
+    away, have large diagrams on the way to a small one; closing under the events of one element at a time
+    avoids them.
 
     Args:
-        begin: What is there at first.
-        steps: What each makes of a set; it distributes over unions.
+        begin: The set that the fixpoint contains.
+        steps: Each maps a set to its image, and distributes over unions.
     """
     reached = begin
-    taken = [begin - begin] * len(steps)  # of which sets each step has been taken
+    taken = [begin - begin] * len(steps)  # by step, the states that it has been applied to
     changed = True
     while changed:
         changed = False

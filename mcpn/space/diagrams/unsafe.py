@@ -18,8 +18,8 @@ def refuse_unsafe(space: SymbolicSpace) -> None:
     """
     markings = DiagramMarkings(space)
     suspects = sorted(_suspects(space.encoding), key=lambda suspect: space.encoding.net.ranks[suspect[0]])
-    for where, of in groupby(suspects, lambda suspect: markings.where[suspect[0]]):
-        if where.first([condition for _, _, condition in of]) >= 0:
+    for where, together in groupby(suspects, lambda suspect: markings.where[suspect[0]]):
+        if where.first([condition for _, _, condition in together]) >= 0:
             raise _unsafe(markings, suspects)
 
 
