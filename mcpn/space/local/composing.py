@@ -63,7 +63,7 @@ def composite_space(
         The composite. With ``may_die`` its net is that of :func:`mcpn.net.mortal.mortal`.
 
     Raises:
-        PremiseError: A section hands on more than that.
+        PremiseError: A section hands on more than its exit and the status of what sections carry.
         ConfluenceError: An event that the mission comes to has two outcomes.
         DivergenceError: After an event that the mission comes to internal evolution need not end.
         UnsafeError: A local net is not 1-safe.
@@ -82,12 +82,14 @@ def composite_space(
             raise error
     alone = SectionParts(usage).alone
     parts = {section.name: alone(section) for section in mission_net.graph.sections}
-    ours = looks_at_no_names(templates)
+    renamable = looks_at_no_names(templates)
     first: dict[Hashable, str] = {}  # by type, its first section, which stands for it
-    standing = {name: first.setdefault(part.type if ours else name, name) for name, part in parts.items()}
-    named, living = (mortal, crashing_anytime) if may_die else (_itself, _itself)
-    immortal = {name: living(parts[name].net(templates)) for name in first.values()}
-    nets = {name: named(net) for name, net in immortal.items()}
+    representative = {
+        name: first.setdefault(part.type if renamable else name, name) for name, part in parts.items()
+    }
+    with_death, with_crashes = (mortal, crashing_anytime) if may_die else (_itself, _itself)
+    immortal = {name: with_crashes(parts[name].net(templates)) for name in first.values()}
+    nets = {name: with_death(net) for name, net in immortal.items()}
     explored: dict[str, Explored] = {}
     dying = [net.net if may_die else None for net in nets.values()]
     results = _explored([net.net for net in immortal.values()], dying, executor)
@@ -97,18 +99,21 @@ def composite_space(
             explored[name] = next(results)
         if progress:
             progress(number, len(nets))
-    whole = WholeNet(named(mission_net), templates)
+    whole = WholeNet(with_death(mission_net), templates)
     layout = Layout(whole.mission_net, max(len(known.space.encoding.places) for known in explored.values()))
     types = {name: SectionType(parts[name], net, explored[name], layout) for name, net in nets.items()}
     for name, type_ in types.items():
         step(Doing.CHECKING_EXITS, section=name)
         type_.check_premise(name, explored[name])
     step(Doing.JOINING)
-    stages = [whole.stage(s, parts[s.name], types[standing[s.name]]) for s in mission_net.graph.sections]
+    stages = [
+        whole.stage(s, parts[s.name], types[representative[s.name]]) for s in mission_net.graph.sections
+    ]
     composite = CompositeSpace(whole, layout, stages)
-    # What may die behaves as what may not, but that what may crash is lost where it never crashes.
+    # Death only disables repairs, so the proof for the composite without it holds here, too. But with it
+    # crashes happen at any moment (:func:`crashing_anytime`), which the proof there does not cover.
     if not may_die or mission_net.mission.crashes:
-        if not ours:
+        if not renamable:
             refuse_open_junctions(composite)
         refuse_nonconfluent(composite, {types[name]: known for name, known in explored.items()})
     return composite
@@ -121,13 +126,13 @@ def _itself(mission_net: MissionNet) -> MissionNet:
 def _explored(
     nets: Sequence[PetriNet], dying: Sequence[PetriNet | None], executor: Executor | None
 ) -> Iterator[Explored]:
-    """What is known of some nets, in their order, wherever they are explored; proofs go with them."""
-    both = list(zip(nets, dying, strict=True))
+    """Explores some nets, and yields results in their order; an executor's processes send proofs, too."""
+    pairs = list(zip(nets, dying, strict=True))
     if executor is None:
-        yield from (explore_local(*nets) for nets in both)
+        yield from (explore_local(*pair) for pair in pairs)
         return
     try:
-        futures = [executor.submit(explore_and_prove, *nets) for nets in both]
+        futures = [executor.submit(explore_and_prove, *pair) for pair in pairs]
         for future in futures:
             yield future.result()
     except Exception as error:

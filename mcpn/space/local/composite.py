@@ -34,7 +34,7 @@ class CompositeSpace(Glued):
 
     @memoized
     def _holding(self, kind: Kind) -> tuple[Mapping[int, Sequence[str]], Mapping[int, list[list[str]]]]:
-        """By place, or by transition, the stages with it in their control; and groups that use it alike."""
+        """By place, or by transition: stages that have it in their control, and groups using it."""
         control: dict[int, tuple[str] | list[str]] = {}
         alike: dict[int, tuple[Sequence[int], list[str]]] = {}
         for name, stage in self.stages.items():
@@ -167,7 +167,8 @@ class CompositeSpace(Glued):
         return CompositeSet(self, {state[0]: self.layout.opened(part, slots)})
 
     def _has(self, parts: Mapping[str, Zdd], state: Member) -> bool:
-        # A part is open in the section's own slots, so the member stands for all that it is open to.
+        # Parts leave the section's own slots unconstrained; in a member they are unmarked. So a member is in
+        # a set where it is in the diagram.
         return state[0] in parts and bool(self.layout.store.singleton(state[1]) & parts[state[0]])
 
     def run(
@@ -214,7 +215,7 @@ class CompositeSpace(Glued):
     def _hops(
         self, begin: Member, goal: CompositeSet, within: CompositeSet, allowed: Filter
     ) -> list[tuple[SectionSets, SectionSets]] | None:
-        """By number of sections to leave before the goal: from which states, and to which."""
+        """By number of sections still to leave: states first reached so, and the targets in each section."""
         hops: list[tuple[SectionSets, SectionSets]] = []
         seen, targets = SectionSets(), SectionSets(goal.parts)
         while targets:

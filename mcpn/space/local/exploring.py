@@ -31,7 +31,7 @@ class Explored:
     Args:
         space: Its reachable markings; where it has big steps, the stable ones alone.
         steps: Its big steps, each proved to be the one outcome of its event; ``None`` where it has none.
-        also: By transition, levels that must be marked, too.
+        also: By transition, levels that must be marked besides the conditions of its big steps.
     """
 
     space: SymbolicSpace
@@ -45,7 +45,7 @@ class Explored:
 
     @cached_property
     def ends(self) -> bool:
-        """Whether internal evolution may end, whatever has happened."""
+        """Whether from each marking some internal run leads to a stable one."""
         return self.steps is not None or not self.space.endless
 
     def alternatives(self) -> DiagramAlternatives:
@@ -57,7 +57,7 @@ class Explored:
 
         Args:
             encoding: The net on its levels, in the same order.
-            widened: What becomes of each set there.
+            widened: Maps each set, copied to that store, to the set that is meant there.
         """
 
         def put(states: Zdd) -> Zdd:
@@ -80,20 +80,20 @@ def explore_local(net: PetriNet, dying: PetriNet | None = None) -> Explored:
 
     Args:
         net: The net.
-        dying: The same net with hardware that may die (:func:`mcpn.net.mortal.mortal`): then what is known of
-            this one. Dying changes nothing but what may be repaired, so events are known to have one outcome
-            there.
+        dying: Where given, the same net with hardware that may die (:func:`mcpn.net.mortal.mortal`): then it
+            is this one that is explored. Death only disables repairs, so the big steps of ``net`` prove that
+            events have one outcome in it, too.
 
     Raises:
         UnsafeError: The net is not 1-safe.
         LimitError: A limit was hit.
     """
-    of = net if dying is None else dying
-    name, places = "clusters", clustered(of)
-    encoding = Encoding(of, places, DEFAULT_MEMORY)
+    explored_net = net if dying is None else dying
+    name, places = "clusters", clustered(explored_net)
+    encoding = Encoding(explored_net, places, DEFAULT_MEMORY)
     big_steps = reach_in_big_steps(KernelNet(net), encoding)
     if big_steps is None:
-        return Explored(reach(of))
+        return Explored(reach(explored_net))
     stable, steps, also = (
         (*big_steps, {}) if dying is None else _with_losses(encoding, len(net.places), *big_steps)
     )
@@ -120,8 +120,8 @@ def _with_losses(
     """
     safe, events = encoding.net.safe_transitions, encoding.events
     losses = {p: t for t in events for p in safe[t].consume if p >= first}
-    born = encoding.store.event([], encoding.levels(losses))
-    stable = stable.images([born]).saturate([events[t] for t in losses.values()])
+    all_alive = encoding.store.event([], encoding.levels(losses))
+    stable = stable.images([all_alive]).saturate([events[t] for t in losses.values()])
     also = {t: encoding.levels(p for p in safe[t].read if p >= first) for t in steps}
     return stable, {**steps, **dict.fromkeys(losses.values())}, also
 

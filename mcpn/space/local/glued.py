@@ -113,7 +113,7 @@ class Glued:
         self.empty = layout.store.empty()
         self.nothing = CompositeSet(self, {})
         self.order = {name: i for i, name in enumerate(self.stages)}
-        self.into: dict[str, dict[str, None]] = {name: {} for name in self.stages}  # who leads there
+        self.into: dict[str, dict[str, None]] = {name: {} for name in self.stages}  # whose routes lead there
         for stage in self.stages.values():
             for route in stage.routes.values():
                 self.into[route][stage.name] = None
@@ -169,7 +169,7 @@ class Glued:
 
     @memoized
     def _once(self, local: frozenset[int]) -> frozenset[int]:
-        """The first of equal sets."""
+        """One object for equal sets (interning)."""
         return local
 
     # --- one step ---
@@ -236,16 +236,16 @@ class Glued:
     def worked(
         self, names: Iterable[str], work: Callable[[str], Iterable[str]], *, back: bool = False
     ) -> None:
-        """Works on sections in their order, or against it, and again on those that a piece of work names."""
+        """A worklist of sections, in their order or against it; work on a section names those to do again."""
         queued = set(names)
         heap = sorted((-self.order[name] if back else self.order[name], name) for name in queued)
         while heap:
-            _, at = heappop(heap)
-            queued.discard(at)
-            for name in work(at):
-                if name not in queued:
-                    queued.add(name)
-                    heappush(heap, (-self.order[name] if back else self.order[name], name))
+            _, name = heappop(heap)
+            queued.discard(name)
+            for changed in work(name):
+                if changed not in queued:
+                    queued.add(changed)
+                    heappush(heap, (-self.order[changed] if back else self.order[changed], changed))
 
     def reaching(
         self,

@@ -86,7 +86,7 @@ class Layout:
 
     @cached_property
     def idle(self) -> list[int]:
-        """Tokens by place of the whole net in sections that have it not, with all hardware in service."""
+        """By place of the whole net: tokens while the mission is in a section whose local net lacks it."""
         tokens = [*self.mission_net.in_service]
         tokens[self.mission_net.beginning] = 0
         return tokens
@@ -161,7 +161,7 @@ class Layout:
     def beside(
         self, transitions: frozenset[int] | None = None, but: tuple[Element, ...] = ()
     ) -> list[Toggle]:
-        """What hardware may do while nobody uses it: by some transitions, and but for some."""
+        """The toggles of some transitions, of all by default, without those of some elements."""
         return [
             toggle
             for t, toggle in self.toggles.items()
@@ -179,17 +179,19 @@ def _idle_events(mission_net: MissionNet) -> Iterator[tuple[int, str, int, int]]
                 yield t, transition.event.element, before, after
 
 
-def _out_of_service(mission_net: MissionNet) -> Iterator[tuple[str, tuple[int, ...]]]:
-    """What may crash, each with the places that say that it has."""
+def _crashed_places(mission_net: MissionNet) -> Iterator[tuple[str, tuple[int, ...]]]:
+    """The resources that stand for crashes, each with the places that say that it has crashed."""
     for name in dict.fromkeys(mission_net.saying("ready").values()):
         yield name, mission_net.by_role["oos", name]
 
 
 def idle_places(mission_net: MissionNet) -> dict[int, tuple[Element, int, bool]]:
-    """What places say of the status that sections hand on, in the net of a mission or of a part of it.
+    """The places that encode the status that sections hand on, in the net of a mission or of a part of it.
 
-    By place that changes with the status of hardware that nobody uses, or of a handler that happens once: the
-    element, the number of its slot that says the same, and whether the place says the reverse.
+    Returns:
+        By place that follows the status of hardware while nobody uses it, of a handler that happens once, or
+        of a fact: the element, the number of the slot among its slots, and whether the place is marked where
+        the slot is not.
     """
     net, places = mission_net.net, dict[int, tuple[Element, int, bool]]()
     facts = mission_net.usage.world.facts
@@ -203,7 +205,7 @@ def idle_places(mission_net: MissionNet) -> dict[int, tuple[Element, int, bool]]
                 if at[place] != initial[place]:
                     places[place] = ("hardware", name), 0, bool(initial[place])
                     at[place] = initial[place]
-    for name, out in _out_of_service(mission_net):  # what may crash does not while nobody uses it
+    for name, out in _crashed_places(mission_net):  # there is no crash while nobody uses the resource
         places |= dict.fromkeys(out, (("hardware", name), 0, False))
         places |= dict.fromkeys(mission_net.by_role["ready", name], (("hardware", name), 0, True))
     # Dying changes nothing else: see :func:`mcpn.net.mortal.mortal`.
@@ -217,6 +219,6 @@ def idle_places(mission_net: MissionNet) -> dict[int, tuple[Element, int, bool]]
             places[place] = (kind, name), number, reverse
     for place, said in mission_net.saying("fact").items():
         first, *others = all_flags(facts[said.partition("=")[0]])
-        true = bool(net.initial[place])
-        places[place] = ("fact", first if true or not others else said), 0, true
+        reverse = bool(net.initial[place])
+        places[place] = ("fact", first if reverse or not others else said), 0, reverse
     return places

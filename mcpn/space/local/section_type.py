@@ -93,9 +93,9 @@ class SectionType:
         """Stable states as if what happens once had not happened yet."""
         by_role = self.net.by_role
         for name in self.part.once:
-            still, gone = (by_role[role, name][0] for role in ("open", "happened"))
-            before = encoding.restricted(stable, [gone])
-            stable = (stable - before) | before.images([encoding.event((gone,), (still,), ())])
+            open_, happened = (by_role[role, name][0] for role in ("open", "happened"))
+            after = encoding.restricted(stable, [happened])
+            stable = (stable - after) | after.images([encoding.event((happened,), (open_,), ())])
         return stable
 
     # --- steps and closures: inside the section, or from inside to its ends ---
@@ -134,8 +134,9 @@ class SectionType:
     ) -> tuple[Mapping[int, Zdd], Mapping[int, Zdd]]:
         """The states of some inside from which each event leads to a goal, inside or at the ends.
 
-        They are found by event of the local net, and by transition of the whole net, of hardware beside: of
-        all but the section's own.
+        Returns:
+            Two mappings: by event transition of the local net; and by transition of the whole net, for the
+            hardware beside the section (``own`` are its own elements).
         """
         local = {t: self.graph.before(goal, [t]) & among for t in self.graph.waiting}
         beside = {t.transition: goal.images([t.undo], within=among) for t in self.layout.beside(None, own)}
@@ -179,7 +180,7 @@ class SectionType:
 
     @memoized
     def to_slots(self, states: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:
-        """The status of all elements in states before the entry, or after an exit, with some own slots."""
+        """Projects states before the entry, or after an exit, to the status of all elements, in slots."""
         status, event = states.subset(unmarked=own), self.layout.store.event
         for slot, (lost, gained) in zip(own, self._changing, strict=True):
             status = status.images([event(gained, [slot, *lost])]) | status.subset(lost, gained)
@@ -187,7 +188,7 @@ class SectionType:
 
     @memoized
     def from_slots(self, status: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:
-        """The states before the entry, or after an exit, with all elements in some status: the reverse."""
+        """The inverse of :meth:`to_slots`: the states before the entry, or after an exit, of a status."""
         event = self.layout.store.event
         states = status.images([event([], self._idle(exit_))])
         for slot, (lost, gained) in zip(own, self._changing, strict=True):
@@ -203,7 +204,7 @@ class SectionType:
 
     @cached_property
     def _changing(self) -> list[tuple[list[int], list[int]]]:
-        """By own slot, the levels that are marked at an idle state unless it is, and only if it is."""
+        """By own slot, levels of an idle state: those marked where the slot is not, and those where it is."""
         slots = ((of, number) for of in self.carried for number in range(len(self.layout.slots[of])))
         changes = {slot: (set[int](), set[int]()) for slot in slots}
         for place, (of, number, reverse) in idle_places(self.net).items():

@@ -31,7 +31,7 @@ BEGIN = "(begin)"
 """What stands for a section before the mission has begun; no section can have this name."""
 
 NOWHERE = -1
-"""Where a place of a local net lies in the whole net that says by which event the section was left."""
+"""For a place of a local net without a counterpart in the whole net, as one of an exit by an event."""
 
 
 @dataclass(eq=False)
@@ -45,8 +45,8 @@ class Stage(Levels):
         routes: By exit, the stage that it leads to.
         places: By place of its local net, that of the whole net, or :data:`NOWHERE`.
         transitions: The same of transitions.
-        used: Both as far as they are of what it uses: one list for sections that use the same in one type;
-            :data:`NOWHERE` for what is of its control.
+        used: Both, restricted to what the section uses (:data:`NOWHERE` for its control). Sections of one
+            type that use the same share these lists.
     """
 
     name: str
@@ -75,7 +75,7 @@ class Stage(Levels):
         return tuple(section.name for section in self.part.graph.walk())
 
     def at(self, place: int) -> int | None:
-        """Which place of its local net is one of the whole net, if it has it."""
+        """The index in its local net of a place of the whole net; ``None`` where it has none."""
         try:
             return self.places.index(place)  # sections are many, and are asked of few places each
         except ValueError:
@@ -83,7 +83,7 @@ class Stage(Levels):
 
     @cached_property
     def _own(self) -> Mapping[int, tuple[int, bool]]:
-        """What its local net says of each of its own slots."""
+        """By own slot, the level of the local net that holds its status, and whether it is negated."""
         by_role, encoding = self.type.net.by_role, self.type.encoding
         # A section has all places of facts that it carries.
         saying = {
@@ -184,7 +184,7 @@ class WholeNet:
 
     @staticmethod
     def _control(part: LocalPart, type_: SectionType) -> Mapping[Element, Element]:
-        """What no other section has, by the element that is the same in its type."""
+        """The section's control, which no other section has, by the corresponding element of its type."""
         once = zip(type_.part.once, part.once, strict=True)
         facts = zip(type_.part.facts, part.facts, strict=True)
         return (
@@ -202,9 +202,9 @@ class WholeNet:
             used = Renaming(type_.part, part).elements
             known[kind] = [NOWHERE] * len(getattr(type_.net.net, kind))
             self._locate(known[kind], kind, part, type_, {e: used[e] for e in used.keys() - own.keys()})
-        marking = known[kind].copy()
-        self._locate(marking, kind, part, type_, own)
-        return marking
+        indices = known[kind].copy()
+        self._locate(indices, kind, part, type_, own)
+        return indices
 
     def _locate(
         self,
