@@ -144,15 +144,15 @@ def _explored(
     net: PetriNet, edges: bool, max_states: int, max_memory: int, progress: Progress | None
 ) -> tuple[Exploration, list[Field]]:
     widths = Widths(net, first=FIRST_BITS, most=MOST_BITS, asking=True)
-    given = []
+    encoded = []
     for t, transition in enumerate(net.transitions):
         need, change = needs(net, t), changes(net, t)
         if max((*need.values(), *change.values()), default=0) > MOST_WEIGHT:
             raise LimitError(f"{transition.name} has a weight of more than {MOST_WEIGHT}: the limit was hit")
-        given.append((list(need.items()), list(change.items()), net.ranks[t]))
+        encoded.append((list(need.items()), list(change.items()), net.ranks[t]))
     while True:
         fields = layout(widths.bits)
-        kernel = CountedNet(fields, given, net.priorities)
+        kernel = CountedNet(fields, encoded, net.priorities)
         try:
             exploration = kernel.explore(net.initial, edges, max_states, max_memory, progress)
         except (StateLimit, MemoryLimit) as error:

@@ -54,13 +54,13 @@ class KernelNet:
     @cached_property
     def kernel(self) -> SafeNet:
         """The net in the kernel, which numbers transitions without those that are left out."""
-        given = []
+        encoded = []
         for i in self.transitions:
             t = self.net.safe_transitions[i]
             rank = self.net.ranks[i]
             need = sorted({*t.consume, *t.read})
-            given.append((need, list(t.consume), list(t.produce), rank, bool(t.overflow)))
-        return SafeNet(len(self.net.places), given, self.net.priorities)
+            encoded.append((need, list(t.consume), list(t.produce), rank, bool(t.overflow)))
+        return SafeNet(len(self.net.places), encoded, self.net.priorities)
 
     def unsafe(self, exploration: Exploration) -> UnsafeError:
         """The error for an exploration that ended at an unsafe firing."""

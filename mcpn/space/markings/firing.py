@@ -68,9 +68,10 @@ class MaskedNet:
                 for place in (*t.consume, *t.read):
                     users[place].append(number)
         self.candidates = [t for t in range(len(safe)) if not blocked[t]]
+        # By transition: those that its firing may disable, a bit for each, and those that it may enable.
         self.losers = [_bits(u for p in t.consume for u in users[p]) for t in safe]
         self.winners = [sorted({u for p in t.produce for u in users[p]}) for t in safe]
-        self.ranks = [_bits(of) for of in net.internal_ranks] if net.priorities else []
+        self.ranks = [_bits(rank) for rank in net.internal_ranks] if net.priorities else []
         self.internal = sum(self.ranks)
 
     def initial(self) -> int:

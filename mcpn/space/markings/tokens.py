@@ -92,7 +92,7 @@ def _karp_miller(net: PetriNet, max_nodes: int) -> Boundedness:
     root = _Node(net.initial, None, -1)
     stack, nodes, bounds = [root], 1, list(net.initial)
     seen: set[tuple[int, ...]] = set()
-    first: tuple[tuple[str, ...], tuple[str, ...]] | None = None
+    pumping: tuple[tuple[str, ...], tuple[str, ...]] | None = None  # a run, and what repeats after it
     while stack:
         node = stack.pop()
         if node.marking in seen:
@@ -109,21 +109,21 @@ def _karp_miller(net: PetriNet, max_nodes: int) -> Boundedness:
             child = _Node(tuple(after), node, t)
             for ancestor in child.ancestors():
                 if child.marking != ancestor.marking and _covers(child.marking, ancestor.marking):
-                    if first is None:
-                        first = _names(net, ancestor), _names(net, child)[len(_names(net, ancestor)) :]
+                    if pumping is None:
+                        pumping = _names(net, ancestor), _names(net, child)[len(_names(net, ancestor)) :]
                     grown = [
                         OMEGA if a != b else a for a, b in zip(child.marking, ancestor.marking, strict=True)
                     ]
                     child.marking = tuple(grown)
             stack.append(child)
             nodes += 1
-            if nodes > max_nodes and first is None:
+            if nodes > max_nodes and pumping is None:
                 raise LimitError(f"more than {max_nodes} nodes: the limit on the coverability tree was hit")
-            if nodes > max_nodes and first is not None:
-                return Boundedness(False, None, *first, reason=REPEATED)
-    if first is None:
+            if nodes > max_nodes and pumping is not None:
+                return Boundedness(False, None, *pumping, reason=REPEATED)
+    if pumping is None:
         return Boundedness(True, tuple(bounds), reason="the coverability tree holds every marking")
-    return Boundedness(False, tuple(bounds), *first, reason=REPEATED)
+    return Boundedness(False, tuple(bounds), *pumping, reason=REPEATED)
 
 
 def _names(net: PetriNet, node: _Node) -> tuple[str, ...]:
@@ -132,10 +132,10 @@ def _names(net: PetriNet, node: _Node) -> tuple[str, ...]:
 
 
 def _with_priorities(net: PetriNet, max_states: int) -> Boundedness:
-    """Explores, and looks for an internal run that ends in more tokens and can be repeated for ever.
+    """Explores the markings, and looks for an internal run that adds tokens and can be repeated for ever.
 
-    No event keeps it from being repeated, and transitions of lower ranks than what fires do not where each of
-    them lacks tokens in a place that the run does not fill.
+    Events cannot prevent the repetition, since internal transitions come first. Nor do internal transitions
+    of lower ranks than those fired, where each of them lacks tokens in a place that the run does not fill.
     """
     stack = [_Node(net.initial, None, -1)]
     seen: set[tuple[int, ...]] = set()

@@ -18,7 +18,7 @@ from mcpn.net.structure import changes, incidence, place_bounds
 from mcpn.space.markings.tokens import boundedness
 
 UNASKED_BITS = 3
-"""Places that have grown wider ask for a bound."""
+"""Bounds are asked for once a place has grown beyond this width."""
 TREE_NODES, MOST_TREE_NODES = 500, 2_000
 """Nodes of the coverability tree, the first time and the last."""
 MOST_FLOWS = 300
@@ -50,6 +50,7 @@ class Widths:
         ]
         """By place."""
         self._patience = 0 if net.priorities else TREE_NODES
+        """Nodes of the next coverability tree; 0 once bounds are asked for no more."""
         self._check()
         if asking and self._patience:
             self._ask([place for place, bound in enumerate(bounds) if isinf(bound)])
@@ -71,7 +72,7 @@ class Widths:
         self._check()
 
     def _ask(self, narrow: Collection[int]) -> None:
-        """Asks for bounds, those first that are soon told."""
+        """Asks for bounds, cheap methods first: P-semiflows, a coverability tree, linear programs."""
         if not narrow:
             return
         bounds: Mapping[int, float] | None = None

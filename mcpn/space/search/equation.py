@@ -99,7 +99,7 @@ class StateEquation:
         return Solution("possible", counts, traps)
 
     def _trap(self, within: Iterable[int]) -> frozenset[int]:
-        """A small trap of some places that is marked at first, or none."""
+        """An initially marked trap within some places, shrunk greedily; empty where there is none."""
         trap = self._largest_trap(within)
         if not any(self.net.initial[p] for p in trap):
             return frozenset()

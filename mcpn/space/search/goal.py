@@ -52,9 +52,9 @@ class Formula:
             yield at
             stack.extend(at.operands)
 
-    def mapped(self, of: Callable[[Formula], Formula]) -> Formula:
-        """A goal with this operator, with ``of`` applied to each operand."""
-        operands = map(of, self.operands)
+    def mapped(self, function: Callable[[Formula], Formula]) -> Formula:
+        """A formula with this operator, with the function applied to each operand."""
+        operands = map(function, self.operands)
         return ~next(operands) if isinstance(self, Not) else type(self)(*operands) if self.operands else self
 
 
@@ -166,7 +166,7 @@ def as_goal(formula: Formula, net: PetriNet, wanted: bool = True) -> Goal | None
 
 def calm(net: PetriNet, rank: int) -> Formula:
     """No transition of a lower rank has the tokens that it needs; true everywhere without priorities."""
-    lower = [t for t, of in enumerate(net.ranks) if net.priorities and of < rank]
+    lower = [t for t, own in enumerate(net.ranks) if net.priorities and own < rank]
     return And(*(Not(fireable(net, t)) for t in lower))
 
 

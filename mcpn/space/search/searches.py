@@ -108,10 +108,10 @@ class Searches:
         if error := unsafe_at_start(self.net):
             return error
         encoded, roots = encode((), len(self.net.places))
-        found = self.kernel.walk(self.net.initial, encoded, roots, steps, self._length, seed, True, [])
-        if not found:
+        walked = self.kernel.walk(self.net.initial, encoded, roots, steps, self._length, seed, True, [])
+        if not walked:
             return None
-        *run, last = shortened(self.net, found[0][1])
+        *run, last = shortened(self.net, walked[0][1])
         before = replay(self.net, run)
         after = self.net.fire(before, last)
         place = next(p for p, tokens in enumerate(after) if tokens > 1)

@@ -175,7 +175,7 @@ def direct(
 def direct_with_proof(
     net: PetriNet, *, max_states: int = MAX_STABLE_STATES, progress: Progress | None = None
 ) -> AlternativesGraph:
-    """Builds the alternatives graph directly and proves it; of faults the nearest is told that is soon found.
+    """Builds the alternatives graph directly, with the proof; where it fails, looks for the nearest fault.
 
     Args:
         net: A net with priorities.
@@ -188,7 +188,7 @@ def direct_with_proof(
     Raises:
         ConfluenceError: Two interleavings end in different stable markings.
         DivergenceError: An internal run need not end.
-        UnsafeError: A firing would put a second token in a place. Of a net with several faults any is told.
+        UnsafeError: A firing would put a second token in a place. Of several faults any may be reported.
         LimitError: More stable states, or more markings to explore, than allowed, or too little memory.
     """
     try:

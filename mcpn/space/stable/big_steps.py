@@ -1,4 +1,4 @@
-"""Big steps: what events make of stable states, internal evolution included, each an event of the store.
+"""Big steps: an event with the internal evolution after it, as one event of the store on stable states.
 
 A big step applies to every stable marking that marks certain places and leaves certain others empty. It is
 computed from one such marking, by running the event to completion; the places that were read on the way are
@@ -32,7 +32,7 @@ Steps: TypeAlias = Mapping[int, bytes | None]
 """By transition its big steps, on the levels of a store; ``None`` where its firing is all that happens."""
 
 FUNCTION = b"\xff\xff\xff\xff"
-"""What stands before a function."""
+"""The prefix of big steps that are encoded as one function of states."""
 MOST_STEPS = 200_000
 """Big steps of all events together."""
 FEW_STEPS = 200
@@ -42,7 +42,7 @@ MOST_KEPT = 100_000
 
 
 def is_function(steps: bytes) -> bool:
-    """Whether some big steps are told by one function of states, and not one by one."""
+    """Whether big steps are encoded as one function of states, and not as a list."""
     return steps[:4] == FUNCTION
 
 
@@ -85,8 +85,8 @@ class _Reaching:
     """A search for all stable states.
 
     The big steps of an event are found one by one, until they are many. From then on it is run to completion
-    from whole sets of states; what it makes of each state is told when all are known. Where that cannot be
-    done its big steps are found one by one after all.
+    from whole sets of states; its function of states is computed when all states are known. Where that cannot
+    be done, its big steps are found one by one after all.
 
     Args:
         prepared: A net with priorities.
@@ -105,13 +105,13 @@ class _Reaching:
         self._encoding, self._kernel = encoding, kernel
         self._steps: dict[int, bytes] = {}
         self._known: dict[int, list[int]] = {t: [] for _, t in self._events}
-        """By transition, conditions that tell where its big steps are known."""
+        """By transition, the conditions under which its big steps are known."""
         self._ahead: dict[int, list[int]] = {}
         self._left = MOST_STEPS
         self._done: dict[int, Zdd] = {}
-        """By transition that is run from whole sets, the states from which it was."""
+        """By transition that is run from whole sets of states, those from which it has been run."""
         self._single = set[int]()
-        """Transitions that cannot be."""
+        """Transitions that cannot be run from whole sets: their big steps are found one by one."""
 
     def found(self) -> tuple[Zdd, dict[int, bytes]] | None:
         """All stable states and the big steps between them, as :func:`reach_in_big_steps` finds them."""
@@ -130,7 +130,7 @@ class _Reaching:
                         return None
             wider = wider.saturate(list(chain.from_iterable(self._ahead.values())))
             fresh, reached = wider - reached, wider
-        return None if reached is None or not self._tell(reached) else (reached, self._steps)
+        return None if reached is None or not self._make_functions(reached) else (reached, self._steps)
 
     def _enabling(self, states: Zdd, t: int) -> Zdd:
         return self._encoding.restricted(states, (*self._safe[t].consume, *self._safe[t].read))
@@ -163,25 +163,26 @@ class _Reaching:
         asked = self._enabling(states - self._done[t], t)
         after = self._kernel.after(asked, label) if asked else asked
         if after is None:
-            self._alone(t)
+            self._give_up_sets(t)
         else:
             self._done[t] = states
         return after
 
-    def _alone(self, t: int) -> None:
+    def _give_up_sets(self, t: int) -> None:
+        """From now on the big steps of this transition are found one by one."""
         del self._done[t]
         self._known[t] = []
         self._single.add(t)
 
-    def _tell(self, states: Zdd) -> bool:
-        """Tells what events make of each state that were run from sets; false where that is too much."""
+    def _make_functions(self, states: Zdd) -> bool:
+        """Computes the function of each event that was run from sets; false where one is too large."""
         for label, t in self._events:
             if t in self._done:
                 function = self._kernel.function(self._enabling(states, t), label)
                 if function is not None:
                     self._steps[t] = function
                     continue
-                self._alone(t)
+                self._give_up_sets(t)
                 if not self._cover(label, t, states):
                     return False
         return True
@@ -193,7 +194,7 @@ class BigStepSpace(DiagramAlternatives):
     Args:
         space: Its stable states.
         steps: The big steps, on the levels of its store.
-        also: By transition, levels that must be marked, too.
+        also: By transition, levels that must be marked besides the conditions of its big steps.
     """
 
     def __init__(self, space: SymbolicSpace, steps: Steps, also: Mapping[int, Collection[int]]) -> None:
@@ -213,8 +214,8 @@ class BigStepSpace(DiagramAlternatives):
     def _events(self, way: Literal["ahead", "back"], alone: Mapping[int, int]) -> Mapping[int, list[int]]:
         store, also = self.encoding.store, self._also
         return {
-            t: [alone[t]] if of is None else choices(store, of, way, sorted(also.get(t, ())))
-            for t, of in self._steps.items()
+            t: [alone[t]] if steps is None else choices(store, steps, way, sorted(also.get(t, ())))
+            for t, steps in self._steps.items()
         }
 
     def after(

@@ -37,8 +37,9 @@ def explained(mission_net: MissionNet, error: ConfluenceError) -> ConfluenceErro
     Returns:
         An error with the same runs.
     """
-    of = mission_net.net.transitions, mission_net.net.transition_index
-    events = [e for name in error.runs[0] if (e := of[0][of[1][name]].event) is not None]
+    net = mission_net.net
+    fired = (net.transitions[net.transition_index[name]] for name in error.runs[0])
+    events = [t.event for t in fired if t.event is not None]
     return ConfluenceError(
         sentence(find_clash(mission_net, error)), error.runs, [str(event) for event in events]
     )

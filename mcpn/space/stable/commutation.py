@@ -57,18 +57,18 @@ def open_conflicts(encoding: Encoding, markings: Zdd) -> Iterator[Pair]:
     by_rank: list[dict[int, list[Pair]]] = [{} for _ in ranks]
     for pair in open_pairs(net, encoding.transitions):
         by_rank[rank_of[pair[1]]].setdefault(rank_of[pair[0]], []).append(pair)
-    allowed, told = passing(encoding, markings), set[Pair]()
+    allowed, yielded = passing(encoding, markings), set[Pair]()
     below: list[Pair] = []  # pairs of ranks below the present one
     for rank, events in enumerate(encoding.internal_ranks):
         for lower, pairs in by_rank[rank].items():
             for pair in _both_covered(encoding, allowed[lower], pairs):
                 if lower == rank or _meet(encoding, allowed[rank], rank, *pair):
-                    told.add(pair)
+                    yielded.add(pair)
                     yield pair
         twice = allowed[rank].images(events).images(events) if below else encoding.store.empty()
         if twice:
             behind_both = twice.saturate([e for of in encoding.internal_ranks[:rank] for e in of])
-            yield from (pair for pair in _both_covered(encoding, behind_both, below) if pair not in told)
+            yield from (pair for pair in _both_covered(encoding, behind_both, below) if pair not in yielded)
         below += [pair for pairs in by_rank[rank].values() for pair in pairs]
 
 
@@ -87,7 +87,7 @@ def _covering(encoding: Encoding, *transitions: int) -> int | None:
 
 
 def _meet(encoding: Encoding, allowed: Zdd, rank: int, lower: int, second: int) -> bool:
-    """Whether another transition of the second one's rank, both enabled, may bring about the lower one."""
+    """Whether firing another transition of the second one's rank may lead to where both have their tokens."""
     alone, both = _covering(encoding, second), _covering(encoding, lower, second)
     assert alone is not None, "some marking covers it"
     assert both is not None, "some marking covers both"

@@ -128,13 +128,13 @@ def fault_after(net: PetriNet, events: Iterable[int]) -> SemanticsError | None:
     Raises:
         LimitError: Too many markings behind an event.
     """
-    behind, walk = KernelNet(net, events=False), Walk(net)
+    internal, walk = KernelNet(net, events=False), Walk(net)
     for t in (None, *events):
         if t is not None:
             walk.fire(t)
-        exploration = settled(behind, walk.marking, orders="enough", max_states=MOST_ENDS)
+        exploration = settled(internal, walk.marking, orders="enough", max_states=MOST_ENDS)
         if exploration.trouble is not None:
-            return walk.fault(behind, exploration)
+            return walk.fault(internal, exploration)
         walk.settle()
     return None
 
@@ -204,10 +204,10 @@ def confluence_error(net: PetriNet, runs: list[list[str]]) -> ConfluenceError:
     """The error for two runs that differ in their stable end, told by where they part."""
     first, second = runs
     parted = next(i for i, (a, b) in enumerate(zip(first, second, strict=False)) if a != b)
-    of = {transition.name: transition for transition in net.transitions}
-    origins = [of[run[parted]].provenance for run in runs]
+    by_name = {transition.name: transition for transition in net.transitions}
+    origins = [by_name[run[parted]].provenance for run in runs]
     where = " and ".join(dict.fromkeys(str(o) for o in origins if o))
-    events = [str(e) for name in first[:parted] if (e := of[name].event)]
+    events = [str(e) for name in first[:parted] if (e := by_name[name].event)]
     after = f"after {events[-1]}" if events else "at the start"
     return ConfluenceError(
         f"not confluent: {after} the outcome depends on the interleaving of "

@@ -17,8 +17,8 @@ def parting_runs(after: After, start: int) -> tuple[list[int], list[int]]:
     are any two to different ends.)
 
     Args:
-        after: Every marking behind the first one.
-        start: The first one.
+        after: Every marking that internal evolution comes to from the start.
+        start: The marking with several stable ends.
 
     Returns:
         Transitions of both runs, equal up to where they part.

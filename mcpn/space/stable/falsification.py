@@ -98,17 +98,17 @@ class _Search:
         self.prefix = [*prefix, *run]
         return None if parting is None else self.parted(self.prefix, parting)
 
-    def settle_by_rank(self, behind: KernelNet, marking: int, prefix: list[int]) -> SemanticsError | None:
+    def settle_by_rank(self, internal: KernelNet, marking: int, prefix: list[int]) -> SemanticsError | None:
         """As :meth:`settle`, where internal transitions have ranks: every interleaving is explored."""
         walk = Walk(self.net)
         walk.marking[:] = [marking >> p & 1 for p in range(len(self.net.places))]
         walk.run[:] = prefix
         try:
-            exploration = settled(behind, walk.marking, orders="every", max_states=MOST_NEAR)
+            exploration = settled(internal, walk.marking, orders="every", max_states=MOST_NEAR)
         except LimitError:  # too much behind this event to be near
             exploration = None
         if exploration is not None and exploration.trouble is not None:
-            return walk.fault(behind, exploration)
+            return walk.fault(internal, exploration)
         walk.settle()
         self.joining.firings += len(walk.run) - len(prefix)
         self.prefix, self.end = walk.run, mask_of(walk.marking)

@@ -219,9 +219,9 @@ class Joining:
     def deciding(
         self, run: list[int], marking: int, parting: Parting, most: int = DECIDING_WAYS
     ) -> tuple[list[int], int, Parting]:
-        """Goes on from where two runs part to where they part for good.
+        """Goes on from where two runs part to the decisive conflict, where they part for good.
 
-        A run that parts from another may still come to the other's end, if it parts again later.
+        After a parting that is not decisive, one run may still come to the other's end by a later parting.
 
         Args:
             run: A run to the marking.
@@ -246,7 +246,7 @@ class Joining:
         return run, marking, parting
 
     def _some_parting(self, marking: int, most: int) -> tuple[list[int], int, Parting | None]:
-        """As :meth:`parting_behind`, but the runs may part again later."""
+        """As :meth:`parting_behind`, but the parting need not be the decisive one."""
         masked = self.masked
         stack: list[tuple[list[int], int]] = [([], marking)]
         ended: tuple[list[int], int] | None = None

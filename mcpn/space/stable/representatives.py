@@ -32,11 +32,11 @@ def without_one_end(encoding: Encoding, begun: Zdd) -> Marking | None:
     Raises:
         LimitError: There is too much to explore behind one marking.
     """
-    patterns, behind = _Patterns(encoding.net), KernelNet(encoding.net, events=False)
+    patterns, internal = _Patterns(encoding.net), KernelNet(encoding.net, events=False)
     left = begun
     while (levels := left.pick()) is not None:
         marking = encoding.marking(levels)
-        if settled(behind, marking, orders="every", max_states=MOST_ENDS).trouble is not None:
+        if settled(internal, marking, orders="every", max_states=MOST_ENDS).trouble is not None:
             return marking
         left -= encoding.restricted(left, *patterns.of(marking))
     return None
@@ -63,15 +63,15 @@ class _Patterns:
     def of(self, marking: Marking) -> tuple[list[int], list[int]]:
         """Places that are marked, and that are not, in all markings that evolve as this one does."""
         within, firing = self._may_be_marked(marking)
-        told = {p for t in firing for p in self.needs[t]}
-        # Of the places that keep a transition from ever firing those that keep most of them are named.
+        relevant = {p for t in firing for p in self.needs[t]}
+        # One unmarked place for each transition that can never fire: such as keep most of them from firing.
         lacking = {t: [p for p in self.needs[t] if p not in within] for t in self.internal if t not in firing}
         common = Counter(p for places in lacking.values() for p in places)
-        told.update(max(places, key=lambda p: (common[p], p)) for places in lacking.values())
-        return [p for p in sorted(told) if marking[p]], [p for p in sorted(told) if not marking[p]]
+        relevant.update(max(places, key=lambda p: (common[p], p)) for places in lacking.values())
+        return [p for p in sorted(relevant) if marking[p]], [p for p in sorted(relevant) if not marking[p]]
 
     def _may_be_marked(self, marking: Marking) -> tuple[set[int], set[int]]:
-        """Places that get tokens where none is ever taken, and the transitions that fire so."""
+        """Places that may get tokens, and transitions that may fire, if firings took none: both supersets."""
         within = {p for p, tokens in enumerate(marking) if tokens}
         missing = {t: sum(p not in within for p in places) for t, places in self.needs.items()}
         firing, queue = set[int](), [t for t, count in missing.items() if not count]
