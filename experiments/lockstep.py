@@ -185,7 +185,10 @@ def wanted_of_qt(
     """The actions of the net, and the states in which the document's own names put the runtime."""
     sections = identifiers([section.name for section in controller.sections], prefix="section_")
     regions = identifiers(controller.hardware, prefix="hardware_")
+    handlers = (s.names["once"].get(h, h) for s in controller.sections for h in controller.types[s.type].once)
+    once = identifiers(dict.fromkeys(handlers), prefix="once_")
     tables = Tables(said)
+    facts = identifiers(sorted(tables.true), prefix="fact_")
     runtime, found, lines = Runtime(tables, log=1), [], iter(expected)
     for event in events:
         if not event:
@@ -198,6 +201,9 @@ def wanted_of_qt(
             at = f"{sections[runtime.section]}.{runtime._state}"
         gone = runtime.out_of_service
         active = [at, *(f"{i}.{'out' if h in gone else 'ready'}" for h, i in regions.items())]
+        active += [f"{i}.{'happened' if h in runtime.happened else 'open'}" for h, i in once.items()]
+        true = {said for name, value in runtime.facts.items() for said in tables.facts[name][value]}
+        active += [f"{i}.{'on' if name in true else 'off'}" for name, i in facts.items()]
         actions = next(lines).split("|")[0].partition(":")[2].strip()
         found.append(f"{actions} | {' '.join(sorted(active))}")
     return found
