@@ -41,8 +41,8 @@ class Provenance:
     """The element of the mission that made a place or a transition.
 
     Args:
-        kind: ``hardware``, ``software``, ``activity``, ``alternative``, ``objective``, ``parallel`` or
-            ``mission``.
+        kind: ``hardware``, ``software``, ``activity``, ``alternative``, ``objective``, ``parallel``,
+            ``fact``, ``once`` (a handler that happens once), ``exit`` (of a part) or ``mission``.
         name: The element's name, qualified where a use of a protocol qualifies it.
         source: Its file and line, if it has any.
     """

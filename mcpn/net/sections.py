@@ -35,7 +35,7 @@ MOST_NAMED = 12
 
 
 class Used:
-    """What some activities use, with the facts about it that templates look at.
+    """The resources and activities that some activities use, with what templates look at of them.
 
     Args:
         usage: The static analysis of the whole mission.

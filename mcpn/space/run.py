@@ -48,9 +48,9 @@ class Completion:
 
     def after(self, marking: Marking, event: int) -> tuple[tuple[int, ...], Marking]:
         """What follows an event in a stable marking: the internal transitions fired, and the stable end."""
-        at = list(marking)
-        self.net.fire_in_place(at, event)
-        return tuple(self.settle(at, [event])), tuple(at)
+        changing = list(marking)
+        self.net.fire_in_place(changing, event)
+        return tuple(self.settle(changing, [event])), tuple(changing)
 
     def beside(self, fired: int) -> tuple[Sequence[tuple[int, int]], Sequence[int], Sequence[int]]:
         """What a firing may have enabled.
@@ -223,10 +223,10 @@ class Run:
 
     def steps(self) -> Iterator[tuple[int, list[int]]]:
         """Each firing, internal ones completed, with the marking after it: one list, changed in place."""
-        at = list(self.net.initial)
+        marking = list(self.net.initial)
         for t in self.firings:
-            self.net.fire_in_place(at, t)
-            yield t, at
+            self.net.fire_in_place(marking, t)
+            yield t, marking
 
 
 def transitions_of(edges: Iterable[Edge]) -> tuple[int, ...]:
@@ -254,20 +254,20 @@ def without_detours(net: PetriNet, run: Sequence[int], reached: Callable[[Markin
             by_event.setdefault(transition.event, []).append(t)
 
     def replayed(events: Sequence[Event]) -> tuple[int, ...] | None:
-        at, fired = list(net.initial), list[int]()
-        for t in completion.settle(at):
+        marking, fired = list(net.initial), list[int]()
+        for t in completion.settle(marking):
             fired.append(t)
         for event in events:
-            t = next((t for t in by_event[event] if net.covers(at, t)), -1)
+            t = next((t for t in by_event[event] if net.covers(marking, t)), -1)
             if t < 0:
                 return None
-            net.fire_in_place(at, t)
+            net.fire_in_place(marking, t)
             fired.append(t)
-            for u in completion.settle(at, [t]):
+            for u in completion.settle(marking, [t]):
                 fired.append(u)
-                if event is events[-1] and reached(tuple(at)):
+                if event is events[-1] and reached(tuple(marking)):
                     return tuple(fired)
-        return tuple(fired) if reached(tuple(at)) else None
+        return tuple(fired) if reached(tuple(marking)) else None
 
     events = [event for t in run if (event := net.transitions[t].event) is not None]
     best, at, replays = tuple(run), 0, 0
@@ -312,14 +312,14 @@ def run_of_fewest_events(space: Space[S], goal: S) -> list[Edge] | None:
     for (begun, _), (_, before) in zip(layers[:0:-1], layers[-2::-1], strict=True):
         goals.append(before & space.before(begun & space.reaching(goals[-1], transitions=internal), events))
     run: list[Edge] = []
-    at = space.initial.pick()
+    state = space.initial.pick()
     for number, wanted in enumerate(reversed(goals)):
         ways = [(wanted, internal)]
         if number:
             ways.insert(0, (layers[number][0] & space.reaching(wanted, transitions=internal), events))
         for target, carrying in ways:
-            part = space.run(at, target, transitions=carrying)
+            part = space.run(state, target, transitions=carrying)
             assert part is not None, "each layer leads to the next"
             run += part
-            at = run[-1].target if run else at
+            state = run[-1].target if run else state
     return run

@@ -178,17 +178,18 @@ class _TinaReader:
             yield current
 
     def tokens(self, text: str, line: int) -> list[_TinaToken]:
-        words, at = [], 0
-        while at < len(text):
-            match = _TOKEN.match(text, at)
+        words, position = [], 0
+        while position < len(text):
+            match = _TOKEN.match(text, position)
             if not match:
-                wrong = "'{' without its '}' on the same line" if text[at] == "{" else repr(text[at])
-                here = _TinaToken("symbol", text[at], line, at + 1)
+                character = text[position]
+                wrong = "'{' without its '}' on the same line" if character == "{" else repr(character)
+                here = _TinaToken("symbol", character, line, position + 1)
                 _Declaration(self.path, here).fail(f"found {wrong}, expected a name, an arc or an arrow")
             kind = match.lastgroup or ""
             if kind not in ("space", "comment"):
-                words.append(_TinaToken(kind, match.group(), line, at + 1))
-            at = match.end()
+                words.append(_TinaToken(kind, match.group(), line, position + 1))
+            position = match.end()
         return words
 
     def place(self, declaration: _Declaration) -> None:

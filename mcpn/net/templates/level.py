@@ -105,9 +105,9 @@ class Level:
         self, section: Section, route: str, cases: Sequence[FactCase], changes: Mapping[str, str]
     ) -> Iterator[tuple[str, Way, list[str]]]:
         """Where a route of a section leads by facts, after some have changed."""
-        found = ways(self.canvas, route, cases, changes, f"{element_of(section)[0]} {section.name}")
-        for number, way in enumerate(found, 1):
-            yield str(number) if len(found) > 1 else "", way, self.enter(way.target)
+        leads = ways(self.canvas, route, cases, changes, f"{element_of(section)[0]} {section.name}")
+        for number, way in enumerate(leads, 1):
+            yield str(number) if len(leads) > 1 else "", way, self.enter(way.target)
 
     def begin(self, section: Section) -> list[str]:
         """Places to mark behind the gate of a section."""

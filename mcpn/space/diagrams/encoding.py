@@ -148,18 +148,18 @@ class Encoding(Levels):
     @cached_property
     def internal_ranks(self) -> list[list[int]]:
         """The events of internal transitions by rank, those that fire first at first."""
-        return [distinct(self.events[t] for t in of if t in self.events) for of in self.net.internal_ranks]
+        return [distinct(self.events[t] for t in own if t in self.events) for own in self.net.internal_ranks]
 
     @cached_property
     def undoing_ranks(self) -> list[list[int]]:
-        """The events that undo them."""
-        return [distinct(self.undoing[t] for t in of if t in self.events) for of in self.net.internal_ranks]
+        """The events that undo internal transitions, by rank."""
+        return [distinct(self.undoing[t] for t in own if t in self.events) for own in self.net.internal_ranks]
 
     @cached_property
     def unstable_ranks(self) -> list[list[int]]:
         """By rank, the conditions of the store under which an internal transition of it is enabled."""
-        conditions = ([self.enabling.get(t) for t in of] for of in self.net.internal_ranks)
-        return [[c for c in of if c is not None] for of in conditions]
+        conditions = ([self.enabling.get(t) for t in rank] for rank in self.net.internal_ranks)
+        return [[c for c in of_rank if c is not None] for of_rank in conditions]
 
     @property
     def unstable(self) -> list[int]:

@@ -115,8 +115,8 @@ def _drawn(net: PetriNet, seed: int | None) -> Iterator[tuple[str, Order]]:
 
 
 def _of_missions(net: PetriNet) -> Iterator[tuple[str, Order]]:
-    # Sections on top, over the activities that they start and the resources under these. What composes
-    # missions declares resources first; FORCE knows no direction, so that the order says which end is up.
+    # Sections belong on top, above the activities that they start and the resources below these. Composition
+    # declares resources first, and FORCE may end with either end up, so each order is tried both ways.
     file = tuple(range(len(net.places)))
     for name, order in (
         ("force", force(net, file)),

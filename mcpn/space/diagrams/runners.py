@@ -84,9 +84,11 @@ class ByOrder:
     _encoding: Encoding | None = None
     _cancelled: bool = False
     _spent: int = 0
+    """Steps of all rounds."""
     _seen_at: int = 0
+    """Steps spent when progress was last looked at."""
     _left: int = 0
-    """Steps of all rounds; steps after which progress was last looked at, and levels that were open then."""
+    """Levels that were not closed then."""
 
     @property
     def bytes(self) -> int:

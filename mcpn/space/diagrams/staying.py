@@ -81,7 +81,7 @@ class _ByCycles:
         self.along = along
         self.asked = asked
         self.given_up = False
-        self.found = space.nothing  # states that come to a dead one
+        self.to_dead = space.nothing  # states from which some run in the set ends in a dead one
         self.room: Zdd | None = None  # where cycles are looked for
         self.rest = along  # what of it may still be on a cycle, or lead to one
         self.transitions: frozenset[int] = frozenset()  # what may fire on cycles there
@@ -104,8 +104,8 @@ class _ByCycles:
             firing = space.firing(self.rest)
             self.transitions = repeatable(space.net, firing)
             self.given_up = SHARE * len(self.transitions) > len(firing)
-        if self.asked is not None and self.asked & self.found:
-            return self.found
+        if self.asked is not None and self.asked & self.to_dead:
+            return self.to_dead
         if self.given_up and self.rest:
             return None
         while self.rest and self.transitions:
@@ -120,17 +120,17 @@ class _ByCycles:
                 known = self.transitions
                 self.transitions = repeatable(space.net, known & space.firing(self.rest))
                 if ended and self.transitions == known:
-                    return self.found | (
+                    return self.to_dead | (
                         space.reaching(self.rest, self.room) if self.asked is None else self.room
                     )
-        return self.found
+        return self.to_dead
 
     def _without_ends(self) -> Zdd:
-        """What comes to no dead state, of what runs from the states that are asked for lead to."""
+        """States of the set, reached from those asked for, from which no run in it ends in a dead state."""
         space, ends = self.space, self.along & self.space.dead
         if self.asked is not None:
             room = space.reached(self.asked & self.along, self.along)
-            self.found = room if room & ends else space.nothing
+            self.to_dead = room if room & ends else space.nothing
             return room
-        self.found = space.reaching(ends, self.along) if ends else ends
-        return self.along - self.found
+        self.to_dead = space.reaching(ends, self.along) if ends else ends
+        return self.along - self.to_dead

@@ -311,9 +311,9 @@ def close(encoding: Encoding, name: str, order: Order, budget: int = 0) -> Symbo
         return ends
 
     # Transient markings stay out of the sets that grow; those behind all events are put together at the end.
-    by_element = [distinct(encoding.events[t] for t in of) for of in elements(encoding)]
+    by_element = [distinct(encoding.events[t] for t in own) for own in elements(encoding)]
     begun, first = behind(encoding, encoding.initial(), clock)
-    stable = chained(first, [partial(step, events=of) for of in by_element])
+    stable = chained(first, [partial(step, events=events) for events in by_element])
     every = stable.images(distinct(chain.from_iterable(by_element)))
     reachable = begun | behind(encoding, every, clock)[0]
     return SymbolicSpace(encoding, reachable, stable, name, order, max(peak, store.peak_nodes))
@@ -329,7 +329,8 @@ def elements(encoding: Encoding) -> list[list[int]]:
         transition = encoding.net.transitions[t]
         if not transition.internal:
             groups.setdefault(transition.provenance, []).append(t)
-    return [groups[of] for of in sorted(groups, key=lambda of: of is not None and of.kind == "hardware")]
+    hardware_last = sorted(groups, key=lambda element: element is not None and element.kind == "hardware")
+    return [groups[element] for element in hardware_last]
 
 
 def chained(begin: Zdd, steps: Sequence[Callable[[Zdd], Zdd]]) -> Zdd:

@@ -196,15 +196,15 @@ def idle_places(mission_net: MissionNet) -> dict[int, tuple[Element, int, bool]]
     net, places = mission_net.net, dict[int, tuple[Element, int, bool]]()
     facts = mission_net.usage.world.facts
     initial = mission_net.in_service
-    completion, at = Completion(net), list(initial)
+    completion, marking = Completion(net), list(initial)
     for t, name, before, _ in _idle_events(mission_net):
         if before == 0:
-            net.fire_in_place(at, t)
-            fired = [net.transitions[u] for u in (t, *completion.settle(at, [t]))]
+            net.fire_in_place(marking, t)
+            fired = [net.transitions[u] for u in (t, *completion.settle(marking, [t]))]
             for place in {p for one in fired for p, _ in (*one.consume, *one.produce)}:
-                if at[place] != initial[place]:
+                if marking[place] != initial[place]:
                     places[place] = ("hardware", name), 0, bool(initial[place])
-                    at[place] = initial[place]
+                    marking[place] = initial[place]
     for name, out in _crashed_places(mission_net):  # there is no crash while nobody uses the resource
         places |= dict.fromkeys(out, (("hardware", name), 0, False))
         places |= dict.fromkeys(mission_net.by_role["ready", name], (("hardware", name), 0, True))

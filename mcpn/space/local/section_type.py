@@ -205,11 +205,11 @@ class SectionType:
     @cached_property
     def _changing(self) -> list[tuple[list[int], list[int]]]:
         """By own slot, levels of an idle state: those marked where the slot is not, and those where it is."""
-        slots = ((of, number) for of in self.carried for number in range(len(self.layout.slots[of])))
+        slots = ((e, number) for e in self.carried for number in range(len(self.layout.slots[e])))
         changes = {slot: (set[int](), set[int]()) for slot in slots}
-        for place, (of, number, reverse) in idle_places(self.net).items():
+        for place, (element, number, reverse) in idle_places(self.net).items():
             level, opposite = self.encoding.bit(place)
-            changes[of, number][reverse == opposite].add(level)
+            changes[element, number][reverse == opposite].add(level)
         return [(sorted(lost), sorted(gained)) for lost, gained in changes.values()]
 
     def check_premise(self, section: str, explored: Explored) -> None:

@@ -28,7 +28,7 @@ Found = TypeVar("Found")
 Kind = Literal["places", "transitions"]
 
 BEGIN = "(begin)"
-"""What stands for a section before the mission has begun; no section can have this name."""
+"""The name of the stage before the mission has begun; no section can have it."""
 
 NOWHERE = -1
 """For a place of a local net without a counterpart in the whole net, as one of an exit by an event."""
@@ -36,7 +36,7 @@ NOWHERE = -1
 
 @dataclass(eq=False)
 class Stage(Levels):
-    """A section of the mission, or what stands before the first one or after the last.
+    """A section of the mission, or the stage before the mission has begun, or at one of its ends.
 
     Args:
         name: Its name.
@@ -249,13 +249,13 @@ class WholeNet:
 
 
 def ends_of(mission_net: MissionNet) -> dict[str, int]:
-    """What stands for a section after the mission: the routes to its ends, each with its place."""
+    """The mission's ends by the route that leads there, each with its place of the whole net."""
     routes = {"success": SUCCEED, "failure": FAIL, "abort": ABORT}
     return {routes[end]: place for end, place in mission_net.ends.items()}
 
 
 def outside(name: str, mission_net: MissionNet, layout: Layout) -> Stage:
-    """What stands before the mission or after it: one state of its own, with no hardware of its own."""
+    """The stage before the mission, or at one of its ends: one state, without elements of its own."""
     builder = NetBuilder(name, priorities=True)
     for place in ("before", "here", "success", "failure"):
         builder.place(place, initial=int(place == "before"))

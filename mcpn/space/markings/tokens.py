@@ -1,4 +1,4 @@
-"""What is bounded, in nets whose places may hold many tokens.
+"""Boundedness of nets whose places may hold many tokens.
 
 Without priorities the coverability tree of Karp and Miller (*Parallel program schemata*, JCSS 1969) decides
 boundedness. With priorities it is undecidable in general (they can test for zero): then only a finite state
@@ -167,5 +167,5 @@ def _with_priorities(net: PetriNet, max_states: int) -> Boundedness:
 
 def _lacking(net: PetriNet, marking: tuple[int, ...], rank: int) -> set[frozenset[int]]:
     """For each transition of a lower rank, the places in which it lacks tokens."""
-    lower = [t for of in net.internal_ranks for t in of if net.ranks[t] < rank]
+    lower = [t for same_rank in net.internal_ranks for t in same_rank if net.ranks[t] < rank]
     return {frozenset(p for p, tokens in needs(net, t).items() if marking[p] < tokens) for t in lower}

@@ -1,4 +1,4 @@
-"""How many bits count the tokens of each place: from invariants, and wider where they do not do.
+"""Bit widths of the counters of tokens: from invariants, and widened where a counter overflows.
 
 No bound is believed. Whoever explores says which places a firing has put too many tokens in, and explores
 again with wider ones. Once they have grown, P-semiflows, the coverability tree and linear programs are asked

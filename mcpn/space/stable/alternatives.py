@@ -168,7 +168,7 @@ def direct(
     exploration = settled(prepared, orders="one", max_states=max_states, progress=progress)
     if exploration.trouble is None:
         return AlternativesGraph(net, *prepared.arrays(exploration), "direct", None)
-    # Unsafe, endless, or a very long run: every interleaving tells which.
+    # Unsafe, endless, or a very long run: exploring the other interleavings decides which.
     return replace(direct(net, max_states=max_states, progress=progress), proof=None)
 
 

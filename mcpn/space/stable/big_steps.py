@@ -78,7 +78,7 @@ def _reach(prepared: KernelNet, encoding: Encoding, few: int) -> tuple[Zdd, dict
         DEFAULT_MEMORY,
         MOST_KEPT,
     )
-    return _Reaching(prepared, encoding, kernel, few).found()
+    return _Reaching(prepared, encoding, kernel, few).search()
 
 
 class _Reaching:
@@ -113,7 +113,7 @@ class _Reaching:
         self._single = set[int]()
         """Transitions that cannot be run from whole sets: their big steps are found one by one."""
 
-    def found(self) -> tuple[Zdd, dict[int, bytes]] | None:
+    def search(self) -> tuple[Zdd, dict[int, bytes]] | None:
         """All stable states and the big steps between them, as :func:`reach_in_big_steps` finds them."""
         reached = fresh = self._kernel.start(self._encoding.store)
         while fresh:
@@ -233,10 +233,10 @@ class BigStepSpace(DiagramAlternatives):
     ) -> Zdd:
         """States with an edge into some states."""
         free, guarded = self._asked(self._back, transitions, guards)
-        found = states.images(free, within=self.everything)
+        sources = states.images(free, within=self.everything)
         for events, where in guarded:
-            found |= states.images(events, within=where)
-        return found
+            sources |= states.images(events, within=where)
+        return sources
 
     def ahead(
         self, along: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None

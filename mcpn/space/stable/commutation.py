@@ -16,6 +16,7 @@ internal transitions have one rank, this asks whether some reachable marking ena
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from itertools import chain
 
 from mcpn._kernel import Zdd
 from mcpn.net.petri import PetriNet
@@ -67,7 +68,7 @@ def open_conflicts(encoding: Encoding, markings: Zdd) -> Iterator[Pair]:
                     yield pair
         twice = allowed[rank].images(events).images(events) if below else encoding.store.empty()
         if twice:
-            behind_both = twice.saturate([e for of in encoding.internal_ranks[:rank] for e in of])
+            behind_both = twice.saturate([*chain.from_iterable(encoding.internal_ranks[:rank])])
             yield from (pair for pair in _both_covered(encoding, behind_both, below) if pair not in yielded)
         below += [pair for pairs in by_rank[rank].values() for pair in pairs]
 

@@ -201,7 +201,7 @@ class Walk:
 
 
 def confluence_error(net: PetriNet, runs: list[list[str]]) -> ConfluenceError:
-    """The error for two runs that differ in their stable end, told by where they part."""
+    """The error for two runs that differ in their stable end; it names the transitions at which they part."""
     first, second = runs
     parted = next(i for i, (a, b) in enumerate(zip(first, second, strict=False)) if a != b)
     by_name = {transition.name: transition for transition in net.transitions}

@@ -88,7 +88,7 @@ class _Search:
         self.prefix: list[int] = []
 
     def settle(self, marking: int, prefix: list[int]) -> SemanticsError | None:
-        """Follows a run to its end, which :attr:`end` and :attr:`prefix` then say, or to an error."""
+        """Runs to completion: sets :attr:`end` and :attr:`prefix`, or returns the error that is come upon."""
         if self.ranked is not None:
             return self.settle_by_rank(self.ranked, marking, prefix)
         try:

@@ -122,7 +122,7 @@ class Joining:
         return known[-1]
 
     def _chase(self, marking: int, first: int, second: int) -> tuple[list[int], list[int], bool]:
-        """Extends two runs until they are in the same marking, or both in a stable one; tells which.
+        """Extends two runs until they meet in a marking, or both end; returns both, and whether they meet.
 
         A transition that only one of the two markings enables fires first: it consumes tokens in which they
         differ, so that the runs usually meet after few firings. Transitions that both enable fire last.
