@@ -46,6 +46,22 @@ ALIASES = {"ctl": "ask"}
 """By an older name of a command, its name."""
 
 
+def _keep_width(context: click.Context, _: click.Parameter, width: int | None) -> None:
+    if width is not None:
+        context.meta[WIDTH] = width
+
+
+def _width() -> click.Option:
+    """The option that stands before a command or after it."""
+    return click.Option(
+        ["--width"],
+        type=click.IntRange(LEAST_WIDTH, 10_000),
+        expose_value=False,
+        callback=_keep_width,
+        help="Characters of a line (default: the terminal's; in a pipe lines are whole).",
+    )
+
+
 class _Commands(UserDict[str, click.Command]):
     """The commands, each loaded when it is asked for."""
 
@@ -53,6 +69,7 @@ class _Commands(UserDict[str, click.Command]):
         if name in ALIASES:
             return self[ALIASES[name]]
         command: click.Command = getattr(import_module(f"mcpn.cli.{COMMANDS[name]}"), name)
+        command.params.append(_width())
         self[name] = command
         return command
 
@@ -84,17 +101,15 @@ class _CommandLine(click.Group):
             ctx.exit(EXIT_FAILED)
 
 
-@click.group(cls=_CommandLine, commands=_Commands(), context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__, prog_name="mcpn")
-@click.option(
-    "--width",
-    type=click.IntRange(LEAST_WIDTH, 10_000),
-    help="Characters of a line (default: the terminal's; in a pipe lines are whole).",
+@click.group(
+    cls=_CommandLine,
+    commands=_Commands(),
+    params=[_width()],
+    context_settings={"help_option_names": ["-h", "--help"]},
 )
-@click.pass_context
-def command_line(context: click.Context, width: int | None) -> None:
+@click.version_option(__version__, prog_name="mcpn")
+def command_line() -> None:
     """Verify robot missions and generate their controllers."""
-    context.meta[WIDTH] = width
 
 
 def run(arguments: Sequence[str] | None = None) -> int:

@@ -226,10 +226,12 @@ def test_a_report_tells_how_far_each_step_is(monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_a_width_is_asked_for() -> None:
-    """Every command keeps to it; names are never broken."""
+    """Every command keeps to it, said before it or after it; names are never broken."""
     for command in (["check", str(ULYSSE)], ["simulate", str(ULYSSE), "--random", "3"]):
         narrow, wide = (mcpn("--width", width, *command).stdout for width in ("60", "200"))
         assert any(60 < len(line) <= 200 for line in wide.splitlines())
+        after = mcpn(*command, "--width", "60").stdout
+        assert re.sub(r"[0-9.]+ s\n", "", after) == re.sub(r"[0-9.]+ s\n", "", narrow)
         names = [line for line in narrow.splitlines() if len(line) > 60]
         assert all(" " not in line.strip() for line in names)
         words = ([w.strip("()") for w in re.sub(r"[0-9.]+ s\n", "", text).split()] for text in (narrow, wide))
