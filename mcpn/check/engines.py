@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias, TypeVar
 
 from mcpn.errors import LimitError, PremiseError
+from mcpn.mission.expansion.faults import Crash
 from mcpn.space.markings.explicit import MAX_MARKINGS
 
 if TYPE_CHECKING:
@@ -155,18 +156,23 @@ def expected_small(mission_net: MissionNet, max_states: int | None = None) -> bo
 def too_much_hardware(mission_net: MissionNet, limit: int) -> str | None:
     """Why a mission has more states than a limit, where its hardware alone says so.
 
-    Before it begins any set of hardware may be out of service, each in a stable state of its own.
+    Before it begins any set of hardware may be out of service, each in a stable state of its own. What stands
+    for software that crashes is not: it fails only while it runs.
     """
-    faulty = sum(h.faulty for h in mission_net.mission.hardware)
+    hardware = mission_net.mission.hardware
+    faulty = sum(h.faulty for h in hardware if not isinstance(h, Crash))
     return f"{faulty} hardware resources that may fail have 2^{faulty} states" if 2**faulty > limit else None
 
 
 def _many_sections(mission_net: MissionNet, limit: int) -> str | None:
     """Why a mission is expected to have more stable states than a limit, where listing need not find it out.
 
-    In each section that is entered any set of hardware may be out of service, in stable states of their own.
+    In each section that is entered any set of hardware may be out of service, in stable states of their own,
+    and what has run may have crashed.
     """
-    faulty, sections = sum(h.faulty for h in mission_net.mission.hardware), len(mission_net.graph.sections)
+    hardware, started = mission_net.mission.hardware, mission_net.usage.started
+    faulty = sum(h.faulty for h in hardware if not isinstance(h, Crash) or h.activity in started)
+    sections = len(mission_net.graph.sections)
     if 2**faulty * sections * EXPECTED <= limit:
         return None
     many = f"{faulty} hardware resources that may fail in {sections} sections are expected to have many"
