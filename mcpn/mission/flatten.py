@@ -5,6 +5,9 @@ their names qualified by the use (``transect_north.diving``). Rounds of ``each``
 ``retries`` are written out one after the other, named by their value, round or try (``visit_12``,
 ``visit_3``, ``visit_try2``; runs of a block that recovers ``visit_run2``), which qualifies what they hold
 (``visit_12.travel``).
+
+Routes that facts choose (``<route when="door=open">``) become the cases of sections in
+:meth:`_Flattening.deciding`, by :func:`mcpn.mission.expansion.leads.by_facts`.
 """
 
 from __future__ import annotations
@@ -124,10 +127,11 @@ class _Flattening:
     def __init__(self, mission: Mission) -> None:
         self.requirements: dict[str, tuple[str, Requirement]] = {}
         self.held: dict[str, list[Section]] = {}
+        """By qualified name of a block, the sections that were made of it."""
         self.protocols: dict[str, Protocol] = {p.name: p for p in mission.protocols}
         self.facts = facts_of(mission)
         self.pauses: dict[str, str] = {}
-        """By a mark that stands for where a pause leads, the name of the sibling that is run."""
+        """By placeholder for the target of a pause, the name of the sibling that is run meanwhile."""
         self.copied: set[str] = set()
         """Names of copies of siblings that are run while blocks pause."""
         self.objectives = 0
@@ -180,7 +184,7 @@ class _Flattening:
             self.held.setdefault(scope.name(block), []).extend(sections[before:end])
 
     def deciding(self, block: Block, routes: Mapping[str, Lead], leads: Leads) -> Leads:
-        """The leads of a block with its own routes that facts decide."""
+        """The leads of a block, its routes with a condition on facts put before the others."""
         own: dict[str, list[tuple[Condition, Lead]]] = {"success": [], "failure": []}
         for route in block.routes:
             own[route.on].append((resolved(route.when, self.facts), routes[route.goto]))
@@ -196,7 +200,7 @@ class _Flattening:
         recovery: tuple[Block, Scope, Mapping[str, Lead]],
         sections: list[Section],
     ) -> None:
-        """Adds the runs of a block that recovers, and between them the sibling that does that."""
+        """Adds the runs of a block that recovers, and between them copies of the sibling that it names."""
         by, around, routes = recovery
         runs = list(copies(block, scope))
         for number, ((blocks, inside), again) in enumerate(zip(runs, (*runs[1:], None), strict=True), 1):
@@ -222,7 +226,11 @@ class _Flattening:
         failure: Lead,
         sections: list[Section],
     ) -> None:
-        """Adds for each section of a block that pauses the sibling that is run before it is entered again."""
+        """Adds copies of siblings, one for each section (from number ``before`` on) of a block that pauses.
+
+        Each copy leads back to its section; handlers whose targets are placeholders (keys of ``runs``) are
+        replaced by handlers that lead to the copies.
+        """
         scope, routes = around
         for number in range(before, len(sections)):
             section, entries = sections[number], dict[str, str]()
@@ -255,7 +263,7 @@ class _Flattening:
         return replace(scope, handlers=(*found, *scope.handlers)) if found else scope
 
     def leading(self, handler: Handler, routes: Mapping[str, Lead]) -> Lead:
-        """Where a handler leads: of a pause a mark, which stands for a copy of its sibling."""
+        """Where a handler leads; for a pause a placeholder, which :meth:`paused` replaces by a copy."""
         if handler.pause is None:
             return routes[handler.goto or ABORT]  # a valid one has one of the two
         self.pauses[mark := f"pause {len(self.pauses)}"] = handler.pause

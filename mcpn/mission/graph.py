@@ -22,7 +22,7 @@ TIMED_OUT = "timed out"
 
 @dataclass(frozen=True, slots=True)
 class Interruption:
-    """What a section does when a declared event happens while it runs: it is stopped and left.
+    """A handler as a section has it: when the declared event happens, the section is stopped and left.
 
     Args:
         event: The event's name.
@@ -91,7 +91,7 @@ class _Routes:
 
     @property
     def all_cases(self) -> Iterator[FactCase]:
-        """What is asked of facts on any way out."""
+        """The cases, with their conditions on facts, of all outcomes and all interruptions."""
         for outcome, _ in self.outcomes:
             yield from self.cases_of(outcome)
         for interruption in self.interruptions:
@@ -210,7 +210,8 @@ class ParallelSection(_Routes):
     def deciding(self) -> Iterator[tuple[str, Branch]]:
         """Outcomes that may be decided while branches still run, each with the branches that may do so.
 
-        Of branches whose success counts together it is the last of them, in document order.
+        Where a number of successes is needed, the branch that completes it may be any from that number on, in
+        document order.
         """
         yield from (("abort", branch) for branch in self.branches if branch.graph.aborts)
         if self.needed is not None and self.needed < len(self.branches):

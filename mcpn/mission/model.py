@@ -276,7 +276,7 @@ class Mission(Drawn, Element):
     requirements: tuple[Requirement, ...] = ()
     handlers: tuple[Handler, ...] = ()
     blocks: tuple[Block, ...]
-    # Whether it has been found valid: who asks again need not look again.
+    # Whether it has been found valid, so that it is not checked again.
     checked: bool = field(default=False, init=False, repr=False, compare=False)
 
     def __repr__(self) -> str:

@@ -10,7 +10,7 @@ MAX_HINTS = 10
 MAX_LISTED = 10
 """How many known names are listed where none of them is near."""
 MAX_COMPARED = 500
-"""Among how many known names a near one is looked for."""
+"""How many of the known names are searched for a near one."""
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
@@ -29,7 +29,7 @@ class Hints:
 
     def near(self, name: str, known: Iterable[str], *others: str) -> str:
         """A near name among the others and the known ones."""
-        key = name, id(known)  # what is kept keeps its identity
+        key = name, id(known)  # the value holds `known`, so that its id is not given to another object
         if key not in self._found and len(self._found) < MAX_HINTS:
             self._found[key] = known, did_you_mean(name, chain(others, known))
         return self._found[key][1] if key in self._found else ""

@@ -1,4 +1,4 @@
-"""A mission with other names: it says the same."""
+"""Renames the elements of a mission, and every reference to them."""
 
 from __future__ import annotations
 
@@ -18,9 +18,8 @@ def renamed(mission: Mission, rename: Callable[[str, str], str]) -> Mission:
     Args:
         mission: A valid mission.
         rename: From a kind (``resource``, ``activity``, ``alternative``, ``block``, ``protocol``, ``event``,
-            ``fact``)
-            and a name to the new one, each new name once in its kind. An alternative of its activity's name
-            is given that of the activity.
+            ``fact``) and a name to the new name, which must be unique in its kind. An alternative that has
+            the name of its activity gets the activity's new name.
     """
 
     def reworded(text: str) -> str:

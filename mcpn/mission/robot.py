@@ -1,7 +1,9 @@
 """What the robot's engineer declares: resources, activities and events, as frozen dataclasses.
 
-They are elements of the language of mission files as those of :mod:`mcpn.mission.model` are: its docstring
-says how a class declares one. What every element carries is declared here, for imports point one way.
+A new attribute of hardware, of an activity or of a fact is declared here, as a field of its class: reader,
+writer, schema and the tables of the documentation follow from it (``python docs/tables.py`` writes them).
+How a class declares an element is said in :mod:`mcpn.mission.model`, which declares blocks the same way. What
+every element carries is declared here, because model imports this module and not the reverse.
 
 Source: the paper, section 4.3.
 """

@@ -1,7 +1,7 @@
-"""The schema of the mission language, and its complaints in words that say what was found and expected.
+"""Validates mission files against the schema, with errors that say what was found and expected.
 
-The file of the schema, made by :mod:`mcpn.mission.language.grammar`, is the judge. libxml2 tells little of a
-RELAX NG failure, so elements and attributes are compared with the language once more to find what is wrong.
+libxml2 decides, by the file ``schema.rng``, which :mod:`mcpn.mission.language.grammar` makes. It says little
+of why a document fails, so elements and attributes are compared with the language once more to find that.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ def find_misfits(
 
     Args:
         root: The root element of a mission, robot or protocols file.
-        new: Where it is known what may be wrong: an excerpt (if it fits the schema, so does the whole), and
-            the elements that may be wrong by themselves or in what they hold.
+        new: After an edit of a document that fitted: an excerpt (if it fits the schema, so does the whole),
+            and the elements that may not fit, by themselves or in what they hold.
 
     Returns:
         Lines and messages; empty where the document is valid.
@@ -49,9 +49,9 @@ def find_misfits(
     excerpt, suspects = new or (root, root.iter())
     if validator.validate(excerpt):
         return []
-    told = list(_misfits(suspects))
-    if told:
-        return told
+    misfits = list(_misfits(suspects))
+    if misfits:
+        return misfits
     if new and validator.validate(root):
         return []
     lines = {entry.line for entry in validator.error_log} or {_line(root)}
@@ -108,7 +108,7 @@ def _misplaced(element: etree._Element) -> Iterator[tuple[int, str]]:
                     f"found <{name}> after a block of <{tag}>, expected before its first block",
                 )
     if not (rule.children.issuperset(children) and rule.attributes.keys() >= set(element.attrib)):
-        return  # what is not known, of which something is said, may have been meant as what is missing
+        return  # an unknown name, which is reported already, may be a misspelling of what is missing
     if rule.series and not blocks:
         expected = ", ".join(f"<{name}>" for name in _BLOCKS if name in rule.children)
         yield line, f"<{tag}> has no blocks, expected one of {expected} inside"

@@ -1,4 +1,4 @@
-"""What Python does not enforce of a mission built from the classes of the model: the types of its fields."""
+"""Checks the types of the fields of a mission built in Python, which Python does not enforce."""
 
 from __future__ import annotations
 

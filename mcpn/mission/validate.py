@@ -50,11 +50,11 @@ def find_errors(mission: Mission, *, read: bool = False, before: Mission | None 
     Args:
         mission: Any mission, read or built in Python.
         read: Whether it was read of files that fit the schema, so that its values are of the right types.
-        before: A valid mission; of elements that it has as well, what they say by themselves is right.
+        before: The mission before an edit, valid; attributes of elements kept from it are not checked again.
 
     Returns:
-        Every problem, with its line; empty for a valid mission, which is not looked at again. Where values
-        are of wrong types nothing else is looked for. Nearly linear in the mission's size.
+        Every problem, with its line; empty for a valid mission, which is not checked again. Where values
+        are of wrong types nothing else is checked. Nearly linear in the mission's size.
     """
     if mission.checked:
         return []
@@ -69,7 +69,7 @@ def valid(mission: Mission) -> Mission:
     """Returns the mission if it is valid.
 
     Raises:
-        InputError: It is none, or it is not valid, with every problem.
+        InputError: It is no mission, or it is not valid, with every problem.
     """
     if not isinstance(mission, Mission):
         raise InputError.at(None, f"expected a mission, found {type(mission).__name__}")
@@ -83,7 +83,7 @@ class _Checks:
         self.mission = mission
         self.before = before
         self.activities: Mapping[str, Activity] = {a.name: a for a in mission.activities}
-        # Faults stand for hardware that nobody consumes by its name.
+        # As declared: mission.hardware also has the resources of faults and crashes, which nobody names.
         self.hardware = {h.name: h for robot in mission.robots for h in robot.hardware}
         self.software = {s.name: s for s in mission.software}
         self.resources: Mapping[str, Element] = {**self.hardware, **self.software}
@@ -153,20 +153,20 @@ class _Checks:
                 yield from duplicates("parameter", getattr(element, content.name))
 
     def values(self, element: Described, name: str) -> Iterator[Problem]:
-        """Values of its attributes that do not count."""
+        """Values of its attributes that are not allowed."""
         for attribute in form_of(type(element)).attributes:
-            value, holds = getattr(element, attribute.name), attribute.datatype
+            value, datatype = getattr(element, attribute.name), attribute.datatype
             if value is attribute.default:
                 continue
             if attribute.several:
                 yield from repeats(element.source, f"{attribute.tag} of {name}", value)
-            elif value is not None and not holds.allows(value):
+            elif value is not None and not datatype.allows(value):
                 shown = f"{value:g}" if isinstance(value, float) else value
-                message = f"{attribute.tag} of {name} is {shown}, expected {holds.allowed}"
+                message = f"{attribute.tag} of {name} is {shown}, expected {datatype.allowed}"
                 yield Problem(element.source, message)
 
     def requirement(self, requirement: Requirement) -> Iterator[Problem]:
-        """What a requirement says by itself; its formulas are read when the mission has its net."""
+        """Checks a requirement by itself; its formulas are parsed later, when the mission has its net."""
         if requirement.misuse:
             yield Problem(requirement.source, f"requirement {requirement.name} has {requirement.misuse}")
         for pattern in requirement.patterns:
@@ -353,7 +353,7 @@ class _Checks:
 
 
 def _timed_out(block: Block) -> list[tuple[str, str | None]]:
-    """Where it leads that the time of a block is over."""
+    """The route of a block whose time is over, with the name of its attribute."""
     return [("timeout_goto", block.timeout_goto)] if isinstance(block, Objective) else []
 
 
@@ -362,7 +362,7 @@ def _consumed(activity: Activity) -> list[str]:
 
 
 def _families(blocks: tuple[Block, ...]) -> Iterator[tuple[Block, ...]]:
-    """Every series of sibling blocks that are routed to one another."""
+    """Every series of sibling blocks, whose routes may name one another; not children of parallel blocks."""
     yield blocks
     for block in walk(blocks):
         if isinstance(block, Recursive | Each):

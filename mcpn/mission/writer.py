@@ -33,7 +33,7 @@ def write_mission(mission: Mission) -> bytes:
 
 
 def written(mission: Mission) -> bytes:
-    """A file of a mission that need not be valid, as far as a file can say it.
+    """The file of a mission, which is not checked: it may be invalid, as far as a file can write it.
 
     Raises:
         ValueError: A text holds a character that XML cannot.

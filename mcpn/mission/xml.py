@@ -29,7 +29,7 @@ MAX_IMPORTS = 1000
 MAX_DEPTH = 64
 MAX_ELEMENTS = 200_000
 _ASIDE = {Import.TAG, Protocol.TAG, *(root.TAG for root in ROOTS)}
-"""What is more than a part of the element that it stands in."""
+"""Elements that the reader also collects (robots, protocols) or follows (imports), wherever they stand."""
 
 
 def read_mission(
@@ -99,9 +99,9 @@ class _MissionReader:
         self.unsaved = unsaved
         self.draft = draft
         self.lines: list[bytes] = []  # of the file that is read
-        self.known: tuple[Made, Edit] | None = None  # what it was read as before
+        self.known: tuple[Made, Edit] | None = None  # what that file was read as before, and its edit since
         self.misplaced: set[Path] = set()
-        """Files in which something is wrong that the schema does not say: a draft is not to keep them."""
+        """Files with a problem that the schema does not find: a draft must not keep them."""
         self.problems: list[Problem] = []
         self.complete = True
         self.elements = 0
@@ -125,18 +125,18 @@ class _MissionReader:
         return replace(mission, robots=tuple(self.robots), protocols=tuple(self.protocols))
 
     def read(self, root: etree._Element) -> Made:
-        """What a file says that fits the schema; the draft keeps it."""
+        """Reads the elements of a file that fits the schema; the draft keeps them."""
         path, lines, known = self.path, self.lines, self.known
         if self.draft is None:
             return self.element(root)
-        self.draft.files.pop(path, None)  # what of it is kept may be moved
+        self.draft.files.pop(path, None)  # kept elements may get other line numbers
         made = self.element(root, *(known or (None, None)))
         if path not in self.misplaced:
             self.draft.files[path] = lines, made
         return made
 
     def element(self, element: etree._Element, before: Made | None = None, edit: Edit | None = None) -> Made:
-        """What an element of a file that fits the schema says; the robots and protocols are kept aside."""
+        """Reads an element of a file that fits the schema, and collects robots and protocols."""
         texts = {str(name): str(text) for name, text in element.attrib.items()}
         tag = tag_of(element)
         of = language()[tag].form(texts)
@@ -158,7 +158,7 @@ class _MissionReader:
         return Made(tag, value, made, source.line or 1, made[-1].last if made else source.line or 1)
 
     def members(self, element: etree._Element, before: Made | None, edit: Edit | None) -> list[Made]:
-        """What the elements inside say; those that an edit has not changed are not read again."""
+        """Reads the elements inside; those that an edit has not changed are taken from before."""
         if before is None or edit is None or before.tag != tag_of(element):
             return [self.element(child) for child in element]
         count = len(element)
@@ -174,7 +174,7 @@ class _MissionReader:
         return [*made, *last]
 
     def again(self, made: Iterable[Made]) -> None:
-        """What elements say of files and of what is kept aside, if they are not read again."""
+        """Collects robots and protocols, and follows imports, of elements that are not read again."""
         for each in made:
             if each.tag in _ASIDE:
                 self.again(each.members)
@@ -217,7 +217,7 @@ class _MissionReader:
         return element
 
     def misfits(self, root: etree._Element, lines: list[bytes]) -> list[tuple[int, str]]:
-        """What of the file does not fit the schema; what has not changed since it did is not looked at."""
+        """What in the file does not fit the schema; unchanged parts that fitted before are skipped."""
         self.lines = lines
         self.known = None if self.draft is None else self.draft.edit(self.path, lines)
         if self.known is None or self.known[0].tag != tag_of(root):
@@ -274,7 +274,7 @@ class _MissionReader:
                 self.not_imported(made, f"{href}: expected <robot> or <protocols>, found <mission>")
 
     def file(self, path: Path, real: Path) -> bool:
-        """Reads an imported file; whether it is none that holds a mission."""
+        """Reads an imported file. Returns whether its root may be imported: is not ``<mission>``."""
         importing, self.path = self.path, path
         self.chain.append(real)
         root = self.load()

@@ -1,4 +1,4 @@
-"""Copies of blocks, rounds and tries, whose names clash with those of other blocks."""
+"""Finds copies of blocks (rounds, tries, runs) that would have the name of another block."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from mcpn.mission.model import Block, Each, Holder, Parallel, walk
 def clashes(blocks: tuple[Block, ...]) -> Iterator[Problem]:
     """Copies of a block that would bear the name of another block, or of another's copy, in one text."""
     named: dict[str, Block] = {block.name: block for block in walk(blocks)}
-    names = ((block, name) for block, name in _copies(blocks) if name != block.name)
-    for block, name in islice(names, MAX_OBJECTIVES):  # with more, flattening hits its limit
+    copied = ((block, name) for block, name in _copies(blocks) if name != block.name)
+    for block, name in islice(copied, MAX_OBJECTIVES):  # with more, flattening hits its limit
         other = named.setdefault(name, block)
-        if other.name != block.name:  # else it is the same, or declared twice
+        if other.name != block.name:  # else it is the same block, or one declared twice
             where = f" ({other.source})" if other.source else ""
             message = f"{name}, a round, a try or a run of {block.name}, would have the name of another block"
             yield Problem(block.source, f"{message}: {other.name}{where}")

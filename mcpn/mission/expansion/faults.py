@@ -1,11 +1,12 @@
 """Faults that are hardware resources of their own: common causes, and software that crashes.
 
-A common cause takes several hardware resources out of service with one event. It is shared by all: whatever
-consumes hardware that it affects consumes it too. So it fails and is repaired as hardware is, everybody who
-uses something that it affects gets the error, and what it affects may still fail by itself.
+A common cause takes several hardware resources out of service with one event. It becomes a shared hardware
+resource: every alternative that consumes hardware which the cause affects consumes the cause too. So the
+cause fails and is repaired as hardware is, every user of affected hardware gets the error, and the affected
+hardware may still fail by itself.
 
-What may crash, an activity or one of its alternatives, consumes a resource that is its alone, and that can
-fail only while it runs.
+An activity, or an alternative, that may crash consumes a hardware resource of its own, which nobody else
+consumes and which can fail only while the activity runs.
 
 Source: K. N. Fleming, *A reliability model for common mode failures in redundant safety systems*, 1975.
 """
@@ -22,9 +23,9 @@ from mcpn.mission.robot import Activity, Alternative, Fault, Hardware, Robot
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Crash(Hardware):
-    """What stands for an activity, or an alternative, that may crash: its own, out of service after a crash.
+    """The hardware resource of an activity, or an alternative, that may crash: out of service after a crash.
 
-    It is called as the activity is, or as the alternative with its activity: ``localise.by_scan``.
+    Its name is that of the activity, or of the activity and the alternative: ``localise.by_scan``.
 
     Args:
         activity: The activity.
@@ -43,14 +44,14 @@ def as_crashes(activities: Iterable[Activity]) -> Iterator[Crash]:
                 yield _crash(f"{activity.name}.{way.name}", activity, way)
 
 
-def _crash(name: str, activity: Activity, of: Activity | Alternative) -> Crash:
+def _crash(name: str, activity: Activity, crashing: Activity | Alternative) -> Crash:
     return Crash(
         name=name,
-        description=of.description,
-        repairable=of.recovers,
-        failure_rate=of.failure_rate,
-        repair_rate=of.repair_rate,
-        source=of.source,
+        description=crashing.description,
+        repairable=crashing.recovers,
+        failure_rate=crashing.failure_rate,
+        repair_rate=crashing.repair_rate,
+        source=crashing.source,
         activity=activity.name,
     )
 
@@ -70,7 +71,7 @@ def as_hardware(faults: Iterable[Fault]) -> Iterator[Hardware]:
 
 
 def consuming(activities: Iterable[Activity], faults: Sequence[Fault]) -> Iterator[Activity]:
-    """Activities whose alternatives consume what stands for faults of what they consume, and for crashes."""
+    """The activities, their alternatives also consuming the resources of their faults and their crashes."""
     for activity in activities:
         if not faults and not may_crash(activity):
             yield activity
@@ -89,11 +90,11 @@ def may_crash(activity: Activity) -> bool:
 
 
 def failure_errors(robots: Sequence[Robot], hints: Hints) -> Iterator[Problem]:
-    """What makes invalid what robots say of failures.
+    """Declarations of hardware and faults that are not valid.
 
     Args:
         robots: Those of a mission.
-        hints: At names that are near.
+        hints: Finds what unknown names may have been meant as.
     """
     hardware = {h.name: h for robot in robots for h in robot.hardware}
     software = {s.name for robot in robots for s in robot.software}
@@ -136,10 +137,15 @@ def failure_errors(robots: Sequence[Robot], hints: Hints) -> Iterator[Problem]:
 
 
 def refuse_late(late: Iterable[Hardware], who: str, instead: str = "") -> None:
-    """Refuses hardware that is detected late, for who does not know it.
+    """Refuses hardware that is detected late, where an analysis cannot handle it.
+
+    Args:
+        late: Hardware that is detected late.
+        who: The analysis, with its verb: "controllers do".
+        instead: What may be used instead, after a comma or a colon.
 
     Raises:
-        LimitError: There is some.
+        LimitError: There is such hardware.
     """
     for h in late:
         message = f"{h.name} is detected late, which {who} not know yet{instead}"
@@ -149,13 +155,13 @@ def refuse_late(late: Iterable[Hardware], who: str, instead: str = "") -> None:
 def detection_errors(
     activity: Activity, hardware: Mapping[str, Hardware], known: Collection[str], hints: Hints
 ) -> Iterator[Problem]:
-    """What makes invalid what an activity says that it detects.
+    """Names in ``detects`` of an activity that are not valid.
 
     Args:
         activity: The activity.
         hardware: All that robots declare, by name.
         known: The names of all resources.
-        hints: At names that are near.
+        hints: Finds what unknown names may have been meant as.
     """
     for name in dict.fromkeys(activity.detects):
         said = f"activity {activity.name} detects {name}"
@@ -170,17 +176,17 @@ def detection_errors(
 
 
 def detected_twice(activities: Iterable[Activity]) -> Iterator[Problem]:
-    """Hardware whose loss several activities find out."""
-    by: dict[str, str] = {}
+    """Hardware whose loss several activities detect."""
+    detector: dict[str, str] = {}
     for activity in activities:
         for name in dict.fromkeys(activity.detects):
-            if (other := by.setdefault(name, activity.name)) != activity.name:
+            if (other := detector.setdefault(name, activity.name)) != activity.name:
                 message = f"activities {other} and {activity.name} both detect {name}, expected one of them"
                 yield Problem(activity.source, message)
 
 
 def crash_errors(activity: Activity, resources: Container[str]) -> Iterator[Problem]:
-    """What makes invalid what an activity says of its crashes.
+    """What an activity, and its alternatives, declare of crashes that is not valid.
 
     Args:
         activity: The activity.
@@ -191,17 +197,17 @@ def crash_errors(activity: Activity, resources: Container[str]) -> Iterator[Prob
         yield Problem(activity.source, f"{message}: its crash would have that name; give one another name")
     said: list[tuple[str, Activity | Alternative]] = [(f"activity {activity.name}", activity)]
     said += [(f"alternative {way.name} of {activity.name}", way) for way in activity.alternatives]
-    for name, of in said:
-        rates = (("failure_rate", of.failure_rate), ("repair_rate", of.repair_rate))
-        idle = [f"has a {what}" for what, rate in rates if rate]
-        idle += [] if of.recovers else ["recovers not"]
-        for what in () if of.faulty else idle:
-            yield Problem(of.source, f"{name} {what}, though it cannot crash: say faulty")
-        if of.faulty and not of.recovers and of.repair_rate:
-            yield Problem(of.source, f"{name} has a repair_rate, though it never recovers")
+    for name, declared in said:
+        rates = (("failure_rate", declared.failure_rate), ("repair_rate", declared.repair_rate))
+        without_effect = [f"has a {what}" for what, rate in rates if rate]
+        without_effect += [] if declared.recovers else ["recovers not"]
+        for what in () if declared.faulty else without_effect:
+            yield Problem(declared.source, f"{name} {what}, though it cannot crash: say faulty")
+        if declared.faulty and not declared.recovers and declared.repair_rate:
+            yield Problem(declared.source, f"{name} has a repair_rate, though it never recovers")
 
 
 def _repaired(of: Hardware | Fault) -> Iterator[Problem]:
-    """A rate of repairs of what is never repaired."""
+    """A problem where hardware, or a fault, that is not repairable has a rate of repairs."""
     if of.repair_rate:
         yield Problem(of.source, f"{of.name} has a repair_rate, though it is not repairable")

@@ -1,4 +1,7 @@
-"""Where the outcomes of blocks lead once they are written out, and what facts decide of that."""
+"""Where the outcomes of blocks lead once routes are resolved, and how facts choose between routes.
+
+:mod:`mcpn.mission.flatten` makes leads of the routes of blocks; :func:`by_facts` puts conditions before them.
+"""
 
 from __future__ import annotations
 
@@ -11,20 +14,28 @@ from mcpn.mission.world.decisions import Condition, FactCase
 
 
 class Lead(NamedTuple):
-    """Where something leads, sections or exits of the graph: the first case that fits, else the default."""
+    """Where an outcome or a handler leads: to the target of the first case whose facts hold, else ``target``.
+
+    Args:
+        target: The default: a section, or an exit of the graph.
+        cases: Conditions on facts with their targets, in order.
+    """
 
     target: str
     cases: tuple[FactCase, ...] = ()
 
 
 def by_facts(cases: Iterable[tuple[Condition, Lead]], default: Lead) -> Lead:
-    """A lead that facts decide between others."""
-    found = list[FactCase]()
+    """One lead that chooses by facts: the lead of the first condition that holds, else the default.
+
+    Cases of the leads chosen from are joined with the condition before them, so that the result is one list.
+    """
+    flat = list[FactCase]()
     for when, lead in cases:
         inner = ((_both(when, case.when), case.target) for case in lead.cases)
-        found += (FactCase(both, target) for both, target in inner if both is not None)
-        found.append(FactCase(when, lead.target))
-    return Lead(default.target, (*found, *default.cases)) if found else default
+        flat += (FactCase(both, target) for both, target in inner if both is not None)
+        flat.append(FactCase(when, lead.target))
+    return Lead(default.target, (*flat, *default.cases)) if flat else default
 
 
 def _both(one: Condition, other: Condition) -> Condition | None:
@@ -45,7 +56,7 @@ class Leads(NamedTuple):
 
     @property
     def cases(self) -> tuple[tuple[str, FactCase], ...]:
-        """What facts decide, with its outcome."""
+        """The cases of every outcome, each with the outcome."""
         leads = {
             "success": self.success,
             "failure": self.failure,
@@ -56,6 +67,6 @@ class Leads(NamedTuple):
 
     @property
     def exits(self) -> dict[str, Lead]:
-        """Where each exit leads, by the route to it that blocks inside name."""
+        """For the blocks inside: by the name of an exit as their routes say it, where that exit leads."""
         exits = {SUCCEED: self.success, FAIL: self.failure, ABORT: self.abort}
         return exits | {TIMED_OUT: self.timed_out}

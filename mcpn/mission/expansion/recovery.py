@@ -1,8 +1,8 @@
 """Blocks that recover: when one fails, a sibling is run and the block entered again, so many times at most.
 
-It is written out: the runs of the block one after the other, and between them copies of the sibling. Copies
-count the recoveries of one entry of the block; those of one run of what is around are as many, since no route
-may lead back to the block.
+It is written out: the runs of the block one after the other, and between them copies of the sibling. So the
+copies count the recoveries since the block was entered. No route may lead back to the block, so it is entered
+at most once in a run of the block around it: the same number is the count that ``times`` limits.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from mcpn.mission.model import SUCCEED, Block, Handler, Objective
 
 
 def recovering(siblings: Sequence[Block]) -> dict[str, list[Block]]:
-    """By name of a sibling that is run so, the blocks that it recovers."""
+    """By name of a sibling that ``recover`` of some block names, the blocks that name it."""
     found: dict[str, list[Block]] = {}
     for block in siblings:
         if block.recover is not None:
@@ -23,13 +23,13 @@ def recovering(siblings: Sequence[Block]) -> dict[str, list[Block]]:
 
 
 def suffixes(recovered: Sequence[Block]) -> Iterator[str]:
-    """What tells the copies of a sibling apart that recovers some blocks."""
+    """Suffixes of the names of a recovering sibling's copies: one for each block and each recovery of it."""
     for block in recovered:
         yield from (f"{block.name}{number}" for number in range(1, block.times + 1))
 
 
 def pausing(siblings: Sequence[Block]) -> dict[str, list[Block]]:
-    """By name of a sibling that is run while a block pauses, the blocks that do."""
+    """By name of a sibling that is run while a block pauses, the blocks that pause for it."""
     found: dict[str, list[Block]] = {}
     for block in siblings:
         for by in {handler.pause: None for handler in block.handlers if handler.pause is not None}:
@@ -84,7 +84,7 @@ def problems(siblings: Sequence[Block], around: Sequence[Handler]) -> Iterator[P
 
 
 def _behind(name: str, routes: Mapping[str, Sequence[str]], around: Sequence[Handler]) -> Collection[str]:
-    """The siblings that routes lead to from one of them, other than by its recovery."""
+    """The siblings that routes lead to from the sibling of this name, directly or not, its recovery aside."""
     stack = [*routes[name], *(handler.goto for handler in around if handler.goto is not None)]
     seen = set[str]()
     while stack:
@@ -95,7 +95,7 @@ def _behind(name: str, routes: Mapping[str, Sequence[str]], around: Sequence[Han
 
 
 def _routes(siblings: Sequence[Block]) -> dict[str, list[str]]:
-    """By name the routes of siblings, and those by which a recovery of one may be left elsewhere."""
+    """By name of a sibling, where it leads, and where the sibling that helps it may lead instead of back."""
     after, own = following(siblings), {block.name: _elsewhere(block) for block in siblings}
     found = {}
     for block in siblings:

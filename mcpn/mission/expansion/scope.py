@@ -58,14 +58,14 @@ class Scope:
         return tuple(found)
 
     def in_force(self, own: tuple[Parameter, ...]) -> tuple[Parameter, ...]:
-        """The parameters of an objective that stands here and says some itself, one of each name."""
-        return tuple({**self.defaults, **_saying(self.parameters, own)}.values())
+        """All parameters of an objective in this scope: its own, else those around it, else defaults."""
+        return tuple({**self.defaults, **_overridden(self.parameters, own)}.values())
 
     def into(self, block: Block, parameters: tuple[Parameter, ...] = ()) -> Scope:
-        """The scope of what a block holds in the same text; a copy of a block qualifies it."""
+        """The scope of what a block holds in the same text; names inside a copy are qualified by its name."""
         prefix = f"{self.name(block)}." if self.suffix else self.prefix
-        said = _saying(self.parameters, parameters)
-        return replace(self, prefix=prefix, suffix="", depth=self.deeper(block), parameters=said)
+        merged = _overridden(self.parameters, parameters)
+        return replace(self, prefix=prefix, suffix="", depth=self.deeper(block), parameters=merged)
 
     def into_protocol(self, use: Use, protocol: Protocol) -> Scope:
         """The scope of a protocol's text as one use of it sees it."""
@@ -74,15 +74,15 @@ class Scope:
             prefix=f"{self.name(use)}.",
             suffix="",
             depth=self.deeper(use),
-            parameters=_saying(self.parameters, use.parameters),
-            defaults=_saying(self.defaults, protocol.parameters),
+            parameters=_overridden(self.parameters, use.parameters),
+            defaults=_overridden(self.defaults, protocol.parameters),
             text=protocol.name,
         )
 
     def copy(self, block: Block, suffix: str, value: Parameter | None = None) -> Scope:
         """The scope of one copy of a block, or of what stands in one round of it."""
-        said = _saying(self.parameters, (value,) if value else ())
-        return replace(self, suffix=f"{self.suffix}_{suffix}", depth=self.deeper(block), parameters=said)
+        merged = _overridden(self.parameters, (value,) if value else ())
+        return replace(self, suffix=f"{self.suffix}_{suffix}", depth=self.deeper(block), parameters=merged)
 
     def deeper(self, block: Block) -> int:
         """The depth inside a block."""
@@ -92,8 +92,8 @@ class Scope:
         return self.depth + 1
 
 
-def _saying(around: Mapping[str, Parameter], inner: tuple[Parameter, ...]) -> Mapping[str, Parameter]:
-    """Parameters by name, where the inner ones count before those around."""
+def _overridden(around: Mapping[str, Parameter], inner: tuple[Parameter, ...]) -> Mapping[str, Parameter]:
+    """Parameters by name: those around, overridden by the inner ones."""
     return {**around, **{p.name: p for p in inner}} if inner else around
 
 
@@ -105,11 +105,11 @@ def several(block: Block) -> bool:
 def copies(block: Block, scope: Scope) -> Iterator[tuple[tuple[Block, ...], Scope]]:
     """The runs of a block that recovers, else its rounds, else its tries, else its values.
 
-    Each is what is done then, and its scope.
+    Yields for each copy the blocks that run in it, without the routes of the whole, and their scope.
     """
     alone = replace(block, success=None, failure=None, abort=None, routes=(), handlers=())
     if isinstance(alone, Objective) and alone.timeout_goto is not None:
-        alone = replace(alone, timeout_goto=TIMED_OUT)  # it leaves the copies
+        alone = replace(alone, timeout_goto=TIMED_OUT)  # out of all copies, not to the next
     if block.recover is not None:
         for number in range(1, block.times + 2):
             yield (replace(alone, recover=None, times=1),), scope.copy(block, f"run{number}")

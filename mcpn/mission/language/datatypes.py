@@ -1,4 +1,4 @@
-"""What attributes of missions hold: the texts of files, their values, and which of these count."""
+"""Datatypes of attributes: the texts that files may hold, their values, and which values are allowed."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ MAX_ROUNDS = 100_000
 
 @dataclass(frozen=True, slots=True)
 class Datatype:
-    """What an attribute holds.
+    """The datatype of an attribute.
 
     Args:
         name: Its name in the schema.
@@ -23,9 +23,10 @@ class Datatype:
         expected: What an error expects in the place of another text.
         read: From a text that matches to the value.
         write: From a value to its text.
-        allows: Whether a value is one that counts.
-        allowed: What an error expects in the place of a value that does not.
-        refers: The kind of what it names: ``resource``, ``activity``, ``block``, ``protocol``, ``event``.
+        allows: Whether a value is allowed.
+        allowed: What an error expects in the place of a value that is not allowed.
+        refers: The kind of element that the value names: ``resource``, ``activity``, ``block``,
+            ``protocol``, ``event``, ``fact``, or ``condition``.
     """
 
     name: str
@@ -39,15 +40,15 @@ class Datatype:
     refers: str = ""
 
     def matches(self, text: str) -> bool:
-        """Whether a text is one of a value."""
+        """Whether a text can be read as a value."""
         return self.pattern is None or re.fullmatch(self.pattern, text, re.ASCII) is not None
 
     def to(self, kind: str) -> Datatype:
-        """The names of things of one kind."""
+        """This datatype, its values being names of elements of one kind."""
         return replace(self, refers=kind)
 
     def within(self, allowed: str, allows: Callable[[Any], bool]) -> Datatype:
-        """Some of the values alone, in words and for a program."""
+        """This datatype with fewer values: those that ``allows`` accepts, which ``allowed`` describes."""
         return replace(self, allowed=allowed, allows=allows)
 
 
@@ -203,7 +204,7 @@ Rounds = Annotated[int | None, ROUNDS]
 Times = Annotated[int, TIMES]
 
 BY_CLASS = {str: TEXT, bool: BOOLEAN}
-"""What an attribute holds whose type does not say more."""
+"""The datatype of a field that is annotated with its Python type alone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -224,9 +225,9 @@ class Children:
     Args:
         inside: The class of an element around them, with a field of the same name.
         without: Names in files of elements that a file does not allow here.
-        short: A field of theirs whose attribute may stand on the element around for a single one, without
-            more, that has its name.
-        words: What the attribute means there.
+        short: A field of theirs. Its attribute may stand on the element around instead of a single element
+            inside that has the same name as the one around and sets no other field.
+        words: What that attribute means on the element around.
     """
 
     inside: type | None = None

@@ -1,6 +1,6 @@
-"""A mission that is being written: what stands on lines that have not changed is not read again.
+"""Reads a mission again after an edit: elements on lines that have not changed are kept as they were read.
 
-An edit changes a few lines of one file. What was read of all others is kept, element by element, so that the
+An edit changes a few lines of one file. The elements on all other lines stay the same objects, so that the
 checks of a mission, too, can pass over the elements that they have seen.
 """
 
@@ -41,7 +41,7 @@ class Made:
     last: int
 
     def move(self, lines: int) -> None:
-        """Notes that it stands so many lines further down now; nobody but a draft has it."""
+        """Adds to the line numbers of the element and of all inside it, in place: only a draft may do so."""
         stack = [self]
         while stack:
             made = stack.pop()
@@ -58,7 +58,7 @@ class Edit:
     Args:
         first: The first of them, as they were counted before.
         last: The last of them; of lines that are new alone, the one behind them.
-        more: How many lines there are more now.
+        more: How many lines the file has now more than before.
     """
 
     first: int
@@ -83,26 +83,28 @@ class Edit:
             made: What the element was read as; the edit is in it, or beside it.
             members: How many it has now.
         """
-        # A member stands behind the line of the last element of the one before, and before that of the next.
+        # Of a member only two lines are known: where its start tag ends, and that of the last element in it.
+        # Its text may begin before and end after them, so the members beside the edit are read again, too.
         before = made.members
         first = max(bisect_left(before, self.first, key=lambda m: m.line) - 1, 0)
         behind = max(len(before) - bisect_right(before, self.last, key=lambda m: m.last) - 1, 0)
         return (first, behind) if first + behind <= members else (0, 0)
 
     def between_kept(self, made: Made, members: int) -> list[Made | None]:
-        """For each member that may be another, what it may have been."""
+        """For each member that is not kept, what it was before; ``None`` where their number has changed."""
         first, behind = self.kept(made, members)
         old = made.members[first : len(made.members) - behind]
         new = members - first - behind
         return [*old] if len(old) == new else [None] * new
 
     def excerpt(self, element: etree._Element, made: Made) -> etree._Element:
-        """What may be other than before in an element, and so much around it that all fits if that does.
+        """A copy of the part of an element that may have changed; if it fits the schema, so does the element.
 
-        What an element may hold is some elements in any number, and in a series others behind them: what
-        does not fit is seen of what is new and of what stands beside it.
+        This is so because of the form of the language: an element holds some elements in any number and any
+        order, and then perhaps a series of blocks. So a new member that does not fit is recognised from the
+        members beside it.
         """
-        # The start tag ends on the line of the first member, at the latest; by another one all may not fit.
+        # An edit up to the first member may be in the start tag, whose attributes decide what fits inside.
         if not made.members or self.first <= made.members[0].line:
             return deepcopy(element)
         count = len(element)
@@ -112,15 +114,15 @@ class Edit:
         copy.text = element.text
         for place, old in enumerate(self.between_kept(made, count), first):
             child = element[place]
-            of = self.excerpt(child, old) if old and old.tag == tag_of(child) else deepcopy(child)
-            of.tail = child.tail
-            copy.append(of)
+            part = self.excerpt(child, old) if old and old.tag == tag_of(child) else deepcopy(child)
+            part.tail = child.tail
+            copy.append(part)
         for place in dict.fromkeys((count - behind, count - 1) if behind else ()):
             copy.append(deepcopy(element[place]))
         return copy
 
     def changed(self, element: etree._Element, made: Made) -> Iterator[etree._Element]:
-        """An element and those in it that may be other than before, or hold others, in document order."""
+        """An element and those in it that may have changed, or hold such elements, in document order."""
         if made.tag != tag_of(element):
             yield from element.iter()
             return
@@ -131,9 +133,9 @@ class Edit:
 
 
 class MissionDraft:
-    """What was read of a mission before, for who reads it again after an edit.
+    """What was read of a mission before, for a reader that reads it again after an edit.
 
-    It has the mission to itself: who keeps elements of it may find them on other lines.
+    The draft changes the line numbers of elements in place: a caller that keeps elements may find them moved.
     """
 
     def __init__(self) -> None:

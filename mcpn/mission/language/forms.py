@@ -32,7 +32,7 @@ class Field:
 
     Args:
         name: Its name in the model.
-        classes: Those of its value, or of the members of the tuple that its value is.
+        classes: The classes of its value; where the value is a tuple, those of its members.
         several: Whether it is a tuple.
         default: Its value where none is given; ``MISSING`` where one must be.
         owner: The class that declares it.
@@ -81,9 +81,9 @@ class Field:
     @property
     def elements(self) -> Iterator[_Element]:
         """The classes of the elements that files may hold for it."""
-        for of in self.classes:
-            if issubclass(of, Described) and of.TAG not in self.children.without:
-                yield self.children.inside or of
+        for member in self.classes:
+            if issubclass(member, Described) and member.TAG not in self.children.without:
+                yield self.children.inside or member
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +105,7 @@ _forms: dict[type, Form] = {}
 
 
 def form_of(element: type) -> Form:
-    """How files say a class of the model; this is worked out once for each."""
+    """The form of a class of the model: how files write it. Computed once for each class."""
     if element not in _forms:
         owners = (of for of in reversed(element.__mro__) if "__dataclass_fields__" in vars(of))
         fields = tuple({f.name: f for owner in owners for f in _declared(owner)}.values())

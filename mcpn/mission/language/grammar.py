@@ -1,6 +1,8 @@
-"""The RELAX NG schema of the mission language, made of what the model declares.
+"""Makes the RELAX NG schema of the mission language from the classes of the model; declares nothing itself.
 
-``python docs/tables.py`` writes its file, ``schema.rng``, which judges missions and which editors are given.
+A new attribute of hardware, of an activity or of a fact is declared in :mod:`mcpn.mission.robot`, one of a
+block in :mod:`mcpn.mission.model`, each as a field of its class. Then ``python docs/tables.py`` writes the
+file ``schema.rng`` anew, by which mission files are validated, here and in editors.
 """
 
 from __future__ import annotations

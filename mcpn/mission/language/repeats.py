@@ -1,4 +1,4 @@
-"""What may be wrong with elements of any kind: names that are said twice, circles of who needs whom."""
+"""Checks of elements of any kind: names declared or listed twice, and cycles of references."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from mcpn.mission.robot import Element
 
 
 def unseen(mission: Element, before: Element | None = None) -> Iterator[Element]:
-    """Every named element of a mission, itself first, in document order, but for those that another has.
+    """The named elements of a mission that ``before`` does not have, itself first, in document order.
 
     Args:
         mission: The mission.
@@ -31,10 +31,10 @@ def unseen(mission: Element, before: Element | None = None) -> Iterator[Element]
             stack.extend(pair for pair in pairs if id(pair[0]) not in known)
 
 
-def duplicates(kind: str, of: Iterable[Element]) -> Iterator[Problem]:
-    """Elements of one kind whose name another has."""
+def duplicates(kind: str, elements: Iterable[Element]) -> Iterator[Problem]:
+    """Elements of one kind that have the name of an earlier one."""
     first: dict[str, Element] = {}
-    for element in of:
+    for element in elements:
         earlier = first.get(element.name)
         if earlier is not None:
             where = f", first declared at {earlier.source}" if earlier.source else ""
@@ -52,7 +52,7 @@ def repeats(source: Source | None, what: str, names: tuple[str, ...]) -> Iterato
 def cycles(
     what: str, elements: Mapping[str, Element], after: Callable[[str], list[str]]
 ) -> Iterator[Problem]:
-    """One problem for each cycle that a depth-first walk closes."""
+    """One problem for each edge that closes a cycle in a depth-first walk of the references ``after``."""
     finished: set[str] = set()
     for start in elements:
         path: dict[str, None] = {}

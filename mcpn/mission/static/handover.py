@@ -40,25 +40,26 @@ class Handover:
     def with_idle(self) -> frozenset[str]:
         """Activities that need a place that says that they are idle.
 
-        So it is where one edge of the objectives graph stops and starts the same activity (a retry, a
-        protocol used twice in a row), and where two branches of a parallel block start the same one.
+        They are those that one edge of the objectives graph stops and starts again (a retry, a protocol used
+        twice in a row), and those that two branches of a parallel block start.
         """
-        return self._found[0].union(activity for *_, activity in self.usage.started_twice())
+        return self._along_edges[0].union(activity for *_, activity in self.usage.started_twice())
 
     @cached_property
     def gated(self) -> frozenset[str]:
         """The sections, at any depth, that begin only when what stops before them has stopped."""
-        names = set(self._found[1])
+        names = set(self._along_edges[1])
         names.update(section.name for graph in self.usage.graphs() for section in _stopped_at_once(graph))
-        # What begins changes facts when what stops has stopped, so that this is not moved by it.
+        # An objective that changes facts at its start waits until all before it has stopped: its change must
+        # not affect alternatives of activities that are still stopping.
         for section in self.usage.graph.sections:
             if any(first.setting("start") for first in entries(section)):
                 names.add(section.name)
         return frozenset(names)
 
     @cached_property
-    def _found(self) -> tuple[frozenset[str], frozenset[str]]:
-        """Activities that one edge of the graph stops and starts, and sections that it leads to in time."""
+    def _along_edges(self) -> tuple[frozenset[str], frozenset[str]]:
+        """Activities that one edge of the graph stops and starts; sections that need a gate after an edge."""
         activities, names, may_compete = set[str](), set[str](), cache(self._may_compete)
         for ending, target in _onward(self.usage.graph, {}):
             beginning = _activities(entries(target))
@@ -68,7 +69,7 @@ class Handover:
         return frozenset(activities), frozenset(names)
 
     def _may_compete(self, ending: frozenset[str], beginning: frozenset[str]) -> bool:
-        """Whether what some activities do while they stop may compete with what others begin with."""
+        """Whether activities that stop may compete for a resource or a producer with those that begin."""
         usage, before, after = self.usage, self._reached(ending), self._reached(beginning)
         if not any(usage.may_wait(a) or usage.sharing.serves(a) for a in before):
             return False
@@ -89,14 +90,18 @@ def entries(section: Section) -> tuple[ElementarySection, ...]:
 
 
 Running: TypeAlias = Mapping[str, frozenset[str]]
-"""By declared event, activities that it stops beside a graph."""
+"""By declared event, the activities that it may stop."""
 
 
 def _onward(graph: ObjectivesGraph, beside: Running) -> Iterator[tuple[frozenset[str], Section]]:
     """Sections that others lead to, at any depth, each with activities that may be stopped as it is entered.
 
-    The end of a section stops its last objectives. An interruption stops all that run, and beside them, told
-    apart, what the same event interrupts in other branches.
+    The end of a section stops its last objectives. An interruption stops all that run. What the same event
+    interrupts in other branches comes as a set of its own.
+
+    Args:
+        graph: The mission's graph, or that of a branch.
+        beside: By event, the activities that it may stop in other branches.
     """
     for section in graph.sections:
         running = _activities(section.walk())
@@ -125,7 +130,7 @@ def _interrupted(graph: ObjectivesGraph) -> Running:
             continue
         for branch in section.branches:
             inside = _interrupted(branch.graph)
-            if section.early:  # what it stops in a branch may stop the whole block
+            if section.early:  # an event that ends a branch may so end the block, and stop all its branches
                 inside = dict.fromkeys(inside, running)
             found = _joined(found, inside)
     return found
@@ -154,9 +159,9 @@ def _activities(sections: Iterable[ElementarySection]) -> frozenset[str]:
 
 
 def _endings(section: Section) -> tuple[ElementarySection, ...]:
-    """The elementary objectives that may be the last of a section, of a branch for a parallel block.
+    """The elementary objectives that may run when a section ends; of a parallel block, those of each branch.
 
-    Of a block that its end may stop they may be any.
+    Where the end of a block may stop branches that still run, they are all of its objectives.
     """
     if isinstance(section, ElementarySection) or section.early:
         return tuple(section.walk())

@@ -20,11 +20,14 @@ if TYPE_CHECKING:
 
 
 Occasion: TypeAlias = tuple[str, str]
-"""A hardware resource that ``fails`` or ``returns``."""
+"""A hardware resource and ``fails`` or ``returns``; or :data:`FACTS` and ``change``."""
 
 
 def occasions(fails: Iterable[str], returns: Iterable[str]) -> frozenset[Occasion]:
-    """The failures of some hardware and the returns of some; what facts end and allow they do at a time."""
+    """The occasions at which some hardware fails and some returns.
+
+    :data:`FACTS` among them has one occasion: one change of facts may end and allow alternatives at once.
+    """
     both = (*((h, "fails") for h in fails), *((h, "returns") for h in returns))
     return frozenset((FACTS, "change") if h == FACTS else (h, what) for h, what in both)
 
@@ -87,7 +90,7 @@ class Sharing:
         )
 
     def ending(self, activity: str, alternative: int, producer: str) -> frozenset[Occasion]:
-        """What may end an alternative, errors aside of what a producer brings it."""
+        """What may end an alternative, errors of the products of one producer aside."""
         usage = self.usage
         consumed = usage.activities[activity].alternatives[alternative].consumes
         declared = usage.activities[activity].switch_back

@@ -94,7 +94,7 @@ class Switching:
         ways = _minimal(
             frozenset(h for h, _ in held if h not in hardware or hardware[h].faulty) for held in found
         )
-        # What is always possible is never left out.
+        # A better alternative that is always possible is never passed over, so there is nothing to return to.
         return frozenset() if frozenset() in ways else ways
 
     def _possible(self, activity: str) -> frozenset[Held]:
@@ -105,7 +105,7 @@ class Switching:
         return self._ways[activity]
 
     def _held(self, activity: str, hardware: str) -> Held:
-        """What matters of hardware that an activity consumes: that it can fail, that others need it, too."""
+        """Consumed hardware with its holder; empty where it never fails and nobody else needs it."""
         declared = self.usage.hardware[hardware]
         if not declared.faulty and (declared.shared or self._consumers[hardware] == 1):
             return frozenset()
@@ -120,7 +120,7 @@ class Switching:
     def _all_of(self, activity: str, alternative: int) -> frozenset[Held]:
         usage = self.usage
         required = (f"{fact}={value}" for fact, value in usage.world.requires(activity, alternative))
-        combinations: frozenset[Held] = frozenset({frozenset((said, "") for said in required)})
+        combinations: frozenset[Held] = frozenset({frozenset((condition, "") for condition in required)})
         for k in usage.activities[activity].alternatives[alternative].consumes:
             each = (
                 frozenset({self._held(activity, k)})

@@ -35,10 +35,10 @@ Needs: TypeAlias = dict[str, set[Demand]]
 
 @dataclass(frozen=True, slots=True)
 class Contention:
-    """Two that may run together and both want one exclusive thing.
+    """Two rivals that may run together and both need one resource or activity that serves one at a time.
 
     Args:
-        wanted: A resource, or an activity.
+        wanted: An exclusive resource, or ``activity NAME``.
         rivals: Two activities that consume the resource, or two branches that start the activity; sorted.
         context: Where they run together, in words ("parallel block census").
         source: The line of that context.
@@ -75,7 +75,7 @@ class Usage:
         self._hardware_under: dict[str, frozenset[str]] = {}
         self._needs: dict[str, Needs] = {}
         self._inner: dict[str, frozenset[tuple[str, Demand, Demand]]] = {}
-        # Suppliers first: what follows asks only one step down a chain of activities, however long it is.
+        # Suppliers first, so that no recursion below goes deeper than one step, however long the chains are.
         for name in self.suppliers_first():
             self.closure(name)
             for resource in self.activities[name].produces:
@@ -83,7 +83,7 @@ class Usage:
         for name in self.suppliers_first():
             self._inside(name)
 
-    # --- what stands on what ---------------------------------------------------------------------------
+    # --- suppliers and the hardware below them ---------------------------------------------------------
 
     def suppliers(self, activity: str, alternative: int) -> list[str]:
         """The activities that produce what an alternative consumes, each once, in order of consumption."""
@@ -107,7 +107,7 @@ class Usage:
                         yield name
 
     def height(self, activity: str) -> int:
-        """How many activities stand under one another below the activity, by what they consume."""
+        """The length of the longest chain of suppliers below the activity; 0 where it has none."""
         if not self._heights:
             for name in self.suppliers_first():
                 alternatives = range(len(self.activities[name].alternatives))
@@ -172,11 +172,10 @@ class Usage:
         return frozenset(tuple(k for k, below in under if h in below) for h in hardware)
 
     def released_unasked(self, resource: str) -> bool:
-        """Whether the resource may be released while its producer, evaluating, still brings or takes it.
+        """Whether a consumer may release the resource while its producer is still evaluating.
 
-        So it is where one failure, or one return, makes the producer evaluate again, and somebody above, with
-        something else, give the resource back; and where the producer may have waited for another activity's
-        release.
+        There are two cases: one failure, or one return, makes the producer evaluate again and, by another
+        way, a consumer release the resource; or the producer may wait for another activity's release.
         """
         return resource in self._released_unasked or self.may_wait(self.producer[resource])
 
@@ -186,7 +185,8 @@ class Usage:
             s
             for name in self.started
             for s in self.activities[name].produces
-            # Who ends may change facts, and so gives back in one reaction with what makes others evaluate.
+            # An objective that ends may change facts: in one reaction its activities release resources, and
+            # the change makes others evaluate again.
             if FACTS in self._evaluated_after(name)
             or occasions(self._evaluated_after(name), self.switching.returns(name))
             & self.sharing.affecting([a for a in self.started if s in self.resources_of({a})], name)
@@ -226,7 +226,7 @@ class Usage:
     def wanted_again(self) -> frozenset[str]:
         """Software that is wanted together, or that one reaction may give back and ask for again.
 
-        It has two demands within one objective: where one is given up, the other may follow.
+        The latter has two demands within one objective: when one is given up, the other may follow.
         """
         again = set[str]()
         for section in self.graph.walk():
@@ -310,17 +310,17 @@ class Usage:
                 for p, q in combinations(below, 2):
                     demands.update(_both(self.tree_needs(p), self.tree_needs(q)))
                 under = frozenset[str]().union(*(self.closure(p) for p in below))
-                left = [
+                still_choosing = [
                     q
                     for q in under
                     if occasions(self._evaluated_after(q), self.switching.returns(q))
                     & self.sharing.ending(activity, i, q)
                 ]
-                for j, other in enumerate(self.activities[activity].alternatives if left else ()):
+                for j, other in enumerate(self.activities[activity].alternatives if still_choosing else ()):
                     if i != j:
                         its: Needs = {k: {(activity, j)} for k in other.consumes}
                         its = _merge([its, *(self.tree_needs(p) for p in self.suppliers(activity, j))])
-                        for q in left:
+                        for q in still_choosing:
                             demands.update(_both(its, self.tree_needs(q)))
             self._inner[activity] = frozenset(demands)
         return self._inner[activity]
@@ -380,6 +380,7 @@ def _named(graph: ObjectivesGraph) -> set[str]:
 
 
 def _both(first: Needs, second: Needs) -> Iterator[tuple[str, Demand, Demand]]:
+    """Pairs of demands of different activities for one resource, one demand from each side."""
     for resource in first.keys() & second.keys():
         for c in first[resource]:
             for d in second[resource]:

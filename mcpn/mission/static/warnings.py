@@ -28,7 +28,7 @@ def find_warnings(of: Mission | Usage) -> list[Problem]:
 
 
 def static_warnings(usage: Usage) -> list[Problem]:
-    """What is suspicious in a mission as far as its text tells, two activities that contend among it."""
+    """All warnings that need no state space: those of :func:`find_warnings`, and contentions."""
     contentions = (Problem(c.source, str(c)) for c in usage.contentions)
     return list({str(problem): problem for problem in (*find_warnings(usage), *contentions)}.values())
 
@@ -64,7 +64,7 @@ def never_entered(sections: Iterable[ElementarySection]) -> Iterator[Problem]:
 def never_used(mission: Mission, used: Collection[str]) -> Iterator[Problem]:
     """The warnings of resources that nobody uses, in the words of every stage that finds them."""
     faults = {fault.name for fault in mission.faults}
-    crashes = {crash.name for crash in mission.crashes}  # told of as activities and alternatives
+    crashes = {crash.name for crash in mission.crashes}  # reported as activities and alternatives
     for resource in (*mission.hardware, *mission.software):
         if resource.name in crashes:
             continue

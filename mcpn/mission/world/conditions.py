@@ -21,7 +21,7 @@ _DONE = re.compile(r"done\(\s*([A-Za-z_][A-Za-z0-9_.]*)\s*\)")
 
 
 FACTS = "(facts)"
-"""What stands among hardware for a change of any facts, as a cause why something is not possible any more."""
+"""Stands for a change of facts where causes are named by hardware: why an alternative ends or is possible."""
 
 
 class Word(NamedTuple):
@@ -98,10 +98,10 @@ def required(mission: Mission) -> Iterator[str]:
 
 
 def flags(fact: Fact) -> dict[str, frozenset[str]]:
-    """By value of a fact, what is then true of it that was not at the start.
+    """By value of a fact, the flags that are true while it has this value; at the start none is.
 
-    Two values need one truth value; of more values each has one, and the first of these says that the fact is
-    not what it was at the start.
+    Every value but that at the start has a flag (``door=open``). Where there are several of these values, a
+    further flag (``door!=closed``) says that the fact is not what it was at the start.
     """
     others = [value for value in fact.values if value != fact.start]
     changed = [f"{fact.name}!={fact.start}"] if len(others) > 1 else []
@@ -109,7 +109,7 @@ def flags(fact: Fact) -> dict[str, frozenset[str]]:
 
 
 def cause(hardware: str) -> str:
-    """Hardware as the cause of what becomes possible, or :data:`FACTS` for a fact with its value."""
+    """The cause that a member of a condition is: the hardware itself, :data:`FACTS` for ``door=open``."""
     return FACTS if "=" in hardware else hardware
 
 

@@ -1,4 +1,9 @@
-"""What facts decide, and what changes them, once routes are resolved."""
+"""Data of the objectives graph on facts: cases of routes, and changes of facts by objectives.
+
+How routes are chosen by facts is in :mod:`mcpn.mission.flatten` (``deciding``) and
+:mod:`mcpn.mission.expansion.leads`; facts and ``<route>`` are declared in :mod:`mcpn.mission.robot` and
+:mod:`mcpn.mission.model`.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +16,7 @@ Condition: TypeAlias = tuple[tuple[str, str], ...]
 
 @dataclass(frozen=True, slots=True)
 class FactCase:
-    """Where a route leads if facts are so.
+    """A target that a route leads to if facts have some values.
 
     Args:
         when: What they must be.

@@ -101,7 +101,7 @@ class _FactChecks:
             met.add((change.fact, change.occasion))
 
     def handled(self, handlers: Iterable[Handler]) -> Iterator[Problem]:
-        """An event that changes facts happens as a failure of hardware does, whatever runs."""
+        """Handlers of events that change facts: such events happen whatever runs, and interrupt nothing."""
         for handler in handlers:
             if handler.event in self.changing:
                 message = f"the event {handler.event} changes facts: it interrupts nothing"
@@ -137,7 +137,7 @@ class _FactChecks:
             yield self.unknown_value(source, f"{found}:", fact, said.value)
 
     def both(self, source: Source | None, who: str, texts: Iterable[str]) -> Iterator[Problem]:
-        """Words that cannot be so at once."""
+        """Words of a condition that contradict each other."""
         asked = dict[str, str]()
         for text in texts:
             said = word(text) if CONDITION.matches(text) and len(text.split()) == 1 else None

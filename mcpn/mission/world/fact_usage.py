@@ -58,7 +58,7 @@ class FactUsage:
         return frozenset(activity for activity, _ in self._requires)
 
     def closed(self, names: Iterable[str]) -> tuple[Fact, ...]:
-        """Some facts with all that events change with them, in the order in which they are come upon."""
+        """Some facts, and all facts that events change together with them, in the order of the search."""
         found, stack = dict[str, None](), [*names][::-1]
         while stack:
             name = stack.pop()

@@ -68,7 +68,7 @@ def _asked(mission: Mission) -> set[str]:
 
 
 def _never(world: FactUsage, values: dict[str, set[str]], texts: tuple[str, ...]) -> str:
-    """Which word of a condition is never so, if one is."""
+    """Says which word of a condition never holds; empty where each may hold."""
     for text in texts:
         said = word(text)
         fact = world.facts[said.fact]
