@@ -35,15 +35,15 @@ def likelihood(mission_net: MissionNet) -> Likelihood:
         given[What.SUCCESS, section.name] = rate * (1 - fails)
         given[What.FAILURE, section.name] = rate * fails
         given[What.TIMEOUT, section.name] = rate * SELDOM
-    unsaid: Mapping[What, float] = {
+    default_rates: Mapping[What, float] = {
         What.START: 10 * (1 + len(given)),
         What.REPAIRED: USUAL,
         What.DETECTED: USUAL,
     }
 
     def weight(event: Event) -> float:
-        found = given.get((event.what, event.element))
-        return unsaid.get(event.what, SELDOM) if found is None else found
+        rate = given.get((event.what, event.element))
+        return default_rates.get(event.what, SELDOM) if rate is None else rate
 
     return weight
 

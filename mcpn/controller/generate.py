@@ -23,7 +23,7 @@ Form = Literal["flat", "hierarchical", "modular"]
 Progress = Callable[[int, int], None]
 
 MOST_UNTOLD = 10_000
-"""States of a section that are listed without a word."""
+"""States of a section up to which it is listed without a call of ``told``."""
 
 
 @overload
@@ -101,17 +101,18 @@ def generate(
         composite = spaces.composite(progress=progress, executor=executor)
     if form == "modular":
         return modular_controller(composite)
-    names = standing(composite)
+    name_of_type = standing(composite)
     if form == "hierarchical":
-        if error := too_large(names, MAX_TABLE_STATES if max_states is None else max_states):
+        if error := too_large(name_of_type, MAX_TABLE_STATES if max_states is None else max_states):
             raise error
-    elif error := rather_rules(names, max_states):
+    elif error := rather_rules(name_of_type, max_states):
         if told:
             told(f"{error}: a modular controller is made instead")
         return modular_controller(composite)
-    largest = max(names, key=lambda type_: type_.size)
+    largest = max(name_of_type, key=lambda type_: type_.size)
     if told and largest.size > MOST_UNTOLD:
-        every = f"{len(names)} machines of sections list {sum(type_.size for type_ in names):,} states"
-        told(f"{every}, the largest, of section {names[largest]}, {largest.size:,}")
-    listed = {type_: type_.listed() for type_ in names}
+        total = sum(type_.size for type_ in name_of_type)
+        every = f"{len(name_of_type)} machines of sections list {total:,} states"
+        told(f"{every}, the largest, of section {name_of_type[largest]}, {largest.size:,}")
+    listed = {type_: type_.listed() for type_ in name_of_type}
     return hierarchical_controller(composite, listed)

@@ -11,8 +11,8 @@ The *hierarchical* controller has a machine for each type of section: its size i
 *flat* controller is the same with one section, the whole mission: its size is a product with all hardware.
 Both give the same actions on the same events.
 
-Of handlers that happen once the hierarchical controller keeps beside which have happened, as it keeps the
-hardware out of service; moves have guards. In the flat one it is part of the state.
+The hierarchical controller keeps the set of handlers with ``once`` that have happened beside the state, as it
+keeps the hardware out of service; guards of moves ask for them. In the flat controller the state says it.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ class SectionMachine:
         events: By number.
         states: What each state inside is.
         entries: By number whose bits say which hardware is out of service, and then what is true of facts;
-            ``None`` where the mission cannot come so.
+            ``None`` where no run of the mission enters the section like this.
         moves: Sorted by source, then event.
         once: The section's handlers that happen once.
         facts: What may be true of the section's facts.
@@ -273,17 +273,17 @@ def cut(
     facts: Mapping[str, Fact] | None = None,
 ) -> SectionMachine:
     """The inside of a machine: what is before the start and after the end becomes entries and outcomes."""
-    true = _TrueOfFacts(machine, facts or {})
-    told = (*hardware, *true.at_entries)
-    refuse_entries(told)
+    fact_flags = _FactFlags(machine, facts or {})
+    at_entries = (*hardware, *fact_flags.at_entries)
+    refuse_entries(at_entries)
     graph, transitions = machine.graph, machine.graph.net.transitions
     ended = np.array([state.outcome is not None for state in machine.states], np.bool_)
     within = ~ended
     within[list(machine.waiting)] = False
     inside = np.flatnonzero(within)
     number_of = np.cumsum(within) - 1
-    bit = {name: 1 << i for i, name in enumerate(told)}
-    entries: list[Entry | None] = [None] * (1 << len(told))
+    bit = {name: 1 << i for i, name in enumerate(at_entries)}
+    entries: list[Entry | None] = [None] * (1 << len(at_entries))
     moving = within[graph.sources]
     labels = np.flatnonzero(np.bincount(graph.labels[moving])).tolist()
     events = tuple(sorted({event_at(graph.net, t) for t in labels}))
@@ -310,7 +310,7 @@ def cut(
             to if to >= 0 else _outcome(states[-1 - to]),
             lists[order],
             guards.get(t, ALWAYS),
-            *true.changes(before, after),
+            *fact_flags.changes(before, after),
         )
         for source, event, to, order, t, before, after in zip(*(c.tolist() for c in columns), strict=True)
     )
@@ -318,24 +318,24 @@ def cut(
         if transitions[graph.labels[edge]].event == START:
             source, target = int(graph.sources[edge]), int(graph.targets[edge])
             assert states[target].outcome is None, "a section that is entered has something to do"
-            mask = sum(bit[name] for name in (*states[source].out_of_service, *true.of(source)))
-            order, changes = int(machine.orders[edge]), true.changes(source, target)
+            mask = sum(bit[name] for name in (*states[source].out_of_service, *fact_flags.of(source)))
+            order, changes = int(machine.orders[edge]), fact_flags.changes(source, target)
             entries[mask] = Entry(int(number_of[target]), lists[order], *changes)
     within_states = tuple(states[n] for n in inside.tolist())
-    names, entering = true.names, len(true.at_entries)
+    names, entering = fact_flags.names, len(fact_flags.at_entries)
     return SectionMachine(hardware, events, within_states, tuple(entries), moves, (), names, entering)
 
 
-class _TrueOfFacts:
-    """What is true of facts in the states of a machine.
+class _FactFlags:
+    """The flags of facts (:func:`mcpn.mission.world.conditions.flags`) that are true in a machine's states.
 
     Args:
         machine: The machine.
         facts: Its facts, by name.
 
     Attributes:
-        at_entries: What may be so before the start.
-        names: What may be so; those first.
+        at_entries: Flags that are true in some state before the start.
+        names: All flags, those at entries first.
     """
 
     def __init__(self, machine: Machine, facts: Mapping[str, Fact]) -> None:
@@ -347,12 +347,12 @@ class _TrueOfFacts:
         self.names = (*self.at_entries, *(flag for flag in every if flag not in before))
 
     def of(self, number: int) -> frozenset[str]:
-        """What is true in a state."""
-        said = self._states[number].facts.items() if self._flags else ()
-        return frozenset(flag for name, value in said for flag in self._flags[name][value])
+        """The flags that are true in a state."""
+        values = self._states[number].facts.items() if self._flags else ()
+        return frozenset(flag for name, value in values for flag in self._flags[name][value])
 
     def changes(self, before: int, after: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """What becomes true from one state to the next, and what is no more."""
+        """The flags that become true from one state to another, and those that become false."""
         if not self._flags:
             return (), ()
         was, now = self.of(before), self.of(after)
@@ -374,6 +374,6 @@ _KIND_OF_ELEMENT = {
 
 
 def _renamed(event: Event, names: Mapping[str, Mapping[str, str]]) -> Event:
-    """An event of a type with the names of a section of it; what is of no element of it stays."""
+    """An event of a type with the names of one of its sections; an event of no element stays as it is."""
     kind = _KIND_OF_ELEMENT.get(event.what)
     return event if kind is None else Event(event.what, names[kind].get(event.element, event.element))

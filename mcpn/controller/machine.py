@@ -138,19 +138,19 @@ def event_at(net: PetriNet, label: int) -> Event:
 
 
 def situations(mission_net: MissionNet, packed: Sequence[int]) -> tuple[Situation, ...]:
-    """What some markings say, a bit for each place; those that say the same share it."""
-    speaking = sorted(mission_net.roles)
-    mask = sum(1 << place for place in speaking)
+    """The situations of markings, which are integers with a bit for each place; equal ones are one object."""
+    with_role = sorted(mission_net.roles)
+    mask = sum(1 << place for place in with_role)
 
     @cache
     def said(marked: int) -> Situation:
-        return said_by(mission_net, [place for place in speaking if marked >> place & 1])
+        return said_by(mission_net, [place for place in with_role if marked >> place & 1])
 
     return tuple(said(marking & mask) for marking in packed)
 
 
 class Ordered:
-    """The actions of events; those with the same reasons are put in order once.
+    """The actions of events, in order; computed once for all edges that determine the same actions.
 
     Args:
         mission_net: The net.

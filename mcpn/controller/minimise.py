@@ -22,7 +22,7 @@ def minimise(controller: TableController) -> TableController:
         controller: Any controller.
 
     Returns:
-        One that does the same on every run of events; :attr:`Controller.states` tells what was gained.
+        One that does the same on every run of events; compare :attr:`TableController.states` of the two.
     """
     types = tuple(quotient(machine, partition(machine)) for machine in controller.types)
     return replace(controller, types=types, minimised=True)
@@ -70,8 +70,8 @@ def is_bisimulation(machine: SectionMachine, classes: Sequence[int]) -> bool:
     by_source: dict[int, dict[tuple[int, Guard], Move]] = {n: {} for n in range(len(machine.states))}
     for move in machine.moves:
         by_source[move.source][move.event, move.guard] = move
-    for number, found in enumerate(classes):
-        other = first.setdefault(found, number)
+    for number, class_ in enumerate(classes):
+        other = first.setdefault(class_, number)
         if machine.states[number] != machine.states[other]:
             return False
         mine, theirs = by_source[number], by_source[other]
@@ -94,8 +94,8 @@ def is_bisimulation(machine: SectionMachine, classes: Sequence[int]) -> bool:
 def quotient(machine: SectionMachine, classes: Sequence[int]) -> SectionMachine:
     """The machine with one state for each class, which stands for its first state."""
     first: dict[int, int] = {}
-    for number, found in enumerate(classes):
-        first.setdefault(found, number)
+    for number, class_ in enumerate(classes):
+        first.setdefault(class_, number)
     kept = set(first.values())
     return replace(
         machine,

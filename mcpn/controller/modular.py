@@ -1,18 +1,18 @@
 """The controller as rules: its size is a sum over what events do, not over states.
 
-A section's state is which of its *bits* are set: what some places of its local net say, whatever is marked
-there. An event is handled by one of its *rules* that fits: some bits are set, others are not. The rule's
-*effect* says which bits change, what is ordered, and with which outcome the section is left, if it is. Rules
-of one event that fit one state have the same effect.
+The state of a section is a set of *bits*; each stands for a place of its local net, or for the opposite of
+one. An event is handled by one of its *rules* that fits: it asks some bits to be set and others not. The
+rule's *effect* says which bits change, which actions are ordered, and with which outcome the section is left,
+if it is. Rules of one event that fit one state have the same effect.
 
 Rules are the big steps of the local net (:mod:`mcpn.space.stable.big_steps`), each proved to be the one
 outcome of its event in all stable states that it fits; every such state fits one. A section is entered from
 its idle marking, in which the bits of hardware out of service, and of handlers that have happened, are
 changed, by the rules of its start. So nothing is listed for each state of hardware.
 
-Orders are those of one state of each rule; where they depend on a place that the rule does not look at, it is
-split. Then literals go that no other rule of the event needs to be told apart by, and bits go that nothing
-speaks of.
+The actions of a rule are computed in one state that it fits; where actions depend on a place that the rule
+does not ask for, the rule is split by this place. Then literals are dropped that are not needed to tell rules
+of an event apart, and bits that no literal asks for (:mod:`mcpn.controller.reduce`).
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ from mcpn.net.events import Event
 from mcpn.notebook import Drawn
 
 Literals = tuple[int, ...]
-"""What is asked of bits: 2 i, that bit i is not set; 2 i + 1, that it is."""
+"""A conjunction of literals: 2 i asks that bit i is not set, 2 i + 1 that it is."""
 
 
 @dataclass(frozen=True, slots=True)
 class Effect:
-    """What rules do.
+    """What a rule does; several rules may have one effect.
 
     Args:
         changes: The bits that change.
@@ -51,7 +51,7 @@ class Rule:
 
     Args:
         event: Number of the event; -1 for the entry.
-        literals: What it asks of bits, what tells most apart first.
+        literals: What it asks of bits, the literals that exclude most other rules first.
         effect: Number of the effect.
     """
 
@@ -62,12 +62,12 @@ class Rule:
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """What bits say of an element whose status sections hand on.
+    """The bits of an element whose status sections hand on: hardware, a handler, a flag of a fact.
 
     Args:
-        changes: The bits that change before the entry where the hardware is out of service, or the handler
-            has happened.
-        literal: What is true inside exactly where it is so.
+        changes: The bits that change before the entry where the hardware is out of service, the handler has
+            happened or the flag is true.
+        literal: True inside the section exactly where this is so.
     """
 
     changes: tuple[int, ...]

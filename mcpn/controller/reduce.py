@@ -1,4 +1,4 @@
-"""Rules made short: literals that tell nothing apart go, and bits that nothing speaks of."""
+"""Shortens rules: drops literals that are not needed to tell rules apart, and bits that nobody reads."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from mcpn._kernel import Zdd
 from mcpn.controller.actions import PlannedAction
 
 Ordered = tuple[tuple[PlannedAction, ...], str | None]
-"""What is ordered, and the outcome with which the section is left."""
+"""The actions, and the outcome with which the section is left."""
 
 Short = tuple[int, tuple[int, ...], int, Ordered]
-"""The event, literals (2 i: level i is unmarked; 2 i + 1: marked), levels that change, what is ordered."""
+"""The event, literals (2 i: level i is unmarked; 2 i + 1: marked), levels that change, the actions."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,13 +24,13 @@ class Cube:
 
     Args:
         event: Number of the event.
-        of: The transition of it: no state enables two of an event.
-        asked: The levels that it looks at.
+        of: The transition of the event; no state enables two transitions of one event.
+        asked: The levels that it has a literal on.
         marked: Those of them that are marked.
-        enabling: Those that the event needs at all, wherever it happens.
+        enabling: Those that the transition itself consumes or reads; none of a start.
         changes: The levels that change.
-        ordered: What is ordered.
-        states: The states that it fits; two rules of a transition that fit one state do the same.
+        ordered: The actions, and the outcome.
+        states: The states that it fits; two rules of a transition that fit one state have the same effect.
     """
 
     event: int
@@ -52,21 +52,21 @@ def reduced(cubes: Sequence[Cube], spoken: Collection[int]) -> tuple[list[Short]
 
     Args:
         cubes: The rules in full: every state that matters fits some for each event that it allows, and those
-            do the same.
-        spoken: Levels that others speak of.
+            have the same effect.
+        spoken: Levels that are read outside the rules, and so are always kept.
     """
-    of: dict[int, list[Cube]] = {}
+    of_transition: dict[int, list[Cube]] = {}
     for cube in cubes:
-        of.setdefault(cube.of, []).append(cube)
-    groups = [_Group(group) for group in of.values()]
-    known = ~0
-    while True:  # what changes and is not spoken of need not be told: more rules do the same then
-        found = [short for group in groups for short in group.short(known)]
-        bits = set(spoken).union(told >> 1 for _, literals, _, _ in found for told in literals)
+        of_transition.setdefault(cube.of, []).append(cube)
+    groups = [_Group(group) for group in of_transition.values()]
+    kept = ~0
+    while True:  # changes of levels that nobody reads are dropped; then more rules have the same effect
+        shorter = [short for group in groups for short in group.short(kept)]
+        bits = set(spoken).union(literal >> 1 for _, literals, _, _ in shorter for literal in literals)
         needed = sum(1 << level for level in bits)
-        if needed & known == known:
-            return found, bits
-        known = needed
+        if needed & kept == kept:
+            return shorter, bits
+        kept = needed
 
 
 class _Group:
@@ -77,7 +77,7 @@ class _Group:
 
     Attributes:
         asking: By literal, the rules that have it.
-        literals: By rule, its literals that the event needs, and its others.
+        literals: By rule, its literals that enable the transition, and its others.
     """
 
     def __init__(self, cubes: Sequence[Cube]) -> None:
@@ -88,23 +88,23 @@ class _Group:
             kept = [*_literals(cube.enabling, cube.marked)]
             others = [*_literals(cube.asked & ~cube.enabling, cube.marked)]
             self.literals.append((kept, others))
-            for told in _literals(cube.asked, cube.marked):
-                self.asking[told] = self.asking.get(told, 0) | 1 << i
+            for literal in _literals(cube.asked, cube.marked):
+                self.asking[literal] = self.asking.get(literal, 0) | 1 << i
         self._alike: tuple[int, ...] = ()
         self._short = list[tuple[int, tuple[int, ...]]]()
 
-    def short(self, known: int) -> Iterator[Short]:
-        """One round of :func:`reduced`: rules that make the same changes to the levels of a mask."""
-        effects = [(cube.changes & known, cube.ordered) for cube in self.cubes]
+    def short(self, kept: int) -> Iterator[Short]:
+        """One round of :func:`reduced`: short rules, whose effects are compared on the kept levels alone."""
+        effects = [(cube.changes & kept, cube.ordered) for cube in self.cubes]
         first: dict[tuple[int, Ordered], int] = {}
         alike = tuple(first.setdefault(effect, i) for i, effect in enumerate(effects))
-        if alike != self._alike:  # which rules do the same is all that the rounds differ in
+        if alike != self._alike:  # rounds differ only in which rules have the same effect
             self._alike, self._short = alike, list(self._needed(alike))
         for i, literals in self._short:
             yield self.cubes[i].event, literals, *effects[i]
 
     def _needed(self, alike: Sequence[int]) -> Iterator[tuple[int, tuple[int, ...]]]:
-        """Rules by number, made short, of which one that does the same fits whatever a full one fits."""
+        """Short rules by number: enough that each state of a full rule fits one with the same effect."""
         short, cubes = list(self._told_apart(alike)), self.cubes
         doing: dict[int, list[int]] = {}
         for i in sorted(range(len(cubes)), key=lambda i: len(short[i])):
@@ -135,11 +135,12 @@ class _Group:
         asking, all_ = self.asking, (1 << len(self.cubes)) - 1
         for first, (kept, rest) in zip(alike, self.literals, strict=True):
             left = all_ & ~doing[first]
-            for told in kept:
-                left &= ~asking.get(told ^ 1, 0)
+            for literal in kept:
+                left &= ~asking.get(literal ^ 1, 0)
             chosen = list[int]()
-            # What a literal tells apart gets less as others are chosen, so most need not be counted again.
-            most = [(-(asking.get(told ^ 1, 0) & left).bit_count(), told) for told in rest]
+            # As literals are chosen, the others contradict fewer of the rules left. Counts are upper bounds:
+            # only that of the best literal is brought up to date.
+            most = [(-(asking.get(literal ^ 1, 0) & left).bit_count(), literal) for literal in rest]
             heapify(most)
             while left and most:
                 _, best = most[0]
@@ -148,9 +149,9 @@ class _Group:
                     heapreplace(most, (-apart.bit_count(), best))
                     continue
                 heappop(most)
-                if not apart:  # some full rules do not contradict this one; the states of the others go
+                if not apart:  # no literal contradicts the rules left: their states are excluded instead
                     states = _where(elsewhere(first), (*chosen, *kept))
-                    chosen += _enough(states, (best, *sorted(told for _, told in most)))
+                    chosen += _enough(states, (best, *sorted(literal for _, literal in most)))
                     break
                 chosen.append(best)
                 left &= ~apart
@@ -165,28 +166,28 @@ def _literals(asked: int, marked: int) -> Iterator[int]:
 
 
 def _enough(left: Zdd, literals: Sequence[int]) -> Iterator[int]:
-    """Literals that together no state of some satisfies."""
-    for told in literals:
+    """Some of the literals, such that no state of ``left`` satisfies all of them."""
+    for literal in literals:
         if not left:
             return
-        fewer = _where(left, (told,))
+        fewer = _where(left, (literal,))
         if fewer != left:
-            yield told
+            yield literal
             left = fewer
     assert not left, "no state fits two rules that differ"
 
 
 def _where(states: Zdd, literals: Sequence[int]) -> Zdd:
-    """Those of some states that satisfy some literals."""
-    marked = sorted(told >> 1 for told in literals if told & 1)
-    return states.subset(marked, sorted(told >> 1 for told in literals if not told & 1))
+    """The states that satisfy all of some literals."""
+    marked = sorted(literal >> 1 for literal in literals if literal & 1)
+    return states.subset(marked, sorted(literal >> 1 for literal in literals if not literal & 1))
 
 
 def _union(sets: Iterable[Zdd]) -> Zdd:
-    """The union of some sets, of which there is one."""
+    """The union of some sets, at least one."""
     return reduce(or_, sets)
 
 
 def levels_of(mask: int) -> list[int]:
     """The levels of a mask, ascending."""
-    return [told >> 1 for told in _literals(mask, mask)]
+    return [literal >> 1 for literal in _literals(mask, mask)]

@@ -70,9 +70,14 @@ def big_steps(type_: SectionType, section: str) -> Mapping[int, bytes | None]:
 
 @dataclass(frozen=True, slots=True)
 class _Way:
-    """A big step of some states, of which there are some.
+    """A big step restricted to a set of states, which is not empty.
 
-    Masks have a bit for each level.
+    Args:
+        transition: The transition of its event.
+        asked: The levels that it has a literal on; masks have a bit for each level.
+        marked: Those of them that are marked.
+        changes: The levels that change.
+        states: The states, in all of which it has the same outcome.
     """
 
     transition: int
@@ -84,12 +89,12 @@ class _Way:
 
 @dataclass(frozen=True, slots=True)
 class _Shown(_Way):
-    """A big step with the same actions in all of its states, and what happens in one of them.
+    """A big step with its run in one of its states, from which the actions are computed.
 
     Args:
-        before: That marking, a bit for each place.
-        after: The one after it.
-        left: What is done to activities.
+        before: The marking of that state, a bit for each place.
+        after: The marking after the run.
+        left: What the run does to activities and objectives.
     """
 
     before: int
@@ -135,7 +140,8 @@ class _Maker:
         said = [place for role in ("objective", "pending", "done") for place in type_.net.saying(role)]
         homeless = self.encoding.restricted(type_.inside, (), said)
         running = [place for places in active.values() for place in places]
-        # Where no objective says which section it is of, nothing may run, or the order of actions is unknown.
+        # The order of actions depends on the section, which objectives name. If something may run in a state
+        # with none of these places marked, rules must ask for them, too.
         self.home = said if any(self.encoding.restricted(homeless, [p]) for p in running) else []
 
     def rules(self) -> Rules:
@@ -163,7 +169,7 @@ class _Maker:
         return self._told(tuple(numbers), cubes)
 
     def _told(self, events: tuple[Event, ...], cubes: list[Cube]) -> Rules:
-        """The rules on bits, numbered as they are spoken of."""
+        """Shortens rules (:func:`reduced`) and renumbers the levels that are left as bits."""
         part, literal = self.type.part, self._literal
         shown = [
             (kind, name, literal(place))
@@ -176,37 +182,37 @@ class _Maker:
         for flag in part.flags:
             saying["fact", flag], reverse[flag] = self.net.true_of_fact(flag)
         carried = [literal(saying[of]) ^ reverse.get(of[1], False) for of in part.carried]
-        spoken = {told >> 1 for told in (*(told for *_, told in shown), *carried)}
-        found, bits = reduced(cubes, spoken)
+        spoken = {said >> 1 for said in (*(said for *_, said in shown), *carried)}
+        shorter, bits = reduced(cubes, spoken)
         number = {level: bit for bit, level in enumerate(sorted(bits))}
 
-        def renumbered(told: int) -> int:
-            return 2 * number[told >> 1] | told & 1
+        def renumbered(literal: int) -> int:
+            return 2 * number[literal >> 1] | literal & 1
 
-        def those(levels: int) -> tuple[int, ...]:
+        def bits_of(levels: int) -> tuple[int, ...]:
             return tuple(bit for level, bit in number.items() if levels >> level & 1)
 
         effects: dict[Effect, int] = {}
         rules = []
-        for event, literals, changes, (actions, to) in found:
-            effect = effects.setdefault(Effect(those(changes), actions, to), len(effects))
+        for event, literals, changes, (actions, to) in shorter:
+            effect = effects.setdefault(Effect(bits_of(changes), actions, to), len(effects))
             rules.append(Rule(event, tuple(map(renumbered, literals)), effect))
         rules.sort(key=lambda rule: rule.event)  # stable
         flips: dict[Element, int] = dict.fromkeys(part.carried, 0)
-        for place, (of, _, _) in idle_places(self.net).items():
-            flips[of] |= self._mask([place])
+        for place, (element, _, _) in idle_places(self.net).items():
+            flips[element] |= self._mask([place])
         return Rules(
             part.faulty,
             part.once,
             part.flags,
             events,
             len(number),
-            those(sum(1 << level for level in self.encoding.marked_levels(self.net.net.initial))),
+            bits_of(sum(1 << level for level in self.encoding.marked_levels(self.net.net.initial))),
             tuple(
-                Status(those(levels), renumbered(told))
-                for levels, told in zip(flips.values(), carried, strict=True)
+                Status(bits_of(levels), renumbered(said))
+                for levels, said in zip(flips.values(), carried, strict=True)
             ),
-            tuple(Shown(kind, name, renumbered(told)) for kind, name, told in shown),
+            tuple(Shown(kind, name, renumbered(said)) for kind, name, said in shown),
             tuple(rule for rule in rules if rule.event < 0),
             tuple(rule for rule in rules if rule.event >= 0),
             tuple(effects),
@@ -215,7 +221,7 @@ class _Maker:
     # --- big steps, split where actions need it ---
 
     def _ways(self, transition: int) -> Iterator[_Way]:
-        """The big steps of an event, of states before the entry for the start, and inside for others."""
+        """The big steps of an event; of the start in states before the entry, of others in states inside."""
         rows = self.steps[transition]
         assert rows is not None, "nothing dies"
         within = self.type.before if transition == self.net.start else self.type.inside
@@ -231,9 +237,9 @@ class _Maker:
                 yield _Way(transition, asked, marked, changes, states)
 
     def _settled(self, ways: list[_Way]) -> list[_Shown]:
-        """Big steps of some states, split into parts of them where actions differ, each with what happens.
+        """Big steps, split until each has the same actions in all of its states, with a run in one of them.
 
-        In each round every big step that is left is shown in one of its states, and split or done.
+        In each round every big step that is not done is run in one of its states, and split or done.
         """
         settled: list[_Way] = ways
         while open_ := [i for i, way in enumerate(settled) if not isinstance(way, _Shown)]:
@@ -245,7 +251,7 @@ class _Maker:
         return [way for way in settled if isinstance(way, _Shown)]
 
     def _shown(self, ways: Sequence[_Way]) -> list[_Shown]:
-        """Big steps with what happens in one state of each, run in the kernel."""
+        """Big steps, each with its run in one of its states; the kernel computes the runs."""
         beginning = self.type.layout.first_slot
         pairs = []
         for way in ways:
@@ -268,7 +274,7 @@ class _Maker:
         ]
 
     def _split(self, way: _Shown) -> Sequence[_Way]:
-        """A big step of some states, or two of parts of them where it is not the same actions throughout."""
+        """The big step where its actions are the same in all of its states, else two with fewer states."""
         deciding = self._deciding(way, self._mask_of(way.before))
         if deciding is None:
             return (way,)
@@ -280,7 +286,7 @@ class _Maker:
         ]
 
     def _deciding(self, way: _Shown, before: int) -> int | None:
-        """A level that the big step does not look at, that differs between its states, and may matter."""
+        """A level without a literal that differs between the states and may change the actions, if any."""
         active, states = self.active, way.states
         touched = set(way.left.left)
         for activity, levels in self._running.items():
@@ -315,7 +321,7 @@ class _Maker:
         return 2 * level | (not reverse)
 
     def _mask(self, places: Iterable[int]) -> int:
-        """The levels that speak of some places."""
+        """The levels that encode some places."""
         return sum({1 << self.encoding.bit(place)[0] for place in places})
 
     @cached_property

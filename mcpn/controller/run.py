@@ -3,10 +3,10 @@
 Where a net is confluent every interleaving of internal transitions ends in the same stable marking. What the
 controller must *do* depends on the way there: an activity that runs before and after the event may have gone
 on, or may have been stopped and started again; it is *restarted* where it passes through idle. The order in
-which internal transitions fire is that of their ranks, by which what is on its way comes first and suppliers
-come before their consumers; within a rank it makes no difference to what the robot is told (the tests draw it
-at random). This holds for the net of a mission and for that of one of its sections alike, so that machines
-made of either give the robot the same orders.
+which internal transitions fire is that of their ranks: what is on its way comes first, and suppliers come
+before their consumers. Within a rank the order makes no difference to the actions (tests draw it at random).
+This holds for the net of a mission and for that of one of its sections alike, so that machines made of either
+give the robot the same orders.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Left:
 
     Args:
         left: Activities of which an alternative was left: stopped, or evaluated anew.
-        idled: Those of them that came to be idle: if they run afterwards, they have been restarted.
+        idled: Those of them that became idle: if they run afterwards, they have been restarted.
         ended: Objectives with a timeout that were left: if they run afterwards, they have been entered anew.
     """
 
@@ -128,16 +128,16 @@ class Runner:
         """
         prepared, names = KernelNet(self.mission_net.net), list(self.control)
         number = {name: i for i, name in enumerate(names)}
-        # To the kernel an objective is an activity of no places.
+        # For the kernel an objective with a timeout is an activity without places.
         late = {name: i for i, name in enumerate(self._timed.values(), len(names))}
         every = [*names, *late]
-        own = np.zeros(len(self._leaving), np.uint32)
-        own[prepared.transitions] = np.arange(len(prepared.transitions), dtype=np.uint32)
+        kernel_number = np.zeros(len(self._leaving), np.uint32)
+        kernel_number[prepared.transitions] = np.arange(len(prepared.transitions), dtype=np.uint32)
         found, kinds = prepared.kernel.passages(
             graph.markings,
             graph.offsets,
             graph.targets.astype(np.int64),
-            own[graph.labels],
+            kernel_number[graph.labels],
             [
                 [*(number[name] for name in self._leaving[t]), *(late[name] for name in self._ending[t])]
                 for t in prepared.transitions

@@ -14,7 +14,7 @@ MAX_TABLE_STATES = 1_000_000
 """States of a section that its machine lists at most."""
 
 MOST_TABLED = 50_000
-"""States of a section that its machine lists where no form is named, and rules can be had instead."""
+"""States of a section up to which ``auto`` makes a machine of it, where rules are possible, too."""
 
 MOST_ENTRIES = 1 << 20
 """Hardware states with which a section may be entered, each with an entry of its own."""
@@ -47,7 +47,7 @@ def each_step(rows: bytes) -> Iterator[array[int]]:
 
 
 def count_steps(rows: bytes) -> int:
-    """How many they are."""
+    """How many big steps an event has."""
     return sum(1 for _ in each_step(rows))
 
 

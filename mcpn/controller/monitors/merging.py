@@ -1,11 +1,11 @@
-"""Monitors with few states: what no run of the mission tells apart is one.
+"""Merges states of monitors that no run of the mission tells apart.
 
-An event that the mission does not allow in a state may lead anywhere, so that two states are to be told apart
-only where some run that both allow ends with other values. To find the fewest states then is hard (Pfleeger,
-*State reduction in incompletely specified finite-state machines*, IEEE Transactions on Computers 22, 1973):
-states are merged one after the other with the first that they can be merged with, and with them those that
-the same events lead to, as automata are learnt from examples (Oncina, García, *Inferring regular languages in
-polynomial updated time*, 1992).
+An event that the mission does not allow in a state may lead anywhere, so that two states must stay apart
+only where some run that both allow ends with different values. To find the fewest states then is hard
+(Pfleeger, *State reduction in incompletely specified finite-state machines*, IEEE Transactions on Computers
+22, 1973): each state in turn is merged with the first that it can be merged with, and with them the states
+that the same events lead to, as automata are learnt from examples (Oncina, García, *Inferring regular
+languages in polynomial updated time*, 1992).
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def merged(values: Sequence[Value], moves: Sequence[Moves]) -> tuple[list[Value]
 
 
 def _blocks(values: Sequence[Value], moves: Sequence[Moves]) -> tuple[list[Value], list[Moves]]:
-    """States with the same moves, and so on, are one (Moore 1956); in the order of their first states."""
+    """The machine with bisimilar states merged (Moore 1956), in the order of their first states."""
     known: dict[Value, int] = {}
     blocks = [known.setdefault(value, len(known)) for value in values]
     count = 0
@@ -88,13 +88,16 @@ class _Folding(Generic[Value]):
 
     def fold(self) -> None:
         """Merges what can be merged, in the order of the states."""
-        apart: list[int] = []
+        unmerged: list[int] = []
         for q in range(len(self.values)):
-            if self.root(q) == q and not any(self._merge(other, q) for other in apart):
-                apart.append(q)
+            if self.root(q) == q and not any(self._merge(other, q) for other in unmerged):
+                unmerged.append(q)
 
     def _merge(self, one: int, other: int) -> bool:
-        """Merges two states and what the same events lead to; nothing, and false, where values differ."""
+        """Merges two states, and the states that the same events lead to from them.
+
+        Where values of such states differ it changes nothing and returns false.
+        """
         above: dict[int, int] = {}
         moves: dict[int, Moves] = {}
 
@@ -121,6 +124,6 @@ class _Folding(Generic[Value]):
                     mine[event] = target
         for q, into in above.items():
             self._above[q] = into
-        for q, of in moves.items():
-            self.moves[q] = of
+        for q, joined in moves.items():
+            self.moves[q] = joined
         return True

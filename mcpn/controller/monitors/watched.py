@@ -1,10 +1,10 @@
 """What a monitor says of a requirement after each event: violated, satisfied, or open.
 
 The verdicts are those of LTL3 (Bauer, Leucker, Schallhart, *Runtime verification for LTL and TLTL*, ACM TOSEM
-2011): a formula is violated when no way to go on satisfies it, satisfied when each does, else open. A way to
-go on is any: its states and events need not be those of the mission. What holds in the states passed, that
-behind the last event included, is taken from the mission's stable states, which the events lead through.
-States of a monitor that no run of the mission tells apart are one (:mod:`mcpn.controller.monitors.merging`).
+2011): a formula is violated when no continuation of the run satisfies it, satisfied when every one does, else
+open. Continuations are any sequences of states and events, not only those of the mission. What holds in the
+states up to now, the one after the last event included, is taken from the mission's stable states. States of
+a monitor that no run of the mission tells apart are merged (:mod:`mcpn.controller.monitors.merging`).
 """
 
 from __future__ import annotations
@@ -97,22 +97,26 @@ class Watcher:
             LimitError: It has too many states before they are merged.
         """
         holds = asked.requirement.expected == "holds"
-        values, moves = merged(*self._beside(formula if holds else ~formula))
+        values, moves = merged(*self._product(formula if holds else ~formula))
         words = asked.words if holds else f"not: {asked.words}"
         text = asked.text if holds else f"!({asked.text})"
         return Monitor(asked.name, words, text, tuple(values), tuple(moves))
 
-    def _beside(self, formula: Formula) -> tuple[list[Value], list[dict[str, int]]]:
-        """What is known of a formula in each stable state, after each run to it."""
+    def _product(self, formula: Formula) -> tuple[list[Value], list[dict[str, int]]]:
+        """The product of the stable states with the automata of a formula and of its negation.
+
+        Returns:
+            By state of the product, the verdict, and where each event leads.
+        """
         both = [kept(translated(normal(formula, wanted)), satisfiable) for wanted in (True, False)]
-        edges = [edge for automaton in both for of in automaton.edges for edge in of]
+        edges = [edge for automaton in both for leaving in automaton.edges for edge in leaving]
         of_events = {f for edge in edges for f in edge.literals if _of_event(f)}
         start = self._space.initial.pick(), frozenset({0}), frozenset({0})
         numbers, queue = {start: 0}, [start]
         values: list[Value] = []
         moves: list[dict[str, int]] = []
         for state, *sets in queue:
-            may_hold, may_fail = (self._ways(a, of, state) for a, of in zip(both, sets, strict=True))
+            may_hold, may_fail = (self._enabled(a, held, state) for a, held in zip(both, sets, strict=True))
             values.append("violated" if not may_hold else "open" if may_fail else "satisfied")
             moves.append({})
             known: dict[frozenset[Formula], tuple[frozenset[int], frozenset[int]]] = {}
@@ -145,11 +149,11 @@ class Watcher:
             self._known[key] = bool(self._space.single(state) & self._evaluation.states(formula))
         return self._known[key]
 
-    def _ways(self, automaton: Automaton, of: frozenset[int], state: Any) -> list[AutomatonEdge]:
-        """The edges of an automaton from some states that may be taken in a stable state, by some event."""
+    def _enabled(self, automaton: Automaton, held: frozenset[int], state: Any) -> list[AutomatonEdge]:
+        """The edges from states ``held`` of an automaton whose literals on states hold in a stable state."""
         return [
             e
-            for q in of
+            for q in held
             for e in automaton.edges[q]
             if all(self._satisfied(f, state) for f in e.literals if not _of_event(f))
         ]
@@ -158,7 +162,7 @@ class Watcher:
 def satisfiable(formulas: Iterable[Formula]) -> bool:
     """Whether some truth values of their atoms satisfy all of some formulas on states and of events.
 
-    Of more than :data:`MOST_ATOMS` atoms that is not looked for: verdicts may then come later.
+    With more than :data:`MOST_ATOMS` atoms the answer is yes without a search: verdicts may then come later.
     """
     whole = And(*formulas)
     atoms = list(dict.fromkeys(_atoms(whole)))
@@ -201,5 +205,5 @@ def _happens(literal: Formula, transition: int) -> bool:
 
 
 def _targets(ways: Iterable[AutomatonEdge], true: frozenset[Formula]) -> frozenset[int]:
-    """Where some edges lead whose literals of events are all true."""
+    """The targets of those of some edges whose literals on events are all true."""
     return frozenset(e.target for e in ways if all(f in true for f in e.literals if _of_event(f)))

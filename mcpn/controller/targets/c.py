@@ -239,14 +239,14 @@ def _of_sections(n: MachineNumbers | RuleNumbers) -> list[Array]:
             Array("section_once", n.slices["once"], "the section's handlers that happen once, in pool")
         )
     if n.flags:
-        said = [(*(2 * i for i in t), *(2 * i + 1 for i in f)) for t, f in n.changing.values()]
-        rows_of = dict(zip(n.changing, said, strict=True))
-        told = [rows_of.get(event, ()) for event in range(len(n.events))]
-        starts = [sum(map(len, told[:event])) for event in range(len(told) + 1)]
+        codes = [(*(2 * i for i in t), *(2 * i + 1 for i in f)) for t, f in n.changing.values()]
+        row_of_event = dict(zip(n.changing, codes, strict=True))
+        changes = [row_of_event.get(event, ()) for event in range(len(n.events))]
+        starts = [sum(map(len, changes[:event])) for event in range(len(changes) + 1)]
         arrays += [
             Array("changing_start", starts, "first of what an event changes of facts; the next row ends it"),
             Array(
-                "changing_once", [i for row in told for i in row], "2 i: is true then; 2 i + 1: is no more"
+                "changing_once", [i for row in changes for i in row], "2 i: is true then; 2 i + 1: is no more"
             ),
         ]
     if n.timers:

@@ -86,8 +86,7 @@ class Numbers(Generic[Type]):
         """By objective that has one, in seconds."""
         self.timers = _timers(graph)
         """How many run at a time, at most."""
-        mine = (section.names["once"].get(h, h) for section, h in self._handlers())
-        self.handlers = sorted(set(mine))
+        self.handlers = sorted({section.names["once"].get(h, h) for section, h in self._handlers()})
         world = self.mission_net.usage.world
         self.flags = sorted(flag for fact in world.facts.values() for flag in all_flags(fact))
         """What may be true of facts, where it was not at the start."""
@@ -121,7 +120,7 @@ class Numbers(Generic[Type]):
         raise NotImplementedError
 
     def _handlers(self) -> Iterator[tuple[PlacedMachine, str]]:
-        """Handlers that happen once, by section, with the names of its type."""
+        """Each section with each of its handlers that happen once, by the name in its type."""
         for section in self.controller.sections:
             for handler in self.types[section.type].once:
                 yield section, handler
@@ -149,7 +148,7 @@ class Numbers(Generic[Type]):
 
     @property
     def late(self) -> list[int]:
-        """By objective, the event that its time is over; as many as there are events for none."""
+        """By objective, the number of its timeout event; the number of all events where it has none."""
         texts = (str(Event(What.TIMEOUT, name)) for name in self.objectives)
         return [self._event.get(text, len(self.events)) for text in texts]
 
@@ -195,7 +194,7 @@ class Numbers(Generic[Type]):
         self._place_sections()
 
     def _size(self, type_: Type) -> int:
-        """The most that a table counts in a type, of what shares its numbers with elements."""
+        """The largest count in a type of what is numbered in the same columns as elements, such as states."""
         raise NotImplementedError
 
     def _said(self, type_: Type) -> tuple[Iterable[Sequence[PlannedAction]], Iterable[tuple[str, str]]]:
@@ -324,7 +323,7 @@ def _timers(graph: ObjectivesGraph) -> int:
 
 
 def _subjects(action: PlannedAction) -> Iterator[tuple[str, str | None]]:
-    """What an order may be to: the first that there is."""
+    """Kinds and names that an action may have; the first name that is there is its subject."""
     yield from (("activities", action.activity), ("hardware", action.hardware))
     yield "objectives", action.objective
 
@@ -332,7 +331,7 @@ def _subjects(action: PlannedAction) -> Iterator[tuple[str, str | None]]:
 def _positions(
     lists: Iterable[Sequence[PlannedAction]], modes: Iterable[tuple[str, str]]
 ) -> dict[str, dict[str, int]]:
-    """The elements that a type speaks of, by position; in the order in which it does."""
+    """By kind and name the position of each element that a type names, in the order of first mention."""
     found: dict[str, dict[str, None]] = {kind: {} for kind in KINDS}
     for actions in lists:
         for action in actions:

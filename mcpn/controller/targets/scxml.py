@@ -168,15 +168,15 @@ class _Document(Regions):
                 _add(status, "transition", **said, target=f"{identifier}.{other}")
             for event, changes in self.world.changing.items():
                 if other == self._turned(name, changes):
-                    told = Event(What.DECLARED, event)
-                    inside = (self.ids[s.name] for s in self.controller.sections if told in s.events)
+                    declared = Event(What.DECLARED, event)
+                    inside = (self.ids[s.name] for s in self.controller.sections if declared in s.events)
                     condition = " && ".join(f"In('{each}') === false" for each in inside)
                     guarded = {"cond": condition} if condition else {}
                     target = f"{identifier}.{other}"
-                    _add(status, "transition", event=event_name(told), **guarded, target=target)
+                    _add(status, "transition", event=event_name(declared), **guarded, target=target)
 
     def _turned(self, flag: str, changes: Mapping[str, str]) -> str | None:
-        """Whether changes of facts turn on or off what may be true of one, or neither."""
+        """Whether changes of facts turn a flag ``on`` or ``off``, or neither."""
         for name, value in changes.items():
             fact = self.world.facts[name]
             if flag in all_flags(fact):
