@@ -1,4 +1,4 @@
-"""Reads a robot's log: ``python -m mcpn.runtime monitors.json robot.log`` says what violates what."""
+"""Checks a robot's log against requirements: ``python -m mcpn.runtime monitors.json robot.log``."""
 
 from __future__ import annotations
 

@@ -181,7 +181,7 @@ class Controller:
 
     @property
     def where(self) -> Where:
-        """All of this that changes with an event, but for the hardware."""
+        """Phase, section, state and what runs: all that an event may change, but for hardware and facts."""
         with self._lock:
             name = self._section.name if self._section else None
             return Where(self._phase, name, self._state, self.state)
@@ -212,7 +212,7 @@ class Controller:
         """
         with self._lock:
             taken = []
-            for _ in range(len(self._timers.left)):  # what follows has all its time
+            for _ in range(len(self._timers.left)):  # timers armed meanwhile are not over yet
                 event = self.overdue
                 if event is None:
                     break
@@ -257,7 +257,7 @@ class Controller:
             after = self.where if taken else before
             step = Step(self.count, str(event), taken, actions or (), seconds, before, after)
             self.log.append(step)
-            failed = self._tell(step)
+            failed = self._call_observers(step)
             if actions is None:
                 for each in failed:
                     _log.error("an observer has failed %s", each, exc_info=each.error)
@@ -267,7 +267,7 @@ class Controller:
                 _log.info("%s: %s", event, "; ".join(map(str, actions)) or "nothing to do")
             return actions, failed
 
-    def _tell(self, step: Step) -> list[HookError]:
+    def _call_observers(self, step: Step) -> list[HookError]:
         failed: list[HookError] = []
         for observer in self._observers:
             try:
@@ -288,7 +288,7 @@ class Controller:
         return ()
 
     def _take(self, event: str) -> tuple[Action, ...] | None:
-        """Changes the state, or leaves it and gives ``None``."""
+        """Takes an event: changes the state and returns the actions; ``None`` where it cannot be taken."""
         tables, section = self._tables, self._section
         if not isinstance(event, str):
             return None

@@ -31,10 +31,10 @@ VERBS = {
 LISTS, MODES = ("objectives", "pending", "done", "refused"), ("mode", "waiting")
 """What a state shows: names, and alternatives by activity."""
 KINDS = ("objectives", "activities", "alternatives", "hardware", "once")
-"""Of names that a section has of its own."""
+"""Kinds of names in a section that may differ from those in its type."""
 
 MOST_BITS = 1_000_000
-"""Of a state of rules: what a file says must not fill the memory."""
+"""Bits of a state of rules at most, so that no file can fill the memory."""
 
 Check = Callable[[Any, str], None]
 """Raises :class:`ControllerFileError` where a value, at a place of the file, is not what is expected."""
@@ -49,7 +49,7 @@ def digest_of(document: Mapping[str, Any]) -> str:
 
 
 def _pieces(value: Any, depth: int) -> Iterator[str]:
-    """The text piece by piece: that of a large controller need not stand in memory at once."""
+    """The text piece by piece, so that the text of a large controller is never in memory as a whole."""
     if not depth or not isinstance(value, dict | list):
         yield json.dumps(value, sort_keys=True, ensure_ascii=False, separators=(",", ":"))
         return
@@ -296,7 +296,7 @@ _EDGE = _record(
 )
 
 
-# --- what they say of each other ---
+# --- how values must fit each other ---
 
 
 def _check_machine(row: Mapping[str, Any], where: str) -> None:
@@ -308,8 +308,8 @@ def _check_machine(row: Mapping[str, Any], where: str) -> None:
     for number, entry in enumerate(row["entries"]):
         if entry is not None:
             _below(entry["to"], states, f"{where}.entries[{number}].to")
-            for said in (*entry.get("gained", ()), *entry.get("lost", ())):
-                _member(said, facts, f"{where}.entries[{number}]")
+            for flag in (*entry.get("gained", ()), *entry.get("lost", ())):
+                _member(flag, facts, f"{where}.entries[{number}]")
     for number, edge in enumerate(row["edges"]):
         at = f"{where}.edges[{number}]"
         _EDGE(edge, at)
@@ -321,17 +321,18 @@ def _check_machine(row: Mapping[str, Any], where: str) -> None:
             for handler in edge.get(key, ()):
                 _member(handler, once, f"{at}.{key}")
         for key in ("gained", "lost"):
-            for said in edge.get(key, ()):
-                _member(said, facts, f"{at}.{key}")
+            for flag in edge.get(key, ()):
+                _member(flag, facts, f"{at}.{key}")
 
 
 def _check_rules(row: Mapping[str, Any], where: str) -> None:
     bits, effects, events = row["bits"], len(row["effects"]), len(row["events"])
     _below(bits, MOST_BITS + 1, f"{where}.bits")
-    spoken = [*row["idle"], *(bit for of in (*row["status"], *row["effects"]) for bit in of["changes"])]
-    literals = [of["when"] for of in (*row["status"], *row["shown"])]
-    literals += [told for rule in (*row["entries"], *row["rules"]) for told in rule["if"]]
-    for bit in spoken:
+    changing = (*row["status"], *row["effects"])
+    named_bits = [*row["idle"], *(bit for item in changing for bit in item["changes"])]
+    literals = [item["when"] for item in (*row["status"], *row["shown"])]
+    literals += [literal for rule in (*row["entries"], *row["rules"]) for literal in rule["if"]]
+    for bit in named_bits:
         _below(bit, bits, f"{where}: a bit")
     for literal in literals:
         _below(literal, 2 * bits, f"{where}: a literal")
@@ -342,7 +343,7 @@ def _check_rules(row: Mapping[str, Any], where: str) -> None:
         at = f"{where}.entries and rules[{number}]"
         _below(rule["do"], effects, f"{at}.do")
         _below(rule.get("event", 0), max(events, 1), f"{at}.event")
-        if len({told >> 1 for told in rule["if"]}) < len(rule["if"]):
+        if len({literal >> 1 for literal in rule["if"]}) < len(rule["if"]):
             raise _wrong(rule["if"], f"{at}.if", "no bit twice")
     for number, shown in enumerate(row["shown"]):
         _member(shown["kind"], (*LISTS, *MODES), f"{where}.shown[{number}].kind")

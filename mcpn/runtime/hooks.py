@@ -1,4 +1,4 @@
-"""What is called with actions, and what becomes of its errors."""
+"""Hooks: functions that are called with actions, and what happens when they raise errors."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ _log = logging.getLogger("mcpn.runtime")
 
 @dataclass(frozen=True, slots=True)
 class HookError:
-    """One call of a hook, or of a function that is told of events, that failed.
+    """A failed call of a hook, or of an observer (``Controller.observe``).
 
     Args:
         event: The event that was handled.
-        action: The action that the hook was called with; ``None`` for a function told of events.
-        error: What it raised.
+        action: The action that the hook was called with; ``None`` for an observer.
+        error: What the hook or observer raised.
     """
 
     event: str
@@ -53,12 +53,12 @@ class HookErrors(ExceptionGroup):
 
 
 OnError = Literal["log", "stop"] | Callable[[HookError], object]
-"""What becomes of failures where nobody calls ``handle``: each is logged and the next event handled, the
-loop is stopped by :class:`HookErrors`, or a function is called with each."""
+"""What a loop that handles events does when hooks fail: ``log`` logs each failure and goes on, ``stop`` ends
+the loop by :class:`HookErrors`, a function is called with each failure."""
 
 
 def settle(failed: HookErrors, on_error: OnError) -> None:
-    """Does with failures what was chosen.
+    """Logs failures, then does with them what ``on_error`` says.
 
     Raises:
         HookErrors: It was ``stop``.

@@ -1,4 +1,4 @@
-"""A log that programs read, one JSON object a line, and a watchdog: both are told of every step."""
+"""A log for programs (one JSON object a line) and a watchdog: both are observers of a controller's steps."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def events_of(lines: Iterable[str]) -> Iterator[tuple[int, str, bool]]:
 
 
 class Watchdog:
-    """Tells when a controller has handled no event for a time; give it to ``Controller.observe``.
+    """Calls an alarm when a controller has taken no event for a time; give it to ``Controller.observe``.
 
     Args:
         seconds: How long may pass without an event that is taken.
@@ -93,7 +93,7 @@ class Watchdog:
         self._seconds, self._alarm = seconds, alarm
         self._changed = threading.Condition()
         self._last: float | None = monotonic()
-        self._over = False
+        self._closed = False
         self._thread = threading.Thread(target=self._watch, daemon=True)
         self._thread.start()
 
@@ -105,9 +105,9 @@ class Watchdog:
                 self._changed.notify()
 
     def close(self) -> None:
-        """Ends it."""
+        """Ends the watch and its thread."""
         with self._changed:
-            self._over = True
+            self._closed = True
             self._changed.notify()
         if self._thread is not threading.current_thread():
             self._thread.join()
@@ -115,9 +115,9 @@ class Watchdog:
     def _watch(self) -> None:
         while True:
             with self._changed:
-                if self._over:
+                if self._closed:
                     return
-                if self._last is None:  # it has been told: the next event begins another silence
+                if self._last is None:  # the alarm was called: the next event begins another silence
                     self._changed.wait()
                     continue
                 silence = monotonic() - self._last

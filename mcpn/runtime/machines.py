@@ -1,8 +1,8 @@
-"""What sections of one type do: a table of states and edges, or rules on bits.
+"""The behaviour of one type of sections: a table of states and edges, or rules on bits.
 
-Both are asked alike. States are numbers; handlers that happen once, hardware and events are spoken of by
-their numbers in the type; actions are lists, by number. What may be true of facts is numbered behind handlers
-that happen once: it has ``happened`` while it is true.
+Both have one interface. States are numbers; handlers that happen once, hardware and events go by their
+numbers in the type; actions are numbers of lists. Flags of facts are numbered after the handlers and are
+members of the same sets: a flag is in ``happened`` while it is true.
 """
 
 from __future__ import annotations
@@ -15,11 +15,12 @@ from typing import Any, Protocol
 from mcpn.runtime.file_schema import LISTS, MODES
 
 Step = tuple[int | str, int, Set[int], Set[int]]
-"""The state after an event, or the outcome with which the section is left; the actions; what has happened, or
-become true of facts; what is no more true of them."""
+"""The state after an event, or the outcome with which the section is left; the number of the list of actions;
+handlers that have happened and flags that became true; flags that became false."""
 
 Entered = tuple[int, int, Set[int], Set[int]]
-"""The state after an entry; the actions; what has happened, or become true of facts; what is no more true."""
+"""The state after an entry; the number of the list of actions; handlers that have happened and flags that
+became true; flags that became false."""
 
 
 class MachineProtocol(Protocol):
@@ -70,8 +71,8 @@ class TableMove:
         actions: The number of its list of actions.
         open: Handlers that must not have happened yet, and happen with it, by their numbers.
         happened: Those that must have happened before.
-        gained: What becomes true of facts.
-        lost: What is no more true of them.
+        gained: Flags of facts that become true, by their numbers.
+        lost: Flags that become false.
     """
 
     target: int | str
@@ -104,16 +105,16 @@ class TypeTables:
         self.moves: list[dict[int, list[TableMove]]] = [{} for _ in self.states]
         bit = {handler: number for number, handler in enumerate(self.once)}
 
-        def those(said: Mapping[str, Any], key: str) -> frozenset[int]:
-            return frozenset(bit[name] for name in said[key]) if key in said else _NOTHING
+        def numbers(item: Mapping[str, Any], key: str) -> frozenset[int]:
+            return frozenset(bit[name] for name in item[key]) if key in item else _NOTHING
 
         self.entries: list[Entered | None] = [
-            e and (e["to"], lists.number(e["actions"]), those(e, "gained"), those(e, "lost"))
+            e and (e["to"], lists.number(e["actions"]), numbers(e, "gained"), numbers(e, "lost"))
             for e in row["entries"]
         ]
         for edge in row["edges"]:
-            said = (those(edge, key) for key in ("open", "happened", "gained", "lost"))
-            move = TableMove(edge["to"], lists.number(edge["actions"]), *said)
+            sets = (numbers(edge, key) for key in ("open", "happened", "gained", "lost"))
+            move = TableMove(edge["to"], lists.number(edge["actions"]), *sets)
             self.moves[edge["from"]].setdefault(edge["event"], []).append(move)
 
     def entry(self, gone: Set[int], happened: Set[int]) -> Entered | None:
@@ -149,18 +150,19 @@ class TypeTables:
 
 @dataclass(frozen=True, slots=True)
 class Bits:
-    """A condition on a state: these bits are set, and no others of some."""
+    """A condition on a state: of the bits in ``mask`` exactly those in ``value`` are set."""
 
     mask: int
     value: int
 
     @classmethod
     def of(cls, literals: Collection[int]) -> Bits:
-        """That of literals: 2 i, that bit i is not set; 2 i + 1, that it is."""
-        return cls(_mask(told >> 1 for told in literals), _mask(told >> 1 for told in literals if told & 1))
+        """The condition that all literals hold: 2 i, that bit i is not set; 2 i + 1, that it is."""
+        value = _mask(literal >> 1 for literal in literals if literal & 1)
+        return cls(_mask(literal >> 1 for literal in literals), value)
 
     def hold(self, state: int) -> bool:
-        """Whether they do in a state."""
+        """Whether the condition holds in a state."""
         return state & self.mask == self.value
 
 
@@ -193,9 +195,9 @@ class RuleTables:
     def entry(self, gone: Set[int], happened: Set[int]) -> Entered | None:
         """The first state and the actions, with some hardware out of service, if it may be entered so."""
         state = self.idle
-        for of, true in ((self.of_hardware, gone), (self.of_once, happened)):
+        for status, true in ((self.of_hardware, gone), (self.of_once, happened)):
             for i in true:
-                state ^= of[i][0]
+                state ^= status[i][0]
         for bits, (changes, actions, _) in self.entries:
             if bits.hold(state):
                 return state ^ changes, actions, *self._true(state ^ changes)
@@ -210,7 +212,7 @@ class RuleTables:
         return None
 
     def _true(self, state: int) -> tuple[Set[int], Set[int]]:
-        """What a state says that has happened and is true of facts, and what is not true of them."""
+        """Handlers that have happened and flags that are true in a state; and the flags that are false."""
         now = {i for i, (_, when) in enumerate(self.of_once) if when.hold(state)}
         return now, {*range(len(self.once) - len(self.facts), len(self.once))} - now
 
@@ -234,14 +236,14 @@ class RuleTables:
         return {**lists, **modes}
 
     def whole(self, state: int, gone: Set[int], happened: Set[int]) -> bool:
-        """Whether a number may be a state: what its bits say of hardware and handlers is so."""
+        """Whether a number may be a state: its bits agree with the hardware, handlers and flags given."""
         return (
             state >= 0
             and state.bit_length() <= self.bits
             and all(
                 when.hold(state) == (i in true)
-                for of, true in ((self.of_hardware, gone), (self.of_once, happened))
-                for i, (_, when) in enumerate(of)
+                for status, true in ((self.of_hardware, gone), (self.of_once, happened))
+                for i, (_, when) in enumerate(status)
             )
         )
 

@@ -1,4 +1,4 @@
-"""Monitors: what the events of a mission say of each of its requirements, one event at a time."""
+"""Monitors: take the events of a mission one at a time, and decide which requirements are violated."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _log = logging.getLogger("mcpn.runtime")
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """An event after which a requirement is violated or satisfied, however it goes on.
+    """An event after which a requirement is violated or satisfied, whatever events follow.
 
     Args:
         requirement: Its name.

@@ -22,7 +22,7 @@ class QueueClosed(Exception):
 
 
 def element_of(event: str) -> str:
-    """What an event is of: ``GPS`` of ``GPS_EV_OOS`` and ``GPS_EV_RD``."""
+    """The element that an event belongs to: ``GPS`` for ``GPS_EV_OOS`` and ``GPS_EV_RD``."""
     return event.rpartition("_EV_")[0] or event
 
 

@@ -1,4 +1,4 @@
-"""Where a controller is, as a text; and the actions that bring a robot there."""
+"""Snapshots: the state of a controller as a text, and the actions that bring a robot to that state."""
 
 from __future__ import annotations
 
@@ -58,15 +58,15 @@ def read_snapshot(text: str, tables: Tables) -> Saved:
         SnapshotError: It is truncated, changed, or of another controller.
     """
     try:
-        said = json.loads(text)
-        if said["format"] != SNAPSHOT or said["version"] != SNAPSHOT_VERSION:
+        document = json.loads(text)
+        if document["format"] != SNAPSHOT or document["version"] != SNAPSHOT_VERSION:
             raise SnapshotError("no snapshot of a version that is known here")
-        if said["controller"] != tables.digest:
+        if document["controller"] != tables.digest:
             raise SnapshotError("the snapshot is of another controller")
-        phase, name, state = said["phase"], said["section"], said["state"]
-        gone, count = set(said["out_of_service"]), said["count"]
-        happened = set(said.get("happened", ()))
-        left = {name: float(seconds) for name, seconds in said.get("timers", {}).items()}
+        phase, name, state = document["phase"], document["section"], document["state"]
+        gone, count = set(document["out_of_service"]), document["count"]
+        happened = set(document.get("happened", ()))
+        left = {name: float(seconds) for name, seconds in document.get("timers", {}).items()}
         section = None if name is None else tables.sections[name]
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         if isinstance(error, SnapshotError):
@@ -134,7 +134,7 @@ def _consumed(alternatives: Iterable[Mapping[str, list[str]]]) -> list[str]:
 def _producers_first(consumed: Mapping[str, list[str]], producers: Mapping[str, list[str]]) -> list[str]:
     """Activities, each after those that produce what it consumes.
 
-    A circle, which only alternatives that do not run together can make, is left in some order.
+    Activities in a cycle stand in some order; only alternatives that do not run together can make a cycle.
     """
     order: dict[str, None] = {}
     entered = set[str]()

@@ -86,12 +86,12 @@ class Inside:
 
 
 class TableSection:
-    """A section with the tables of its type; what is of its own names is made when it is first asked for.
+    """A section with the tables of its type; actions and states in its own names are made at first use.
 
     Args:
         row: The section, as the file says it.
         machine: The tables of its type.
-        laws: Parameters by what they are of.
+        laws: Parameters of objectives, activities and alternatives.
     """
 
     def __init__(self, row: Mapping[str, Any], machine: MachineProtocol, laws: Laws) -> None:
@@ -105,15 +105,15 @@ class TableSection:
         self.number = {text: number for number, text in enumerate(self.events)}
         own = self.names.get("hardware", {})
         self.hardware = [own.get(h, h) for h in machine.hardware]
-        told = {**self.names.get("once", {}), **self.names.get("facts", {})}
-        self.once = [told.get(handler, handler) for handler in machine.once]
+        renamed = {**self.names.get("once", {}), **self.names.get("facts", {})}
+        self.once = [renamed.get(name, name) for name in machine.once]  # handlers, then flags of facts
         self._actions: dict[int, tuple[Action, ...]] = {}
         self._states: dict[int, Inside] = {}
 
     def entry(
         self, out_of_service: Set[str], happened: Set[str]
     ) -> tuple[int, tuple[Action, ...], Set[str], Set[str]]:
-        """The first state inside, the actions, and what becomes true of facts, and what is no more."""
+        """The first state inside, the actions, the flags of facts that become true, and those that end."""
         step = self.machine.entry(_numbers(self.hardware, out_of_service), _numbers(self.once, happened))
         if step is None:
             gone = sorted(out_of_service)
@@ -123,9 +123,9 @@ class TableSection:
     def move(
         self, state: int, event: str, happened: Set[str] = frozenset()
     ) -> tuple[int | str, tuple[Action, ...], Set[str], Set[str]] | None:
-        """Where an event leads, the actions, what happens, and what is no more true of facts.
+        """Where an event leads, the actions, handlers and flags that become true, flags that become false.
 
-        It is ``None`` where the event cannot be taken.
+        ``None`` where the event cannot be taken.
 
         Args:
             state: The state inside.
@@ -201,7 +201,7 @@ class TableSection:
 
 
 def _numbers(names: Sequence[str], some: Set[str]) -> Set[int]:
-    """The numbers of some names, those that there are."""
+    """The positions in ``names`` of those names that are in ``some``."""
     return {number for number, name in enumerate(names) if name in some}
 
 
@@ -218,7 +218,7 @@ class Laws:
         self.timeouts = {name: float(s) for name, of in self.objectives.items() if (s := of.get("timeout"))}
 
     def of(self, activity: str | None, alternative: str, objective: str | None) -> tuple[ParameterValue, ...]:
-        """Those in force for an alternative: the objective's, the alternative's, the activity's, by name."""
+        """Parameters of an alternative: for each name the objective's, else its own, else the activity's."""
         values: dict[str, Any] = {}
         if activity is not None and activity in self.activities:
             said = self.activities[activity]
@@ -252,13 +252,13 @@ class Tables:
         types = [make(row) for row in document["types"]]
         sections = [TableSection(row, types[row["type"]], self.laws) for row in document["sections"]]
         self.sections = {section.name: section for section in sections}
-        # By fact and value, what is then true that was not at the start; by event, what it makes so or not.
+        # By fact and value, the flags that are then true; by event, the flags that it makes true and false.
         self.facts: dict[str, dict[str, list[str]]] = document.get("facts", {})
         self.changing: dict[str, dict[str, list[str]]] = document.get("changing", {})
         self.true = {said for values in self.facts.values() for true in values.values() for said in true}
         self.once = {handler for section in sections for handler in section.once} | self.true
         self.initial = self.sections[document["initial"]]
-        # OOS and RD of all hardware that can fail, by text: what is free of sections reacts to them too.
+        # Failure and repair of all hardware that can fail, by event: they may happen outside sections, too.
         self.failures = {f"{name}_EV_OOS": name for name in self.hardware}
         lasting = set(document.get("unrepairable", ()))
         self.repairs = {f"{name}_EV_RD": name for name in self.hardware if name not in lasting}
@@ -269,7 +269,7 @@ class Tables:
         self.known = {START, *beside, *(e for s in sections for e in s.events)}
 
     def beside(self, section: TableSection | None, gone: Set[str], true: Set[str]) -> Iterator[str]:
-        """The events that may happen beside a section: of hardware, and those that change facts."""
+        """Possible events that the section does not handle itself: of hardware, and changes of facts."""
         hardware, events = (section.hardware, section.number) if section else ((), ())
         for name in self.hardware:
             if name not in hardware:
@@ -279,11 +279,11 @@ class Tables:
         yield from (e for e in self.changing if e not in events and self.changes(e, true))
 
     def values(self, true: Set[str]) -> dict[str, str]:
-        """The value of each fact, by what is true of them."""
+        """The value of each fact, from the flags that are true."""
         found = {}
         for name, values in self.facts.items():
-            now = {said for said in true if any(said in of for of in values.values())}
-            found[name] = next(value for value, of in values.items() if now == set(of))
+            now = {flag for flag in true if any(flag in flags for flags in values.values())}
+            found[name] = next(value for value, flags in values.items() if now == set(flags))
         return found
 
     def changes(self, event: str, true: Set[str]) -> bool:
@@ -291,9 +291,9 @@ class Tables:
         return self.changed(event, true) != true
 
     def changed(self, event: str, true: Set[str]) -> set[str]:
-        """What is true of facts after an event that changes some."""
-        said = self.changing[event]
-        return {*true, *said["true"]}.difference(said["false"])
+        """The flags that are true after an event that changes facts."""
+        changes = self.changing[event]
+        return {*true, *changes["true"]}.difference(changes["false"])
 
 
 START = "MISSION_EV_START"

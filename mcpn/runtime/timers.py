@@ -34,12 +34,12 @@ class Timers:
         return {name: max(0.0, end - now) for name, end in sorted(self._ends.items(), key=lambda of: of[1])}
 
     def refused(self, event: object) -> None:
-        """Forgets the timer that is over and whose event was refused: it is told once, not for ever."""
+        """Removes the timer whose timeout event was refused, so that the event does not come again."""
         for name, left in self.left.items():
             if not left and event == f"OBJ_{name}_EV_TIMEOUT":
                 del self._ends[name]
 
     def restore(self, left: Mapping[str, float]) -> None:
-        """Goes on with so many seconds left."""
+        """Replaces all timers: by objective, the seconds that are left."""
         now = self._clock()
         self._ends = {name: now + seconds for name, seconds in left.items()}
