@@ -1,4 +1,4 @@
-"""Work for the workers of a dask cluster, given up when they are gone."""
+"""Runs calls on the workers of a dask cluster; calls fail with an error when all workers are gone."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from typing import Any
 from mcpn.errors import InputError, LimitError, McpnError, WorkersError
 
 CONNECT_SECONDS = 10
-"""How long a scheduler may take to answer, and until it has a worker."""
+"""How long to wait for a scheduler to answer, and then for its first worker."""
 
 LOOK_SECONDS = 1.0
-"""How often the workers are counted while they work."""
+"""The time between two counts of the workers."""
 
 MOST_LOOKS = 3
-"""How often in a row none may be there: one that restarts is soon back."""
+"""Counts in a row without any worker after which calls fail: a worker that restarts is back sooner."""
 
 
 @contextmanager
@@ -47,7 +47,7 @@ def cluster(address: str) -> Iterator[Executor]:
 
 
 class _Cluster(Executor):
-    """Work for a dask cluster, given up when its workers are gone.
+    """An executor whose calls fail with a :class:`WorkersError` when all workers of the cluster are gone.
 
     Args:
         client: A client of the cluster's scheduler.
@@ -64,27 +64,28 @@ class _Cluster(Executor):
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Sends a call to a worker."""
-        given: Future[Any] = Future()
-        self._waiting.add(given)
-        self._executor.submit(fn, *args, **kwargs).add_done_callback(lambda done: self._done(given, done))
-        return given
+        promised: Future[Any] = Future()
+        self._waiting.add(promised)
+        sent = self._executor.submit(fn, *args, **kwargs)
+        sent.add_done_callback(lambda done: self._done(promised, done))
+        return promised
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Ends the watch; what is under way is nobody's any more."""
+        """Ends the watch of the workers; results of calls under way are not waited for."""
         self._ended.set()
 
-    def _done(self, given: Future[Any], done: Future[Any]) -> None:
-        self._waiting.discard(given)
-        with suppress(InvalidStateError):  # it was given up
+    def _done(self, promised: Future[Any], done: Future[Any]) -> None:
+        self._waiting.discard(promised)
+        with suppress(InvalidStateError):  # the watch has failed it already
             try:
-                given.set_result(done.result())
+                promised.set_result(done.result())
             except (McpnError, MemoryError) as error:
-                given.set_exception(error)
+                promised.set_exception(error)
             except (Exception, CancelledError) as error:
-                given.set_exception(self._lost(error))
+                promised.set_exception(self._translated(error))
 
-    def _lost(self, error: BaseException) -> BaseException:
-        """Says of an error of the cluster itself what has happened."""
+    def _translated(self, error: BaseException) -> BaseException:
+        """An error of the cluster itself as a :class:`WorkersError`; any other error as it is."""
         kind = type(error)
         if kind.__name__ == "KilledWorker":
             return WorkersError(
@@ -99,7 +100,7 @@ class _Cluster(Executor):
         return error
 
     def _watching(self) -> None:
-        """Counts the workers now and then; where there are none, what waits is given up."""
+        """Counts the workers again and again; when there are none, fails all calls under way."""
         absent = 0
         while not self._ended.wait(LOOK_SECONDS):
             try:
@@ -108,7 +109,7 @@ class _Cluster(Executor):
                 absent += 1
             if absent >= MOST_LOOKS:
                 error = WorkersError(f"the last worker of the dask scheduler at {self._address} is gone")
-                for given in list(self._waiting):
-                    self._waiting.discard(given)
+                for promised in list(self._waiting):
+                    self._waiting.discard(promised)
                     with suppress(InvalidStateError):
-                        given.set_exception(error)
+                        promised.set_exception(error)

@@ -40,13 +40,13 @@ class Problem:
 
 
 class McpnError(Exception):
-    """Base of all errors that mcpn raises on purpose; they go from process to process as they are."""
+    """Base of all errors that mcpn raises on purpose; pickling keeps their attributes."""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _again, (type(self), self.args, vars(self))
+        return _unpickled, (type(self), self.args, vars(self))
 
 
-def _again(kind: type[McpnError], args: tuple[Any, ...], attributes: dict[str, Any]) -> McpnError:
+def _unpickled(kind: type[McpnError], args: tuple[Any, ...], attributes: dict[str, Any]) -> McpnError:
     error = kind.__new__(kind, *args)
     vars(error).update(attributes)
     return error
@@ -74,7 +74,7 @@ class LimitError(McpnError):
 
 
 class WorkersError(McpnError):
-    """Processes or machines that were to do a part of the work are gone, or never came."""
+    """Worker processes or machines have gone, or none could be reached."""
 
 
 class SemanticsError(McpnError):
@@ -156,8 +156,8 @@ class ConfluenceError(SemanticsError):
 
     Args:
         message: What was broken.
-        runs: Two sequences of transition names from the initial marking. They part at two transitions each of
-            which decides the end.
+        runs: Two sequences of transition names from the initial marking. They are the same up to a marking
+            where each takes another transition, and this choice decides the stable marking.
         events: Texts of the events of both runs, which are the same.
     """
 

@@ -47,7 +47,7 @@ def write_atomically(path: Path, data: bytes | str) -> None:
     Raises:
         InputError: It cannot be written; what stood there before is untouched.
     """
-    from tempfile import mkstemp  # which loads what packs and unpacks archives
+    from tempfile import mkstemp  # imported late: it loads modules for archives
 
     try:
         content = data.encode() if isinstance(data, str) else data

@@ -1,7 +1,7 @@
-"""How objects show themselves in a notebook: as the report draws them.
+"""Base classes of objects that a notebook shows as the report draws them.
 
-A check or a net must not import the report, which stands behind it. So the report is named here, and loaded
-when the first object is shown.
+A check or a net must not import the report, for imports point from report to check. So the report's module is
+named here as a text, and imported when the first object is shown.
 """
 
 from __future__ import annotations

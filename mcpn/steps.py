@@ -1,8 +1,8 @@
-"""Which step of the work is under way: announced by what takes time, shown by who watches.
+"""Announces which step of the work is under way, for whoever shows progress.
 
-Steps are messages of the logger ``mcpn.steps`` at level INFO, as :class:`WorkStep`, whose text is its words.
-Nobody hears them by default; a program that uses the package as a library listens with a handler of its own.
-The command line listens without logging.
+Code that takes long calls :func:`step`. Steps are messages of the logger ``mcpn.steps`` at level INFO: each
+is a :class:`WorkStep`, whose text is its words. A program that uses the package as a library adds a handler
+to this logger; the command line adds a function to :data:`HEARERS` instead, and needs no logging.
 """
 
 from __future__ import annotations
@@ -45,13 +45,13 @@ class WorkStep:
 
     Args:
         doing: What is being done.
-        section: With which section of the mission.
-        successor: With which one after it.
-        objective: With which objective, or ``the mission``.
-        hardware: With which hardware resource.
-        question: For which verdict or formula.
-        number: The how manieth step of its kind.
-        total: How many there are of it.
+        section: The section of the mission that it is about.
+        successor: The section after that one.
+        objective: The objective that it is about, or ``the mission``.
+        hardware: The hardware resource that it is about.
+        question: The verdict or formula that it is for.
+        number: Its number among the steps of its kind.
+        total: How many steps of its kind there are.
     """
 
     doing: Doing
@@ -75,7 +75,7 @@ class WorkStep:
 
 
 HEARERS: list[Callable[[WorkStep], None]] = []
-"""Who is told of each step, beside the logger."""
+"""Functions that are called with each step, beside the logger."""
 
 
 def step(

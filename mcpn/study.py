@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from mcpn.space.markings.graph import StateGraph
     from mcpn.space.summary import SpaceSummary
 
-# A question loads what it needs: rooms are imported when they are asked.
+# Methods import the modules that they need, so that each question loads no more than it needs.
 
 
 class Study:

@@ -46,7 +46,7 @@ def executor_of(jobs: int = 1, scheduler: str | None = None) -> Iterator[Executo
             before = set(active_children())
             try:
                 yield pool
-            finally:  # leaving waits for work that nobody needs any more, or for ever if the pool is broken
+            finally:  # else leaving the pool waits for unneeded work, or for ever if the pool is broken
                 for process in set(active_children()) - before:
                     process.terminate()
     else:
