@@ -1,4 +1,4 @@
-"""What a report tells of a mission: everything that is found of it, with the time that it took."""
+"""Computes all that a report says of a mission: verdicts, causes, controller and more, with their times."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ MOST_STATES = 200_000
 
 @dataclass(frozen=True)
 class Findings:
-    """What a report tells; what could not be found is ``None``, and a note says why.
+    """The contents of a report; what could not be computed is ``None``, and a note says why.
 
     Args:
         check: The mission's verdicts.
@@ -166,8 +166,8 @@ def _controller(
 ) -> dict[str, Any]:
     """The controller as rules: its size is a sum over activities, so that a page can hold it.
 
-    Where there are no rules it has tables of sections, and of a small mission that cannot be taken apart it
-    is in one piece.
+    Where a section has no rules the controller is one of tables; where a small mission cannot be divided into
+    sections it is flat.
     """
     forms: tuple[Form, ...] = ("modular", "hierarchical")
     if checked.choice.engine != "local":
@@ -175,9 +175,9 @@ def _controller(
     for number, form in enumerate(forms, 1):
         if form == "flat":
             steps.begin("controller in one piece", exploring)
-        told = None if form == "flat" else executor
+        workers = None if form == "flat" else executor
         try:
-            made = generate(checked.spaces, form, max_states=max_states, progress=steps.at, executor=told)
+            made = generate(checked.spaces, form, max_states=max_states, progress=steps.at, executor=workers)
         except McpnError:
             if number == len(forms):
                 raise

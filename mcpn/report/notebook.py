@@ -36,15 +36,15 @@ _TABLE = (
 def show(what: object, kind: str) -> str | None:
     """An object as ``svg`` or ``html``, or ``None`` where it has no such form, or is too large for it."""
     if kind == "html":
-        return _told(what)
+        return _as_table(what)
     try:
-        found = _drawing(what)
-        return None if found is None else found.svg
+        picture = _drawing(what)
+        return None if picture is None else picture.svg
     except McpnError:  # too large, or the extra is missing: a notebook then shows the repr
         return None
 
 
-def _told(what: object) -> str | None:
+def _as_table(what: object) -> str | None:
     match what:
         case MissionCheck():
             return _check(what)

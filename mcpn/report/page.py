@@ -41,9 +41,9 @@ def page(findings: Findings, *, served: int = 0, robot: bool = False) -> str:
 
     Args:
         findings: What was found of the mission.
-        served: Where a server stands behind it, which it asks and whose files it follows, the number of the
-            page: another one follows.
-        robot: Whether a server stands behind it that tells what a robot does.
+        served: The number of this version of the page, where a server makes a new one after each change of
+            the mission's files; 0 for a page without a server.
+        robot: Whether the page shows what a robot does, which a server sends.
 
     Raises:
         InputError: The environment sets a date that is none.
@@ -104,13 +104,13 @@ def failed_page(file: Path, problems: Sequence[Problem], number: int) -> str:
         number: Of the page.
     """
     script, digest = _script()
-    told = [(str(p.source or file), p.message, list(_lines_around(p.source))) for p in problems]
+    rows = [(str(p.source or file), p.message, list(_lines_around(p.source))) for p in problems]
     template = environment().get_template("failed.html")
-    return template.render(file=file.name, number=number, problems=told, script=script, digest=digest)
+    return template.render(file=file.name, number=number, problems=rows, script=script, digest=digest)
 
 
 def _lines_around(source: Source | None) -> Iterator[tuple[int, str, bool]]:
-    """Lines of a file by number, and which of them is meant."""
+    """The lines around a problem: number, text, and whether the problem is on this line."""
     if source is None or source.line is None:
         return
     try:

@@ -1,4 +1,4 @@
-"""How far work is, on one line of standard error, where a person watches and it takes more than a second."""
+"""Shows progress on one line of standard error, on a terminal, for work of more than a second."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from mcpn.steps import HEARERS, Doing, WorkStep
 
 SILENT_SECONDS = 1.0
-"""What ends sooner shows no progress."""
+"""Work that ends sooner shows no progress."""
 
 _TICK = 0.25
 
@@ -64,7 +64,7 @@ def progress_on_terminal(
 
 
 class UnderWay:
-    """Hears which step is announced (:mod:`mcpn.steps`)."""
+    """Keeps the step that was announced last (:mod:`mcpn.steps`), and since when it is under way."""
 
     def __init__(self) -> None:
         self.step: WorkStep | None = None
@@ -114,7 +114,7 @@ class UnderWay:
 
 
 _heard: list[UnderWay] = []
-"""Who listens now, the innermost last; after an interruption who has listened then."""
+"""Listeners, the innermost last. After an interruption (Ctrl-C) those that listened then are still here."""
 
 
 @contextmanager

@@ -15,7 +15,7 @@ from mcpn.report.terminal import Terminal
 from mcpn.report.words import event_in_words, what_happens
 
 WIDTH = 80
-"""Of lines, where nobody has said another width."""
+"""Characters in a line, where neither terminal nor command line says another width."""
 INDENT = 12
 
 

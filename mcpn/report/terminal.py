@@ -16,11 +16,11 @@ import click
 
 LEAST_WIDTH = 40
 WIDTH = "mcpn.width"
-"""What the context of a command calls the width that was asked for."""
+"""The key of the width in the context of a command."""
 
 
 def plain(text: str) -> str:
-    """A text without what a terminal would obey or reorder: such characters become their escapes."""
+    """A text with control and other unprintable characters escaped, so that no terminal interprets them."""
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)

@@ -74,7 +74,7 @@ SENTENCES: Mapping[str, tuple[str, str, str]] = {
         "Whether every part of the mission can be used is not known.",
     ),
 }
-"""Each verdict where it holds, where it does not, where that is not known; in the order people read them."""
+"""Sentences of each verdict: where it holds, where it fails, where it is not known; in reading order."""
 
 _INFORMATIVE = "note"
 
@@ -284,7 +284,7 @@ def print_check(
         check: What was found.
         seconds: Time for all of it.
         internal: Whether runs show the internal firings that decide the outcome.
-        told: Warnings that whoever reads it has seen already.
+        told: Warnings that have been printed already.
         strict: Whether warnings let the mission fail.
     """
     terminal = Terminal()

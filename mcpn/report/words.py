@@ -1,4 +1,4 @@
-"""Runs in mission words, event by event: made when a person reads them, not when a run is found."""
+"""Puts runs into mission words, event by event; only reports do so, not the searches that find runs."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ def in_words(mission_net: MissionNet, run: Run) -> Iterator[tuple[Event | str, s
     marked = {place for place in roles if net.initial[place]}
     begun: tuple[Event, Situation] | None = None
     shown = run.tail
-    told = run if run.settles and not shown else replace(run.of_events, settles=not run.detailed)
-    for t, marking in told.steps():
+    walked = run if run.settles and not shown else replace(run.of_events, settles=not run.detailed)
+    for t, marking in walked.steps():
         transition = net.transitions[t]
         if transition.event is not None:
             settled = said_by(mission_net, sorted(marked))

@@ -1,4 +1,4 @@
-"""What pages and pictures are made of, and how it is filled in: every text is escaped."""
+"""Templates, scripts and styles of pages and pictures; templates escape every text."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 
 def environment() -> Environment:
-    """What fills in the files of this folder."""
+    """The template engine for the files of this folder."""
     made = Environment(
         loader=PackageLoader("mcpn.report", "assets"),
         autoescape=True,

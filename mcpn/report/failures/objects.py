@@ -1,4 +1,4 @@
-"""Failure causes as what JSON holds."""
+"""Failure causes as objects for JSON."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ if TYPE_CHECKING:
 
 
 def causes_object(causes: Causes, *, runs: bool = True) -> dict[str, Any]:
-    """Failure causes as what JSON holds.
+    """Failure causes as an object for JSON.
 
     Args:
         causes: Failure causes of a mission.
-        runs: Whether runs are looked for and told; without them their keys are left out.
+        runs: Whether runs are computed and included; without them their keys are left out.
 
     Returns:
         ``objectives``, by qualified name, and ``mission``, each with ``cut_sets`` (sorted lists of hardware
         names), ``critical_events`` (names of events that cross into the losing region without repairs) and
-        what stands behind them; ``survival``, the start first, then each section.
+        the details of both; ``survival``, from the start first, then from each section.
     """
-    of = condition if causes.safety is None else accomplished
+    sentence = condition if causes.safety is None else accomplished
     return {
-        "mission": _goal(causes.mission, runs, of=of),
-        **({} if causes.safety is None else {"safety": _goal(causes.safety, runs, of=safe)}),
+        "mission": _goal(causes.mission, runs, sentence),
+        **({} if causes.safety is None else {"safety": _goal(causes.safety, runs, safe)}),
         "objectives": {name: _goal(goal, runs) for name, goal in causes.objectives.items()},
         "survival": [_survival(found, runs) for found in causes.survival],
     }
@@ -61,12 +61,12 @@ def _events(run: Run | None) -> list[str] | None:
 
 
 def _goal(
-    goal: GoalCauses, runs: bool, of: Callable[[str, Sequence[CutSet]], str] = condition
+    goal: GoalCauses, runs: bool, sentence: Callable[[str, Sequence[CutSet]], str] = condition
 ) -> dict[str, Any]:
     return {
         "cut_sets": _lists(goal.cut_sets),
         "critical_events": _texts(goal.critical_events),
-        "condition": of(goal.name, goal.cut_sets),
+        "condition": sentence(goal.name, goal.cut_sets),
         "moments": {moment: _lists(cut_sets) for moment, cut_sets in goal.moments.items()},
         "critical": {
             "without_repairs": _all_critical(goal.critical),
@@ -103,5 +103,5 @@ def _lists(cut_sets: Sequence[CutSet]) -> list[list[str]]:
 
 
 def risk_object(numbers: Risk) -> dict[str, Any]:
-    """Numbers of risk as what JSON holds; what is of missions that can abort alone is left out of others."""
+    """Numbers of risk as an object for JSON; those of aborts are left out where the mission cannot abort."""
     return {name: value for name, value in asdict(numbers).items() if value is not None}

@@ -1,13 +1,14 @@
 """Failure causes as a fault tree in the Open-PSA Model Exchange Format, for tools of risk analysis.
 
-Where nothing contends the tree follows the mission: it fails by objectives, these by activities, these by all
-of their alternatives, these by resources, down to hardware. Elsewhere each top gate is the sum of its minimal
-cut sets. Both have the minimal cut sets that the state space gives; writing refuses a tree that has not.
+Where no activities contend, the tree follows the mission: the mission fails by its objectives, an objective
+by its activities, an activity by all of its alternatives, an alternative by its resources, down to hardware.
+Elsewhere each top gate is the sum of its minimal cut sets. A tree that follows the mission is written only if
+its minimal cut sets are those of the state space; else the sum is written.
 
 Names are Open-PSA identifiers, which know no dots: ``transect.diving`` becomes ``objective-transect-diving``.
 Rates become probabilities of being out of service at the ``system-mission-time``. Where some resource has a
-failure rate, one without is taken never to fail, as :mod:`mcpn.check.risk` does, and its basic event says so;
-where none has, the tree is qualitative.
+failure rate, one without is taken never to fail, as :mod:`mcpn.check.causes.risk` does, and its basic event
+says so; where none has, the tree is qualitative.
 
 Source: Epstein, Rauzy, *Open-PSA Model Exchange Format*, version 2.0d, sections IV and V.
 """
@@ -40,7 +41,7 @@ Formula: TypeAlias = Reference | tuple[Literal["and", "or"], Sequence["Formula"]
 
 NEVER: Formula = ("or", ())
 MISSION, ROBOT = "mission-lost", "robot-lost"
-"""Top gates: no success any more; neither success nor abort any more."""
+"""Top gates: the mission can no longer succeed; it can neither succeed nor be aborted."""
 
 MAX_OBJECTIVES = 500
 """Objectives of a mission whose tree follows its text; that of a longer one is flat."""
@@ -72,7 +73,7 @@ def open_psa(
     try:
         tree = structured(usage)
         same = all(tree.cut_sets(top) == set(map(frozenset, found)) for top, found in tops.items())
-    except LimitError:  # a sum of so many products is read by nobody
+    except LimitError:  # too many products to be read by anybody
         same = False
     return (tree if same else flat).document()
 
@@ -192,10 +193,10 @@ class Losses:
         return self._sections(self.graph, *ends)
 
     def _sections(self, graph: ObjectivesGraph, *wanted: str) -> Mapping[str, Zdd]:
-        """When no run from the entry of each section of a graph leads to an exit that is wanted.
+        """By section, the losses after which no run from its entry leads to a wanted exit of the graph.
 
-        It is the greatest solution of *lost here = (success is impossible, or lost behind it) and (failure is
-        impossible, or lost behind it)*.
+        It is the greatest solution of *lost(s) = (s cannot succeed, or lost(section after success)) and (s
+        cannot fail, or lost(section after failure))*, and likewise for timeouts and aborts.
         """
         ways = {s.name: (self._succeeding(s), self._failing(s)) for s in graph.sections}
         exits = (SUCCEED, FAIL, ABORT)
@@ -215,7 +216,7 @@ class Losses:
         return lost
 
     def _succeeding(self, section: Section) -> Zdd:
-        """When a section cannot be left by its success."""
+        """The losses after which a section cannot succeed."""
         if isinstance(section, ElementarySection):
             return self._lost[section.name]
         if section.needed is not None:
@@ -225,31 +226,31 @@ class Losses:
         return reduce(or_, map(self._ending, section.branches, ways), self.never)
 
     def _failing(self, section: Section) -> Zdd:
-        """When a section cannot be left by its failure; an elementary objective always can."""
+        """The losses after which a section cannot fail; an elementary objective can always fail."""
         if isinstance(section, ElementarySection):
             return self.never
         unended = reduce(or_, (self._ending(b, (SUCCEED, FAIL)) for b in section.branches), self.never)
         failing = [self._ending(b, (FAIL,)) for b in section.branches]
-        must = (of for of, b in zip(failing, section.branches, strict=True) if b.mandatory)
-        hasty = reduce(and_, must, self.always)
+        mandatory = (lost for lost, b in zip(failing, section.branches, strict=True) if b.mandatory)
+        hasty = reduce(and_, mandatory, self.always)
         if section.needed is not None:
             late = unended | self._at_least(section.needed, failing)
             return late & hasty if section.hasty else late
         return hasty if section.hasty else unended | hasty
 
-    def _at_least(self, number: int, of: Iterable[Zdd]) -> Zdd:
-        """When at least so many of some things are so."""
-        found = [self.always, *[self.never] * number]
-        for each in of:
-            found = [self.always, *(more | (less & each) for less, more in pairwise(found))]
-        return found[number]
+    def _at_least(self, number: int, conditions: Iterable[Zdd]) -> Zdd:
+        """The losses under which at least ``number`` of some conditions hold (a voting gate)."""
+        by_count = [self.always, *[self.never] * number]  # at index k: at least k of those so far hold
+        for condition in conditions:
+            by_count = [self.always, *(more | (less & condition) for less, more in pairwise(by_count))]
+        return by_count[number]
 
     def _aborting(self, section: ParallelSection) -> Zdd:
-        """When no branch of a block can abort."""
+        """The losses after which no branch of a block can abort."""
         return reduce(and_, (self._ending(branch, (ABORT,)) for branch in section.branches), self.always)
 
     def _ending(self, branch: Branch, wanted: tuple[str, ...]) -> Zdd:
-        """When a branch cannot end as wanted."""
+        """The losses after which a branch cannot end in a wanted exit."""
         return self._sections(branch.graph, *wanted)[branch.graph.entry]
 
 
@@ -266,7 +267,7 @@ def _sum(products: Iterable[Sequence[Reference]]) -> Formula:
 
 
 def _write(parent: etree._Element, formula: Formula) -> None:
-    """Writes a formula; a connective of nothing is a constant, of one argument this argument."""
+    """Writes a formula: a connective without arguments as a constant, of one argument as this argument."""
     kind, of = formula
     if isinstance(of, str):
         etree.SubElement(parent, kind, name=_identifier(of))

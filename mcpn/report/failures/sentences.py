@@ -1,6 +1,6 @@
-"""Failure causes in sentences: cut sets, what is survived, numbers.
+"""Failure causes in sentences: cut sets, losses that are survived, numbers of risk.
 
-Of a mission that can abort they tell of two levels: that it is accomplished (success), and that it ends
+A mission that can abort has sentences for two goals: that it is accomplished (success), and that it ends
 safely (success or abort).
 """
 
@@ -62,7 +62,7 @@ def safe(name: str, cut_sets: Sequence[CutSet]) -> str:
 
 
 def headlines(causes: Causes) -> Iterator[str]:
-    """What defeats the mission; of one that can abort also what defeats safety."""
+    """What keeps the mission from success and, where it can abort, from a safe end."""
     mission, safety = causes.mission, causes.safety
     if safety is None:
         yield condition(mission.name, mission.cut_sets)
@@ -72,7 +72,7 @@ def headlines(causes: Causes) -> Iterator[str]:
 
 
 def survived(found: Survival) -> Iterator[str]:
-    """What the mission survives from one moment on; of one that can abort also what safety survives."""
+    """The losses that the goals survive from one moment on: success and, with aborts, a safe end."""
     told, losses = _told(found.always, found.at_most), _losses(found)
     if found.safety is None:
         if told is None:
@@ -119,7 +119,7 @@ def _told(always: int | None, at_most: int | None) -> str | None:
 def risk_counts(numbers: Risk) -> Iterator[tuple[str, float]]:
     """Probabilities, degraded modes and importances, each with its name, in the order people read them.
 
-    Importances are differences: what rounding leaves of equal numbers is none.
+    Importances are differences of probabilities: one within rounding errors of 0 is given as 0.
     """
     yield "success", numbers.success
     if numbers.abort is not None:

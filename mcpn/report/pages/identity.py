@@ -1,4 +1,4 @@
-"""What a report is of, so that a printed sheet says it: tools, day, engine, proof, digest of the sources."""
+"""Where a report comes from, for its printed head: tool, date, engine, proof, digest of the sources."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ EPOCH = "SOURCE_DATE_EPOCH"
 again byte by byte (reproducible-builds.org)."""
 
 MOST_DIGITS = 16
-"""Of the digest, as a page shows it; its title has all."""
+"""Digits of the digest that a page shows; the tooltip has all of them."""
 
 
 def identity(findings: Findings) -> Iterator[tuple[str, str, str]]:
-    """What a page says of itself: name, value, and more for a pointer that rests on it."""
+    """The lines of the head of a page: name, value, and the text of the tooltip."""
     check = findings.check
     yield "made", f"{date()} by mcpn {__version__}", ""
     yield "engine", findings.engine, check.choice.why or "it was named"

@@ -1,4 +1,4 @@
-"""What the script of a page is given: the controller, words and weights for its events, boxes, losses."""
+"""Data for the script of a page: the controller, words and weights of its events, boxes, cut sets."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from mcpn.report.findings import Findings
 
 MOST_EVENTS = 5_000
-"""Events of the run without failures at most; one that is longer need not end."""
+"""Events at most of the run without failures, which may be endless."""
 
 MOST_TRANSITIONS = 400
-"""Of a net whose token game a page has."""
+"""Transitions of a net up to which a page has its token game."""
 
 MOST_CHIPS = 14
 """Steps of a strip that are shown; of longer ones the middle is folded."""
@@ -75,7 +75,7 @@ def _flat(arcs: Arcs) -> list[int]:
 
 
 def _losses(causes: Causes) -> dict[str, Any]:
-    """Minimal cut sets, from which the page tells what the loss of other sets means."""
+    """Minimal cut sets, from which the script computes what the loss of any set of hardware defeats."""
     mission_net = causes.mission_net
     shared: dict[tuple[CutSet, ...], list[str]] = {}
     for name, goal in causes.objectives.items():
@@ -115,7 +115,7 @@ def nominal_run(findings: Findings) -> list[str] | None:
 
 
 def strip(findings: Findings, events: Sequence[str]) -> list[str]:
-    """A run as a strip of what begins: objectives that begin together stand in one chip."""
+    """A run as a row of chips: each names the objectives that begin together at one event."""
     assert findings.controller is not None
     return list(_elided(list(_begun(Controller.from_document(findings.controller), events))))
 
@@ -132,7 +132,7 @@ def _begun(controller: Controller, events: Sequence[str]) -> Iterator[str]:
 
 
 def _chip(names: Sequence[str]) -> str:
-    """Objectives that begin together; what stands before all their names is said once."""
+    """The text of a chip; a qualifier that all its objectives have (``visit.``) is written once."""
     before = {name.rpartition(".")[0] for name in names}
     if len(names) == 1 or len(before) > 1 or "" in before:
         return " ∥ ".join(names)

@@ -138,7 +138,7 @@ def _listed(cut_sets: Sequence[CutSet]) -> str:
 
 
 def _survived(findings: Findings) -> Iterator[StoryLine]:
-    """Which hardware may be lost alone; giving up safely is no success, and is told apart from it."""
+    """Which hardware may be lost alone: so that success is still possible, and so that only an abort is."""
     causes, faulty = findings.causes, [h for h in findings.check.mission_net.mission.hardware if h.faulty]
     if causes is None:
         return
@@ -232,7 +232,7 @@ def _required(check: MissionCheck) -> Iterator[StoryLine]:
 
 
 def _granted(check: MissionCheck) -> Iterator[StoryLine]:
-    """Hardware of which the mission says that it never fails: nothing here speaks of its loss."""
+    """Hardware that the mission declares not to fail: the page says nothing of its loss."""
     if sound := [h.name for h in check.mission_net.mission.hardware if not h.faulty]:
         more = f" and {len(sound) - MOST_TOLD} more" if len(sound) > MOST_TOLD else ""
         said = f"That these never fail, as the mission says of them: {', '.join(sound[:MOST_TOLD])}{more}."

@@ -1,4 +1,4 @@
-"""The tables of a page, each with a line on how to read it; rounds that say the same are one row."""
+"""The tables of a page, each with a line on how to read it; equal rows of rounds and tries are merged."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mcpn.report.findings import Findings
 
 _NAME = re.compile(r"[\w.-]*\w")
-"""What may be the name of an objective, in a text."""
+"""Matches words in a text that may be names of objectives."""
 
 MOST_ROWS = 2000
 """Rows of one table of a page."""
@@ -43,7 +43,7 @@ class Table:
         heads: Of its columns.
         rows: Texts.
         needs: By row the hardware that it needs, where the page strikes out what is lost; else nothing.
-        wide: Whether it is printed on a sheet that lies.
+        wide: Whether it is printed in landscape format.
         more: Rows that the page has no room for.
     """
 
@@ -57,7 +57,7 @@ class Table:
 
 
 def tables(findings: Findings) -> list[Table]:
-    """All tables of a page, what people ask first in front."""
+    """All tables of a page, those that people ask for first in front."""
     check = findings.check
     mission_net = check.mission_net
     found = [_modes(check)]
@@ -73,7 +73,7 @@ def tables(findings: Findings) -> list[Table]:
 
 
 def fold_rows(mission_net: MissionNet, rows: Iterable[Texts], column: int = 0) -> list[Texts]:
-    """Rows of objectives, in which those of all rounds and tries of one are one where they say the same.
+    """Merges rows of all rounds and tries of one objective where they are equal but for its name.
 
     Args:
         mission_net: The mission's net.
@@ -153,7 +153,7 @@ def _modes(check: MissionCheck) -> Table:
         for alternative in activity.alternatives
     }
     hardware = {h.name for h in check.mission_net.mission.hardware if h.faulty}
-    needed: dict[str, set[str]] = {}  # where modes read alike and need other things, what all of them need
+    needed: dict[str, set[str]] = {}  # of modes with equal words, what all of them need
     for modes in check.modes.values():
         for mode, words in ((mode, modes_in_words([mode])[0]) for mode in modes):
             needs = {name for a, way in mode.items() for name in taken.get(f"{a}.{way}", ())} & hardware

@@ -1,4 +1,4 @@
-"""A mission as it was written, as boxes in boxes; protocols are drawn where they are used."""
+"""The tree of boxes that draws a mission as it was written; protocols are drawn where they are used."""
 
 from __future__ import annotations
 
@@ -134,7 +134,7 @@ class _Building:
         )
 
     def standing(self, siblings: Sequence[Block], scopes: list[Scope]) -> Iterator[tuple[Block, list[Scope]]]:
-        """Blocks with the scopes in which each stands, those in which it helps siblings among them."""
+        """Siblings with their scopes, those of the copies that recover or shelter other siblings included."""
         recovers, shelters = recovering(siblings), pausing(siblings)
         for block in siblings:
             more = [*suffixes(recovers.get(block.name, ()))]
@@ -175,7 +175,7 @@ def _expanded(block: Block, scope: Scope) -> Iterator[Scope]:
 
 
 def facts_said(routes: Iterable[FactRoute]) -> Iterator[tuple[FactRoute, str]]:
-    """Routes that facts decide, each with what they must be, for people."""
+    """Routes with a condition on facts, each with a label that says it."""
     for route in routes:
         yield route, f"{route.on + ' ' if route.on == 'failure' else ''}when {' '.join(route.when)}"
 

@@ -1,4 +1,4 @@
-"""Which picture of a mission is wanted, by a word."""
+"""Makes the picture of a mission, or of a section, that a word names."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A picture as a file: SVG, or PNG made of it."""
+"""A picture as a file: SVG, or PNG rendered from the SVG."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Drawing:
         """
         resvg = needed("resvg_py", "a PNG file")
         text = _on_paper(self.svg)
-        if not _writes(resvg):
+        if not _has_font(resvg):
             raise LimitError("a PNG file needs a font, and this machine has none: install one (fonts-dejavu)")
         width, height = (int(n) for n in _SIZE.findall(text)[:2])
         zoom = min(2.0, (MOST_PIXELS / (width * height)) ** 0.5)
@@ -94,7 +94,7 @@ _MEDIA = re.compile(r"@media[^{]*\{(?:[^{}]*\{[^{}]*\})*[^{}]*\}")
 
 
 def _on_paper(svg: str) -> str:
-    """A picture without variables of its style and without dark mode, which not every program knows."""
+    """The SVG without variables in its style and without dark mode, which not every program supports."""
 
     def resolved(style: re.Match[str]) -> str:
         text = _MEDIA.sub("", style[1])
@@ -104,8 +104,8 @@ def _on_paper(svg: str) -> str:
     return _STYLE.sub(resolved, svg, count=1)
 
 
-def _writes(resvg: Any) -> bool:
-    """Whether any font is there: a picture of a letter is not empty."""
+def _has_font(resvg: Any) -> bool:
+    """Whether any font is installed: then the picture of a letter is not empty."""
     frame = '<svg xmlns="http://www.w3.org/2000/svg" width="20" height="20">{}</svg>'
     letter = '<text x="2" y="16">M</text>'
     drawn = [resvg.svg_to_bytes(svg_string=frame.format(text)) for text in ("", letter)]

@@ -151,10 +151,10 @@ class Curve:
     @property
     def path(self) -> str:
         """As SVG writes it."""
-        told = [_said(point) for point in self.points]
-        before = f"M{_said(self.start)}L{told[0]}" if self.start else f"M{told[0]}"
-        spline = f"C{' '.join(told[1:])}" if len(told) > 1 else ""
-        return before + spline + (f"L{_said(self.end)}" if self.end else "")
+        points = [_coordinates(point) for point in self.points]
+        before = f"M{_coordinates(self.start)}L{points[0]}" if self.start else f"M{points[0]}"
+        spline = f"C{' '.join(points[1:])}" if len(points) > 1 else ""
+        return before + spline + (f"L{_coordinates(self.end)}" if self.end else "")
 
     def moved(self, by: Point) -> Curve:
         """A copy, moved by a vector."""
@@ -163,7 +163,7 @@ class Curve:
         return replace(self, points=points, start=start, end=end)
 
 
-def _said(point: Point) -> str:
+def _coordinates(point: Point) -> str:
     return f"{point[0]:.1f},{point[1]:.1f}"
 
 
@@ -272,17 +272,17 @@ def _placed(graph: Graph, layout: Layout) -> Placed:
 
 def _parts(graph: Graph) -> list[Graph]:
     """The inside of each cluster."""
-    of = {node.key: node.cluster for node in graph.nodes}
+    cluster_of = {node.key: node.cluster for node in graph.nodes}
     parts = []
     for cluster in graph.clusters:
         members = [replace(node, cluster=None) for node in graph.nodes if node.cluster == cluster.key]
-        edges = [e for e in graph.edges if of[e.source] == of[e.target] == cluster.key]
+        edges = [e for e in graph.edges if cluster_of[e.source] == cluster_of[e.target] == cluster.key]
         parts.append(Graph(cluster.name, members, edges))
     return parts
 
 
 def _nested(graph: Graph, inside: Mapping[str, Placed]) -> Placed:
-    """Clusters, which have been laid out by themselves, as boxes; then what joins them."""
+    """Lays out clusters, each placed already, as boxes; then draws the edges between them."""
     of = {node.key: node.cluster for node in graph.nodes}
     boxes = [
         Node(key, ("",), "", size=(placed.width, placed.height + NAME)) for key, placed in inside.items()

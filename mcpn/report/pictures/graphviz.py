@@ -1,6 +1,6 @@
-"""Graphviz, in a process of its own: some graphs make it fail, and one that takes long can be stopped.
+"""Runs Graphviz in a process of its own: it crashes on some graphs, and can be stopped where it takes long.
 
-It is told sizes and numbers only, no text. Run as a program, this module answers a list of questions on
+It gets sizes and numbers only, no text. Run as a program, this module answers a list of questions on
 standard input with a list of layouts on standard output.
 """
 

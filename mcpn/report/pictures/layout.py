@@ -19,7 +19,7 @@ PAD, LANE, GAP, ROW, HEAD, EXIT = 12, 14, 28, 19, 24, 22
 MOST_CHARACTERS, MOST_LABEL = 48, 24
 ROBOT_WIDTH = 860
 BOLD = 16.5
-"""A name is bold: as wide as a text of this size."""
+"""Size of a plain text that is as wide as a name, which is bold."""
 
 
 @dataclass(frozen=True)
@@ -90,14 +90,14 @@ class _Lanes:
 
     @property
     def right_width(self) -> float:
-        told = [
+        widths = [
             text_width(shown(label, MOST_LABEL), 11.5) for kind, label, _ in self.right if kind == "event"
         ]
-        return LANE * (len(self.right) + 1) + max(told, default=0)
+        return LANE * (len(self.right) + 1) + max(widths, default=0)
 
 
 def shown(text: str, most: int = MOST_CHARACTERS) -> str:
-    """A text that fits: cut where it is too long, without what no XML file may hold."""
+    """A text that fits: cut where it is too long, characters that XML forbids replaced."""
     legal = "".join(c if _legal(c) else "\ufffd" for c in text)
     return legal if len(legal) <= most else legal[: most - 1] + "…"
 

@@ -174,7 +174,7 @@ def states_within(
 
 def _runs(state: Situation) -> Hashable:
     """What runs in a state, whatever hardware is out of service."""
-    pairs = (tuple(sorted(found.items())) for found in (state.mode, state.waiting))
+    pairs = (tuple(sorted(chosen.items())) for chosen in (state.mode, state.waiting))
     return state.objectives, state.pending, state.done, *pairs, state.refused
 
 
@@ -272,7 +272,7 @@ _KINDS = {
 
 
 def _undone(event: Event) -> Event | None:
-    """A hardware's return for its failure, and the other way round."""
+    """The event that undoes a failure of hardware (its repair), and the other way round."""
     other = {What.OUT_OF_SERVICE: What.REPAIRED, What.REPAIRED: What.OUT_OF_SERVICE}.get(event.what)
     return None if other is None else Event(other, event.element)
 

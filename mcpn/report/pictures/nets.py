@@ -78,8 +78,8 @@ def _arcs(net: PetriNet) -> Iterator[tuple[int, int, str, int]]:
 def _owners(net: PetriNet) -> tuple[list[_Unit | None], list[_Unit | None]]:
     """The unit of each place and of each transition.
 
-    Of a mission's net they know it. In a net from elsewhere a transition is of the declared unit that holds
-    all of its places; a unit of one place is none, since it groups nothing.
+    In a mission's net their provenance says it. In a net from elsewhere a transition belongs to the declared
+    unit that holds all of its places; units of one place are ignored, since they group nothing.
     """
     places = [_unit(place.provenance) for place in net.places]
     transitions = [_unit(transition.provenance) for transition in net.transitions]

@@ -130,7 +130,7 @@ def _routes(section: Section) -> Iterator[tuple[str, tuple[str, ...], str]]:
 def _by_facts(
     route: str, cases: Sequence[FactCase], lines: tuple[str, ...], kind: str
 ) -> Iterator[tuple[str, tuple[str, ...], str]]:
-    """A route and those that facts decide, which say when; the first that fits counts, else the route."""
+    """The cases of a route, labelled with their conditions on facts, then its default, labelled else."""
     for case in cases:
         yield case.target, (*lines, f"when {case.words}"), kind
     yield route, (*lines, "else") if cases else lines, kind
