@@ -1,4 +1,4 @@
-"""Every engine on one mission or net, side by side, each in a process of its own to tell its memory."""
+"""Every engine on one mission or net, side by side, each in a process of its own to measure its memory."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ class Measurement:
 
     Args:
         engine: One of :data:`mcpn.space.summary.ENGINES`, or ``local``.
-        sizes: By the names of :data:`SIZES` and :data:`DIAGRAM`; what is ``None`` it does not count. Itself
-            ``None`` where the engine gave up.
+        sizes: By the names of :data:`SIZES` and :data:`DIAGRAM`; a size that the engine does not count is
+            ``None``. The whole is ``None`` where the engine gave up.
         seconds: Wall-clock time of the engine.
         megabytes: Peak memory of its process, the interpreter included.
         reason: Why it gave up.
@@ -64,13 +64,13 @@ def measure(subject: Mission | PetriNet, *, max_states: int | None = None) -> li
     measurements = []
     net = compose(subject).net if isinstance(subject, Mission) else subject
     for engine in ENGINES:
-        measurements.append(_apart(net, engine, max_states))
+        measurements.append(_in_own_process(net, engine, max_states))
     if isinstance(subject, Mission):
-        measurements.append(_apart(subject, "local", max_states))
+        measurements.append(_in_own_process(subject, "local", max_states))
     return measurements
 
 
-def _apart(subject: Mission | PetriNet, engine: str, max_states: int | None) -> Measurement:
+def _in_own_process(subject: Mission | PetriNet, engine: str, max_states: int | None) -> Measurement:
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
         return pool.submit(_run, subject, engine, max_states).result()
 
@@ -111,6 +111,6 @@ def disagreement(measurements: list[Measurement]) -> Disagreement | None:
     for name in SIZES:
         counted = {m.engine: size for m in measurements if m.sizes and (size := m.sizes[name]) is not None}
         if len(set(counted.values())) > 1:
-            told = ", ".join(f"{engine}: {size}" for engine, size in counted.items())
-            return Disagreement(f"the engines disagree on {name}, one of them is wrong: {told}")
+            counts = ", ".join(f"{engine}: {size}" for engine, size in counted.items())
+            return Disagreement(f"the engines disagree on {name}, one of them is wrong: {counts}")
     return None

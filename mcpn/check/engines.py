@@ -1,9 +1,9 @@
 """Which engine a question is asked of, and why.
 
-Where nobody names an engine, the static analysis chooses first, then who gives an answer. Stable states are
-listed with their proof where they are few: that is quick, and its runs are shortest. More are held by
-sections; where composition refuses a mission or hits a limit, diagrams hold the whole, as they hold all
-markings.
+Where the user names no engine (``auto``), static analysis orders the engines, and the first that answers is
+taken. Stable states are listed, with the proof of confluence, where few are expected: that is quick, and the
+runs are shortest. Where many are expected, composition holds them section by section; where composition
+refuses a mission or hits a limit, decision diagrams hold the whole mission, as they hold all markings.
 """
 
 from __future__ import annotations
@@ -26,19 +26,22 @@ Asked: TypeAlias = Literal["auto", "explicit", "symbolic", "local"]
 """An engine by name, or ``auto``."""
 
 FEW = 50_000
-"""Stable states times sections up to which stable states are listed without being asked for.
+"""Limit on stable states times sections up to which ``auto`` lists stable states.
 
-What is asked of each section, as causes are, costs that product where states are listed.
+A question that is asked for each section, such as failure causes, costs that product on listed states.
 """
 
 EXPECTED = 2
-"""Stable states to expect at least for each section and set of hardware; most missions have 2 to 10."""
+"""Stable states expected for each section and set of hardware out of service; most missions have 2 to 10."""
 
 SMALL = 100_000
-"""Markings listed beside few stable states, where their number is asked for or an event has two outcomes."""
+"""Limit on markings where stable states are few.
+
+Markings are listed besides where their number is asked for, or where an event has two outcomes.
+"""
 
 MORTAL = 500_000
-"""Stable states with hardware that may die that are listed beside few where it may not."""
+"""Limit on stable states of the mission whose hardware may die, where the mission itself has few."""
 
 Found = TypeVar("Found")
 
@@ -51,7 +54,7 @@ class Choice:
         engine: The engine.
         why: Why this one; ``None`` where it was named.
         max_states: Its limit on states that are listed; ``None`` for its own.
-        allowed: The user's limit, of which the former is a part where states are few; ``None`` for none.
+        allowed: The user's limit; ``max_states`` may be lower where states are few. ``None`` for none.
         brief: Whether it ends soon, whatever the mission is: it lists stable states, of which there are few.
     """
 
@@ -70,7 +73,7 @@ class Choice:
         return MAX_MARKINGS if self.max_states is None else self.max_states
 
     def beside(self, most: int) -> int:
-        """The most states of another graph that it lists: its limit, or another one where states are few."""
+        """Limit on states of a second graph: its own limit; where that one is for few states, ``most``."""
         if not self.brief:
             return self.limit
         return most if self.allowed is None else min(most, self.allowed)
@@ -81,8 +84,8 @@ class NoSpace:
     """An answer that needed no space.
 
     Args:
-        why: How it was had.
-        engine: What stands for an engine.
+        why: How the answer was found without a space.
+        engine: The word that stands in the place of an engine's name.
     """
 
     why: str

@@ -1,10 +1,10 @@
 """Two sets of templates on one mission: whether the same happens, or a shortest run that tells them apart.
 
-What happens is the alternatives graph: which events are possible, and what is said of the mission after each
-of them, in mission words. With templates that keep their contract each event has one outcome, so that two
-graphs are bisimilar where the pairs of states that the same events lead to allow the same events and say the
-same. These pairs are walked breadth first; the first that differs ends a shortest run. Events and words are
-named after elements of the mission, so that two nets are compared whatever their places are called.
+Compared are the alternatives graphs: which events are possible in each stable state, and the situation there
+in mission words. With templates that keep their contract each event has one outcome: the graphs are
+deterministic, and so bisimilar where each pair of states that the same run of events leads to allows the same
+events and has the same situation. These pairs are walked breadth first; the first that differs ends a
+shortest run. Events and situations name elements of the mission, so that the names of places do not matter.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class SetDifference:
     Args:
         events: A shortest run of events after which they do.
         message: What differs then.
-        firings: By set, what fires inside its net.
+        firings: By set, the internal transitions that fire in its net after each of the events.
     """
 
     events: tuple[Event, ...]
@@ -69,7 +69,7 @@ class Likeness:
     Args:
         sizes: By set.
         difference: Where they differ; ``None`` where the same happens.
-        isomorphic: Whether states of the two graphs go in pairs, each with one of the other.
+        isomorphic: Whether the two graphs are isomorphic: each state has exactly one counterpart.
     """
 
     sizes: tuple[SetSizes, SetSizes]
@@ -154,7 +154,7 @@ def _unlike(
     nets: tuple[MissionNet, MissionNet],
     outcomes: tuple[AlternativesGraph | SemanticsError, AlternativesGraph | SemanticsError],
 ) -> SetDifference | None:
-    """Where one of them has no alternatives graph, or not for the same reason."""
+    """The difference where a set has no alternatives graph; ``None`` where both lack it for like reasons."""
     kinds = [each.kind if isinstance(each, SemanticsError) else None for each in outcomes]
     if kinds[0] == kinds[1]:
         return None
@@ -186,7 +186,7 @@ class _Walk:
 
     @property
     def one_to_one(self) -> bool:
-        """Whether the pairs, all of them walked, pair off the states."""
+        """Whether the pairs are a bijection of the states; known once all pairs have been walked."""
         pairs = len(self.before)
         return all(len({*side}) == pairs for side in zip(*self.before, strict=True))
 
@@ -196,7 +196,7 @@ class _Walk:
         for pair in queue:  # which grows
             said = [_said(net, graph.marking(s)) for net, graph, s in self._sides(pair)]
             if said[0] != said[1]:
-                return self._after(pair, "; ".join(self._apart(*said)))
+                return self._after(pair, "; ".join(self._differences(*said)))
             one, other = (self._onward(graph, s) for _, graph, s in self._sides(pair))
             if one.keys() != other.keys():
                 event = min(one.keys() ^ other.keys(), key=str)
@@ -214,7 +214,7 @@ class _Walk:
 
     @staticmethod
     def _onward(graph: AlternativesGraph, state: int) -> dict[Event, int]:
-        """By event, where it leads; events that leave a state as it is are among them."""
+        """By event, the state that it leads to; self-loops included."""
         targets = dict[Event, int]()
         for transition, after in graph.successors(state):
             event = graph.net.transitions[transition].event
@@ -223,7 +223,8 @@ class _Walk:
                 raise SemanticsError(f"the event {event} fires several transitions, with different outcomes")
         return targets
 
-    def _apart(self, one: dict[str, Any], other: dict[str, Any]) -> Iterator[str]:
+    def _differences(self, one: dict[str, Any], other: dict[str, Any]) -> Iterator[str]:
+        """The fields in which two situations differ, in words."""
         for name, value in one.items():
             if value != other[name]:
                 said = zip(self.names, (value, other[name]), strict=True)
@@ -231,6 +232,7 @@ class _Walk:
                 yield f"{name.replace('_', ' ')}: {both}"
 
     def _after(self, pair: tuple[int, int], message: str) -> SetDifference:
+        """A difference at a pair of states, with the run of events that leads there."""
         events: list[Event] = []
         step = self.before[pair]
         while step is not None:
@@ -241,17 +243,17 @@ class _Walk:
 
 
 def _said(mission_net: MissionNet, marking: tuple[int, ...]) -> dict[str, Any]:
-    """What is said of the mission, whatever the order of places."""
-    told = situation(mission_net, marking)
-    names = tuple(told.__dataclass_fields__)
+    """The fields of a situation, its lists sorted so that the order of places does not matter."""
+    fields = situation(mission_net, marking)
+    names = tuple(fields.__dataclass_fields__)
     return {
         name: sorted(value) if isinstance(value, tuple) else value
-        for name, value in zip(names, astuple(told), strict=True)
+        for name, value in zip(names, astuple(fields), strict=True)
     }
 
 
 def _both_firings(nets: tuple[MissionNet, MissionNet], events: tuple[Event, ...]) -> tuple[Firings, Firings]:
-    one, other = (_firings(found.net, events) for found in nets)
+    one, other = (_firings(mission_net.net, events) for mission_net in nets)
     return one, other
 
 
@@ -267,5 +269,5 @@ def _firings(net: PetriNet, events: tuple[Event, ...]) -> Firings:
         try:
             firings.append(tuple(net.transitions[t].name for t in game.settle()))
         except LimitError:
-            break  # it does not end
+            break  # internal evolution does not end
     return tuple(firings)

@@ -1,8 +1,8 @@
-"""Blocks that one event may end while they run, and enter again: runs of their objectives end, others begin.
+"""Blocks that a single event may end and enter again: runs of their objectives end, and new runs begin.
 
-There is no state between the two, and the same transition may lead on in the block from one state and end it
-from another. What tells them apart is the state after it: where the block has been entered again, all of its
-branches are where they begin.
+No state lies between the end and the new entry, and one transition may stay inside the block from one state
+and end the block from another. The target state tells the two apart: where the block has been entered again,
+every branch is at its first section.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from mcpn.space.algebra import S, Space
 
 
 class _Level(NamedTuple):
-    """A graph, and the block and branch of which it is that; ``None`` for that of the mission."""
+    """An objectives graph, and the block and branch that it belongs to; ``None`` for the mission's own."""
 
     graph: ObjectivesGraph
     block: ParallelSection | None = None
@@ -48,6 +48,7 @@ def blocks_entered_again(graph: ObjectivesGraph) -> list[ParallelSection]:
 
 
 def _entered_again(graph: ObjectivesGraph, around: tuple[ParallelSection, ...]) -> Iterator[ParallelSection]:
+    """Such blocks in a graph, and such blocks around it, which are given from the innermost outwards."""
     for block in graph.sections:
         if not isinstance(block, ParallelSection):
             continue
@@ -57,12 +58,13 @@ def _entered_again(graph: ObjectivesGraph, around: tuple[ParallelSection, ...]) 
             if outer.name in routes:
                 yield outer
             left = further is not None and not routes.isdisjoint((SUCCEED, FAIL, ABORT))
-            routes = set() if further is None or not left else _led(further)
+            routes = set() if further is None or not left else _targets(further)
         for branch in block.branches:
             yield from _entered_again(branch.graph, (block, *around))
 
 
-def _led(block: ParallelSection) -> set[str]:
+def _targets(block: ParallelSection) -> set[str]:
+    """The sections and exits that the outcomes of a block lead to."""
     return {route for outcome, _ in block.outcomes for route in block.led(outcome)}
 
 
@@ -77,7 +79,7 @@ def _levels(graph: ObjectivesGraph, around: _Around = ()) -> Iterator[tuple[Sect
 
 
 def _moves(levels: _Around, routes: Iterable[str]) -> Iterator[_Move]:
-    """The sections that may be entered when a section is left by some routes, blocks around it with it."""
+    """The sections that may be entered when a section is left by routes, which may end blocks around it."""
     (graph, block, branch), *outer = levels
     inside = {section.name for section in graph.sections}
     for route in dict.fromkeys(routes):
@@ -105,7 +107,9 @@ def _stays_at_entry(levels: _Around, moves: Collection[_Move], block: ParallelSe
     for number, level in enumerate(inside):
         begins = (len(levels) - number, level.graph.entry) in moves
         above = zip(inside[number:], inside[number + 1 :], strict=False)
-        if begins and all(of.block is not None and of.block.name == up.graph.entry for of, up in above):
+        if begins and all(
+            inner.block is not None and inner.block.name == outer.graph.entry for inner, outer in above
+        ):
             return True
     return False
 
@@ -122,7 +126,7 @@ class Reentry(Generic[S]):
         self.mission_net = mission_net
         self.space = space
         self.blocks = {block.name: block for block in blocks_entered_again(mission_net.graph)}
-        self._leading = self._found() if self.blocks else {}
+        self._before_reentry = self._states_before_reentry() if self.blocks else {}
 
     def ending(self, objective: str, running: S) -> Mapping[int, S]:
         """By transition, the states before edges that end a run of an objective and begin another.
@@ -134,13 +138,13 @@ class Reentry(Generic[S]):
         found: dict[int, S] = {}
         for name, block in self.blocks.items():
             if any(inner.name == objective for inner in block.walk()):
-                for t, before in self._leading[name].items():
+                for t, before in self._before_reentry[name].items():
                     if states := before & running:
                         found[t] = found[t] | states if t in found else states
         return found
 
     def entered(self, section: Section, running: S) -> S:
-        """The states at the entry of a section in which it was before, in another run.
+        """The states at the entry of a section that are entered by ending its former run.
 
         Args:
             section: An objective in a block, or a block.
@@ -149,12 +153,12 @@ class Reentry(Generic[S]):
         found = self.space.nothing
         leading = self.ending(section.name, running)
         if section.name in self.blocks:
-            leading = {t: before & running for t, before in self._leading[section.name].items()}
+            leading = {t: before & running for t, before in self._before_reentry[section.name].items()}
         for t, before in leading.items():
             found = found | self.space.after(before, [t])
         return found
 
-    def _found(self) -> dict[str, dict[int, S]]:
+    def _states_before_reentry(self) -> dict[str, dict[int, S]]:
         """By block and transition, the states before edges that enter the block again."""
         levels = {section.name: (section, around) for section, around in _levels(self.mission_net.graph)}
         leading = defaultdict[str, dict[int, S]](dict)
@@ -187,7 +191,7 @@ class Reentry(Generic[S]):
     def _left(
         self, levels: Mapping[str, tuple[Section, _Around]]
     ) -> Iterator[tuple[int, list[tuple[_Around, set[_Move]]]]]:
-        """By transition, the sections that it may leave: the levels around them, and where that leads."""
+        """By transition, the sections that it may leave: the levels around each, and its moves."""
         net = self.mission_net.net
         for t, transition in enumerate(net.transitions):
             event = transition.event

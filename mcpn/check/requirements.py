@@ -68,8 +68,8 @@ class RequirementAnswer:
         holds: Whether its formula holds; ``None`` where that is not known.
         witness: A run that shows why; ``None`` where it is not known.
         reason: Why it is not known.
-        vacuous: Parts of a formula that holds, as it is to, of which it says nothing: it holds whatever they
-            are.
+        vacuous: Where the formula holds and is expected to: the parts in which it is vacuous, each of which
+            can be replaced by anything (:mod:`mcpn.check.vacuity`).
     """
 
     asked: AskedRequirement
@@ -80,7 +80,7 @@ class RequirementAnswer:
 
     @property
     def met(self) -> bool | None:
-        """Whether the formula holds, or fails, as it is to; ``None`` where that is not known."""
+        """Whether the formula holds or fails as the requirement expects; ``None`` where not known."""
         expected = self.asked.requirement.expected == "holds"
         return None if self.holds is None else self.holds == expected
 
@@ -125,8 +125,9 @@ def _asked(name: str, requirement: Requirement, names: Names) -> AskedRequiremen
         )
     from mcpn.check.patterns.reading import read_pattern
 
-    said = read_pattern(requirement.patterns[0], names)
-    return AskedRequirement(name, requirement, said.formula, parse(said.formula, names), names, said.sentence)
+    pattern = read_pattern(requirement.patterns[0], names)
+    formula = parse(pattern.formula, names)
+    return AskedRequirement(name, requirement, pattern.formula, formula, names, pattern.sentence)
 
 
 def answer_requirements(

@@ -80,7 +80,7 @@ def sizes(
         return summarise(spaces, engine), None
 
     def markings(choice: Choice) -> SpaceSummary:
-        if choice.engine == "local":  # sections hand on stable states: the rest the whole net tells
+        if choice.engine == "local":  # counts stable states only: a diagram of the net counts the rest
             whole = summarise(spaces, "symbolic")
             return replace(whole, stable_states=stable(choice).stable_states, engine="local")
         return summarise(spaces, choice.engine, max_states=choice.limit, progress=progress)
@@ -89,23 +89,29 @@ def sizes(
         started = time.perf_counter()
         count = spaces.space(choice, "alternatives", progress=progress).everything.count()
         seconds = time.perf_counter() - started
-        own = len(net.places), len(net.transitions)
-        return SpaceSummary(*own, None, None, count, None, None, None, None, choice.engine, seconds)
+        net_size = len(net.places), len(net.transitions)
+        return SpaceSummary(*net_size, None, None, count, None, None, None, None, choice.engine, seconds)
 
-    def soon(choice: Choice) -> SpaceSummary:
+    def markings_if_few(choice: Choice) -> SpaceSummary:
+        """Counts all markings where they are few, else the stable states alone."""
         if choice.engine == "symbolic":
             return markings(choice)
         try:
             if choice.brief:
-                with suppress(LimitError):  # stable states alone are few
+                with suppress(LimitError):  # few stable states, but many markings
                     return markings(replace(choice, max_states=choice.beside(SMALL)))
             return stable(choice)
-        except (ConfluenceError, DivergenceError) as error:  # markings there are all the same
+        except (
+            ConfluenceError,
+            DivergenceError,
+        ) as error:  # the markings graph exists nevertheless: ask the next engine
             raise LimitError(str(error)) from error
 
     if on is None:
         if engine == "auto" and mission_net is not None:
-            return answered(soon, mission_net, engine=engine, on="alternatives", max_states=max_states)
+            return answered(
+                markings_if_few, mission_net, engine=engine, on="alternatives", max_states=max_states
+            )
         on = "alternatives" if engine == "local" else "markings"
     count = markings if on == "markings" else stable
     asked = mission_net if on == "alternatives" else None

@@ -71,11 +71,11 @@ class Spaces:
             limit: The limit on states under which it is built.
         """
         if key in self._kept:
-            known, found = self._kept[key]
-            if known == limit or (known < limit and not isinstance(found, LimitError)):
-                if isinstance(found, LimitError | SemanticsError):
-                    raise copy.copy(found)
-                return found  # type: ignore[no-any-return]
+            kept_limit, outcome = self._kept[key]
+            if kept_limit == limit or (kept_limit < limit and not isinstance(outcome, LimitError)):
+                if isinstance(outcome, LimitError | SemanticsError):
+                    raise copy.copy(outcome)
+                return outcome  # type: ignore[no-any-return]
         try:
             built = build()
         except (LimitError, SemanticsError) as error:
@@ -164,8 +164,8 @@ class Spaces:
 
     def stable(self, by: Choice, progress: Progress | None = None) -> tuple[ArraySpace, str]:
         """The alternatives graph by listing, and the proof of confluence used; see :meth:`space`."""
-        if self.mission_net is not None and (found := too_much_hardware(self.mission_net, by.limit)):
-            raise LimitError(f"{found}, the limit on states is {by.limit}: use --engine local")
+        if self.mission_net is not None and (reason := too_much_hardware(self.mission_net, by.limit)):
+            raise LimitError(f"{reason}, the limit on states is {by.limit}: use --engine local")
         graph, space = self._listed(by.limit, progress)
         return space, graph.proof or ""
 
@@ -202,7 +202,9 @@ class Spaces:
         tokens = tokens and not self.net.priorities  # else the net must be 1-safe
         if by.engine == "explicit":
             return self._once(("explicit", tokens), lambda: self._arrays(by, progress, tokens), by.limit)
-        edges = by.why is not None and not self.net.priorities  # no diagram was asked for by name
+        edges = (
+            by.why is not None and not self.net.priorities
+        )  # ``auto`` chose: no diagram was asked for by name
 
         def build() -> ArraySpace | DiagramMarkings:
             space = self.symbolic(tokens=tokens, edges=edges)
@@ -273,7 +275,7 @@ class Spaces:
 
     @property
     def brief(self) -> DiagramMarkings | None:
-        """All markings on a diagram, where few steps reach them and no place holds two tokens."""
+        """All markings on a diagram, if the net is 1-safe and few steps reach them all; else ``None``."""
 
         def build() -> DiagramMarkings | None:
             space = reach_briefly(self.net)

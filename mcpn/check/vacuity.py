@@ -1,4 +1,4 @@
-"""What of a formula that holds says nothing: it holds whatever that part is.
+"""Vacuity of a formula that holds: the parts that can be replaced by anything while it still holds.
 
 Reference: O. Kupferman, M. Y. Vardi, *Vacuity detection in temporal model checking*, STTT 4, 2003: a formula
 holds vacuously if a part of it can be replaced by anything. For a part that stands under an even number of
@@ -18,7 +18,7 @@ from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, Formula, Not
 def idle_parts(
     formula: Formula, words: Collection[Formula], holds: Callable[[Formula], bool]
 ) -> Iterator[Formula]:
-    """The atoms and words of a formula that holds of which it says nothing.
+    """The atoms and words in which a formula that holds is vacuous.
 
     Args:
         formula: A formula that holds.
@@ -30,7 +30,7 @@ def idle_parts(
         number of negations here and an odd number there nothing is said.
     """
     for part, signs in signs_of(formula, words).items():
-        if len(signs) == 1 and part not in (formula, DEADLOCK):  # which next steps bring in
+        if len(signs) == 1 and part not in (formula, DEADLOCK):  # the translation of X adds deadlock
             worst = FALSE if signs == {True} else TRUE
             if holds(_replaced(formula, part, worst)):
                 yield part
@@ -44,20 +44,20 @@ def signs_of(formula: Formula, words: Collection[Formula]) -> dict[Formula, set[
     signs: dict[Formula, set[bool]] = {}
     stack = [(formula, True)]
     while stack:
-        at, sign = stack.pop()
-        if at in words or (not at.operands and ~at not in words):
-            if at not in (TRUE, FALSE):
-                signs.setdefault(at, set()).add(sign)
-        elif ~at in words:
-            signs.setdefault(~at, set()).add(not sign)
+        part, sign = stack.pop()
+        if part in words or (not part.operands and ~part not in words):
+            if part not in (TRUE, FALSE):
+                signs.setdefault(part, set()).add(sign)
+        elif ~part in words:
+            signs.setdefault(~part, set()).add(not sign)
         else:
-            below = not sign if isinstance(at, Not) else sign
-            stack.extend((operand, below) for operand in reversed(at.operands))
+            below = not sign if isinstance(part, Not) else sign
+            stack.extend((operand, below) for operand in reversed(part.operands))
     return signs
 
 
 def _replaced(formula: Formula, part: Formula, by: Formula) -> Formula:
-    """A formula with another one in all places of a part."""
+    """The formula with every occurrence of a part replaced by another formula."""
     if formula == part:
         return by
     if formula == ~part:

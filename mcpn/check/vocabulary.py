@@ -82,8 +82,8 @@ def vocabulary(mission_net: MissionNet) -> Vocabulary:
 
     def folded(known: Mapping[str, str | None]) -> tuple[NamedWord, ...]:
         return tuple(
-            NamedWord(name, tuple(of) if of != [name] else (), known[of[0]])
-            for name, of in names.folded(known).items()
+            NamedWord(name, tuple(copies) if copies != [name] else (), known[copies[0]])
+            for name, copies in names.folded(known).items()
         )
 
     return Vocabulary(

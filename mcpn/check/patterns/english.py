@@ -46,6 +46,7 @@ def clause(formula: Formula, names: Names) -> str:
 
 
 def _joined(formula: Formula, names: Names, around: str) -> str:
+    """A formula as a clause, in parentheses where it stands in a clause joined by another word."""
     for negated, meant in enumerate((formula, ~formula)):
         if meant in names.said and names.said[meant][0] in _WORDS:
             kind, *about = names.said[meant]

@@ -17,7 +17,7 @@ SCOPES = ("globally", "before", "after", "between", "after_until")
 
 
 def _bounded(most: int) -> dict[str, str]:
-    """At most so many stretches of ``p``."""
+    """Bounded existence by scope: ``p`` holds in at most ``most`` intervals."""
     apart, ends = "G !p", "!p U r"
     until = "(!p W r) | G p"
     for _ in range(most):
@@ -112,7 +112,7 @@ PUBLISHED: Mapping[str, Mapping[str, str]] = {
 
 
 def _within(inside: str) -> dict[str, str]:
-    """What each state of an interval satisfies that ends with ``r``: the scopes that have such an end."""
+    """For the scopes that end with ``r``: each state of the interval satisfies ``inside``."""
     return {
         "before": f"F r -> (({inside}) U r)",
         "between": f"G ((q & !r & F r) -> (({inside}) U r))",

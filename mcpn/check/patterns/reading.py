@@ -92,7 +92,7 @@ class _PatternReader:
         return text if _ONE_WORD.fullmatch(text) else f"({text})"
 
     def locations(self, of: tuple[str, ...], attribute: str) -> list[str]:
-        """What says of each of some objectives that it runs."""
+        """For each of some objectives, the formula that it runs."""
 
         def known() -> list[str]:
             for name in of:
@@ -102,6 +102,7 @@ class _PatternReader:
         return self._read(attribute, known)
 
     def _read(self, attribute: str, read: Callable[[], _Read]) -> _Read:
+        """What ``read`` makes of an attribute; its errors name the attribute and the pattern's line."""
         try:
             return read()
         except (InputError, LimitError) as error:

@@ -1,4 +1,4 @@
-"""The patterns of robotic missions as they are published, and what is used of objectives.
+"""The patterns of robotic missions: the published formulas, and those used where locations are objectives.
 
 Source: Menghi, Tsigkanos, Pelliccione, Ghezzi, Berger, *Specification patterns for robotic missions*, IEEE
 TSE 2019, and its catalogue: 22 patterns. Their locations are objectives here. In the traces of the catalogue
@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 
 Texts = Sequence[str]
-"""What says of each location that the robot is there: operands, in parentheses where they need some."""
+"""For each location the formula that the robot is there, in parentheses where an operand needs them."""
 
 
 def _all(parts: Iterator[str]) -> str:
@@ -25,6 +25,7 @@ def _ring(of: Texts) -> Iterator[tuple[str, str]]:
 
 
 def _sequence(of: Texts) -> str:
+    """The locations are visited one after the other, the first at any time."""
     said = ""
     for each in reversed(of):
         said = f"F ({each} & {said})" if said else f"F {each}"
@@ -42,11 +43,12 @@ def _patrolled(of: Texts) -> Iterator[str]:
 
 
 def _nested(each: str, times: int) -> str:
-    """So many states at the location."""
+    """At least so many states of the path are at the location."""
     return f"F ({each} & X {_nested(each, times - 1)})" if times > 1 else f"F {each}"
 
 
 def _exact(each: str, times: int) -> str:
+    """Exactly so many states of the path are at the location."""
     inside = f"X G !{each}"
     for _ in range(times):
         inside = f"X (!{each} U ({each} & {inside}))"
@@ -97,7 +99,7 @@ REACTIONS: Mapping[str, str] = {
     "bound": "G ({to} <-> {gives})",
     "bound_delay": "G ({to} <-> X {gives})",
 }
-"""As they are published."""
+"""By ``when`` of a reaction, the formula that is published."""
 PAST, FUTURE, GLOBAL, WAIT = "!{each} U {until}", "G ({after} -> G !{each})", "G !{each}", "{each} U {until}"
 """Avoidance up to a moment, from a moment, always; and waiting: as they are published."""
 

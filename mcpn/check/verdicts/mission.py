@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 REQUIRED = ("safe", "bounded", "confluent", "deadlock_free", "success_reachable", "can_always_finish")
 INFORMATIVE = ("failure_reachable", "unselectable")
 ENDS_SAFELY, ABORT_REACHABLE = "can_always_end_safely", "abort_reachable"
-"""What is required, and what is told, of a mission that can abort besides the rest."""
+"""The further required and the further informative verdict of a mission that can abort."""
 
 UNDECIDED = {
     "safe": "not decided: the net is not 1-safe, so that its states cannot be explored",
@@ -66,7 +66,7 @@ RUNS = {
     "failure_reachable": (True, "a run leads to failure", "no run leads to mission failure"),
     ABORT_REACHABLE: (True, "a run leads to abort", "no run leads to mission abort"),
 }
-"""Whether a verdict holds by a run that is looked for, and what is said where there is one and where not."""
+"""By verdict: whether it holds if a run is found, and the explanations where one is found and where none."""
 
 
 @dataclass(frozen=True)
@@ -173,8 +173,8 @@ class MissionCheck(Told):
     @cached_property
     def warnings(self) -> list[Problem]:
         """What is suspicious in the mission, by its text and by its states, each once."""
-        told = (*static_warnings(self.mission_net.usage), *self.unselectable, *self.futile)
-        return list({str(problem): problem for problem in told}.values())
+        problems = (*static_warnings(self.mission_net.usage), *self.unselectable, *self.futile)
+        return list({str(problem): problem for problem in problems}.values())
 
     @property
     def failing(self) -> list[str]:
@@ -188,7 +188,7 @@ class MissionCheck(Told):
 
     @property
     def violated(self) -> list[str]:
-        """Requirements that are not known to be met and may not be left so."""
+        """Requirements of severity ``required`` that are not known to be met."""
         return [answer.asked.name for answer in self.requirements if answer.required and not answer.met]
 
     @property
@@ -234,7 +234,8 @@ def check(
             if choice.engine == "local":
                 alternatives = spaces.composite(executor=executor, progress=progress)
                 proof = "each type of section, and each way from one to the next, proved on its own net"
-            elif choice.engine == "symbolic" or not spaces.net.priorities:  # without, none is stable
+            elif choice.engine == "symbolic" or not spaces.net.priorities:
+                # Without priorities no marking is stable.
                 every = replace(choice, max_states=choice.beside(SMALL))
                 markings = spaces.markings(every, progress, tokens=False)
                 alternatives, proof = spaces.reduced(every, progress)
@@ -244,7 +245,7 @@ def check(
         except (UnsafeError, ConfluenceError, DivergenceError) as error:
             fault: SemanticsError = error
             if choice.engine == "explicit":
-                markings, fault = _of_markings(spaces, choice, error)
+                markings, fault = _markings_instead(spaces, choice, error)
             decided = _broken(spaces.mission, fault)
         found = _verdicts(spaces, choice, decided, markings, alternatives)
         return replace(found, requirements=_requirements(spaces.mission, asked, alternatives))
@@ -252,14 +253,14 @@ def check(
     return answered(by, spaces.mission, engine=engine, on="alternatives", max_states=max_states)[0]
 
 
-def _of_markings(
+def _markings_instead(
     spaces: Spaces, choice: Choice, error: SemanticsError
 ) -> tuple[Space[Any] | None, SemanticsError]:
-    """What all markings say of a mission that is not safe, or has an event without one outcome.
+    """The markings graph of a mission that has no alternatives graph, and the error to report.
 
     Returns:
-        The markings graph, to be asked what needs no outcome of events; ``None`` where there is none. The
-        fault, an unsafe firing with a shortest run to it.
+        The markings graph, for the verdicts that need no outcome of events; ``None`` where there is none. The
+        error: where a firing is unsafe, that of the markings graph, which has a shortest run to the firing.
 
     Raises:
         LimitError: There are more markings than may be listed, and another engine may be asked.
@@ -361,7 +362,7 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
         goals[ABORT_REACHABLE] = abort
     for name, goal in goals.items():
         step(Doing.DECIDING, question=name)
-        good, found, nothing = RUNS[name]
+        holds_if_found, found, nothing = RUNS[name]
         if goal is success:
             yield _success(mission_net, space, goal, settles=settles)
             continue
@@ -369,20 +370,21 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
         if goal:
             run = space.run(space.initial.pick(), goal) if settles else run_of_fewest_events(space, goal)
         if run is None:
-            yield Verdict(name, not good, nothing)
+            yield Verdict(name, not holds_if_found, nothing)
         else:
-            yield Verdict(name, good, found, (Run(space.net, transitions_of(run), settles=settles),))
+            shown = Run(space.net, transitions_of(run), settles=settles)
+            yield Verdict(name, holds_if_found, found, (shown,))
 
 
 def _success(mission_net: MissionNet, space: Space[S], goal: S, *, settles: bool) -> Verdict:
     """Whether the mission can succeed; the run that shows it skips no objective if it need not."""
-    good, found, nothing = RUNS["success_reachable"]
+    _, found, nothing = RUNS["success_reachable"]
     run = without_skipping(mission_net, space, goal) if settles else None
     if run is not None:
         found = f"a run without failures or interruptions {found.removeprefix('a run ')}"
     elif goal:
         run = space.run(space.initial.pick(), goal) if settles else run_of_fewest_events(space, goal)
     if run is None:
-        return Verdict("success_reachable", not good, nothing + no_way_to_success(mission_net.graph))
+        return Verdict("success_reachable", False, nothing + no_way_to_success(mission_net.graph))
     shown = Run(space.net, transitions_of(run), settles=settles)
-    return Verdict("success_reachable", good, found, (shown,), skipped(mission_net, shown))
+    return Verdict("success_reachable", True, found, (shown,), skipped(mission_net, shown))

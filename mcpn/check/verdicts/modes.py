@@ -92,7 +92,7 @@ def said_by(mission_net: MissionNet, marked: Iterable[int]) -> Situation:
 
 
 def said_as(role: str) -> str | None:
-    """The field of a situation in which a place of some role is told of, ``None`` for an outcome's."""
+    """The field of :class:`Situation` that places of a role fill; ``None`` for the roles of outcomes."""
     return _FIELDS.get(role)
 
 
@@ -133,16 +133,16 @@ def functioning_modes(mission_net: MissionNet, space: Space[S]) -> dict[str, lis
     def places_saying(own: tuple[str, ...]) -> tuple[int, ...]:
         return tuple(sorted(place for name in served(own) for place in places_of[name]))
 
-    everywhere = {section.name: section.activities for section in mission_net.graph.walk()}
+    activities_of = {section.name: section.activities for section in mission_net.graph.walk()}
     modes_of, known = dict[str, list[Mode]](), dict[Hashable, list[list[Mode]]]()
     for piece in space.pieces(space.stable):
-        names = tuple(everywhere) if piece.kind is None else piece.names
+        names = tuple(activities_of) if piece.kind is None else piece.names
         if piece.kind not in known:
             known[piece.kind] = modes = []
             for name in names:
-                own = everywhere[name]
+                own = activities_of[name]
                 running = space.marked(mission_net.by_role["objective", name]) & piece.states
                 places = places_saying(own)
                 modes.append(sorted_modes(own, places, space.image(running, places, store(len(places)))))
         modes_of |= zip(names, known[piece.kind], strict=True)
-    return {name: modes_of.get(name, []) for name in everywhere}
+    return {name: modes_of.get(name, []) for name in activities_of}

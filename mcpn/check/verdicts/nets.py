@@ -2,7 +2,8 @@
 
 Behaviour follows from the *bottom components*: strongly connected sets of markings that no firing leaves.
 From every marking some run ends in one of them. So a transition is live (L4) if it fires in each of them, a
-home marking is one that lies in the only one, and the net is reversible if every marking is a home marking.
+home marking is one that lies in the only bottom component, and the net is reversible if every marking is a
+home marking.
 
 Reference: T. Murata, Petri nets: properties, analysis and applications, Proc. IEEE 77(4), 1989, section IV.
 """
@@ -83,7 +84,7 @@ class Behaviour(Generic[S]):
 
     @property
     def all_live(self) -> bool:
-        """Whether every transition is live; where one never fires or nothing may, that is soon known."""
+        """Whether every transition is live; a deadlock or a transition that never fires soon refutes it."""
         fires = not self.deadlock and self.quasi_live == self.transitions
         return not self.transitions or (fires and self.live == self.transitions)
 
@@ -110,7 +111,9 @@ class Behaviour(Generic[S]):
     def _bottom(self, within: S) -> S:
         """A bottom component that some marking of a non-empty set leads to.
 
-        From any marking forward; what it reaches and does not lead back is further down, so there it goes on.
+        The markings that a marking reaches and that do not lead back to it lie in components further down:
+        the search goes on from one of them (Xie, Beerel, *Efficient state classification of finite state
+        Markov chains*, DAC 1998).
         """
         while True:
             here = self.space.single(within.pick())
@@ -143,7 +146,7 @@ class NetCheck:
         deadlock: A run to a dead marking, a shortest one where the net is bounded.
         deadlock_free: Whether there is none.
         dead_transitions: Transitions that never fire.
-        not_live: Those that some day fire no more.
+        not_live: Transitions that are not live: from some reachable marking they can never fire again.
         reversible: See :class:`Behaviour`.
         home_markings: The same.
     """

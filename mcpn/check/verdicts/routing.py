@@ -3,7 +3,7 @@
 A route is *taken* if the outcome or the event that it belongs to happens in some state. Objectives to which
 no route that is taken leads can never be entered, and the routes that would lead there say why. Where no
 route that is taken leads from a success to the success of the mission, it leads only to failure. Both look
-at routes alone, not at what is out of service along them: what is told is so, but not all that is so is told.
+at routes alone, not at the hardware that is out of service along them: the analysis is sound, not complete.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class Routing:
         self._exits: dict[str, frozenset[str]] = {}
 
     def entered(self, section: Section) -> bool:
-        """Whether some state runs it."""
+        """Whether some state runs the section, or an objective in it."""
         return any(objective.name in self._entered for objective in section.walk())
 
     def never_entered(self, mission: Mission) -> Iterator[Problem]:
@@ -75,16 +75,16 @@ class Routing:
                 for route in _routes(section):
                     if route.target in into:
                         into[route.target].append(route)
-        told = set[str]()
+        visited = set[str]()
         begins = [s for s in graph.sections if s.name in never and (into[s.name] or s.name == graph.entry)]
         for begin in begins:
-            if begin.name in told:
+            if begin.name in visited:
                 continue
             region, queue, causes = list[Section](), [begin.name], list[_Route]()
             while queue:
                 name = queue.pop(0)
-                if name not in told:
-                    told.add(name)
+                if name not in visited:
+                    visited.add(name)
                     region.append(graph.section(name))
                     causes += into[name]
                     queue += [target for target in region[-1].routes if target in never]
@@ -129,8 +129,8 @@ class Routing:
             happen["failure"] = badly > len(ends) - section.needed or (section.hasty and happen["failure"])
         return frozenset(outcome for outcome, _ in section.outcomes if happen.get(outcome, True))
 
-    def _led(self, section: Section) -> list[str]:
-        """Where the routes of a section lead that are taken."""
+    def _taken_targets(self, section: Section) -> list[str]:
+        """The targets of those routes of a section that are taken."""
         targets = list(section.routes)
         taken = self.taken(section)
         for route in _routes(section):
@@ -141,16 +141,17 @@ class Routing:
     def _ends(self, branch: str, graph: ObjectivesGraph) -> frozenset[str]:
         """The exits of a branch that routes lead to from its entry."""
         if branch not in self._exits:
-            seen = self._from(graph, graph.entry)
+            seen = self._reachable(graph, graph.entry)
             self._exits[branch] = frozenset(seen & {SUCCEED, FAIL, ABORT})
         return self._exits[branch]
 
-    def _from(self, graph: ObjectivesGraph, begin: str) -> set[str]:
+    def _reachable(self, graph: ObjectivesGraph, begin: str) -> set[str]:
+        """The sections and exits that taken routes lead to from a section, itself included."""
         seen, stack = {begin}, [begin]
         inside = {section.name for section in graph.sections}
         while stack:
             if (name := stack.pop()) in inside:
-                new = set(self._led(graph.section(name))) - seen
+                new = set(self._taken_targets(graph.section(name))) - seen
                 seen |= new
                 stack.extend(new)
         return seen
@@ -159,7 +160,7 @@ class Routing:
         """An exit of the graph, and the sections from which routes lead to it."""
         before: dict[str, list[str]] = {}
         for section in graph.sections:
-            for target in self._led(section):
+            for target in self._taken_targets(section):
                 before.setdefault(target, []).append(section.name)
         seen, stack = {goal}, [goal]
         while stack:
@@ -171,11 +172,11 @@ class Routing:
     def _behind(
         self, graph: ObjectivesGraph, begin: str, hopeful: Collection[str]
     ) -> tuple[list[_Route], set[str]]:
-        """Routes behind a section that would lead to success and are not taken; the exits reached."""
-        seen = self._from(graph, begin)
+        """Routes behind a section that would lead to success if they were taken; and the exits reached."""
+        seen = self._reachable(graph, begin)
         routes = (r for section in graph.sections if section.name in seen for r in _routes(section))
-        wanting = [r for r in routes if r.target in hopeful and not isinstance(r.by, Event)]
-        return wanting, seen & {SUCCEED, FAIL, ABORT}
+        missing = [r for r in routes if r.target in hopeful and not isinstance(r.by, Event)]
+        return missing, seen & {SUCCEED, FAIL, ABORT}
 
     def _graphs(self, graph: ObjectivesGraph) -> Iterator[ObjectivesGraph]:
         """A graph and those of branches that are entered, at any depth."""

@@ -12,7 +12,7 @@ from mcpn.space.algebra import Edge, S, Space
 from mcpn.space.run import Run
 
 MOST_READ = 200
-"""Objectives of a mission up to which the run that shows success leaves none out that need not fail."""
+"""Most objectives of a mission whose success is shown by a nominal run, where one succeeds."""
 
 _TRY = re.compile(r"_run[0-9]+(?=[._]|$)|_try[0-9]+(?=[.]|$)")
 
@@ -51,9 +51,9 @@ def _untried(name: str) -> str:
 
 
 def _nominal(mission_net: MissionNet) -> list[int]:
-    """What happens where nothing fails and nothing interrupts the mission."""
+    """The transitions of nominal runs: internal ones, the start, and successes."""
     good = (None, What.START, What.SUCCESS)
-    events = ((t, of.event) for t, of in enumerate(mission_net.net.transitions))
+    events = ((t, transition.event) for t, transition in enumerate(mission_net.net.transitions))
     return [t for t, event in events if (event.what if event else None) in good]
 
 

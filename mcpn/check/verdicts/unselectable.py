@@ -1,4 +1,4 @@
-"""What of a mission can never be selected, entered, left or used, as its states tell."""
+"""Elements of a mission that are never selected, entered, left or used in any of its reachable states."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def never_happens(mission_net: MissionNet, space: Space[S], firings: Mapping[int
     transitions = mission_net.net.transitions
     events = (transitions[t].event for t, count in firings.items() if count)
     happens = {event for event in events if event is not None}
-    selected, entered = _come_about(mission_net, space)
+    selected, entered = _selected_and_entered(mission_net, space)
     sections = list(usage.graph.walk())
     begun = {activity for section in sections if section.name in entered for activity in section.activities}
     running = frozenset[str]().union(*map(usage.closure, begun))
@@ -49,7 +49,7 @@ def never_happens(mission_net: MissionNet, space: Space[S], firings: Mapping[int
             continue
         for alternative in activity.alternatives:
             name = f"{activity.name}.{alternative.name}"
-            # Of an activity of objectives that are never entered, these are told, and all else follows.
+            # Where no objective with the activity is entered, these are reported, not its alternatives.
             if name in selected or activity.name not in running:
                 used.update(alternative.consumes)
             else:
@@ -65,8 +65,8 @@ def never_happens(mission_net: MissionNet, space: Space[S], firings: Mapping[int
     return Never(tuple(in_order(problems)), tuple(in_order(routing.futile())))
 
 
-def _come_about(mission_net: MissionNet, space: Space[S]) -> tuple[set[str], set[str]]:
-    """Alternatives and objectives that run in some stable state; alike parts are asked once."""
+def _selected_and_entered(mission_net: MissionNet, space: Space[S]) -> tuple[set[str], set[str]]:
+    """Alternatives and objectives that run in some stable state; pieces of one kind are asked once."""
     active, by_role = mission_net.saying("active"), mission_net.by_role
     everywhere = tuple(mission_net.saying("objective").values())
     selected, entered, known = set[str](), set[str](), dict[Hashable, list[int]]()
@@ -79,13 +79,13 @@ def _come_about(mission_net: MissionNet, space: Space[S]) -> tuple[set[str], set
 
             selected |= {name for place, name in active.items() if name not in selected and marks(place)}
             places = (by_role["objective", name] for name in names)
-            known[piece.kind] = [number for number, of in enumerate(places) if any(map(marks, of))]
+            known[piece.kind] = [number for number, own in enumerate(places) if any(map(marks, own))]
         entered.update(names[number] for number in known[piece.kind])
     return selected, entered
 
 
 def _held(usage: Usage, activity: str, consumed: Sequence[str]) -> str:
-    """Why an alternative is never selected, where its activity serves one that has what it consumes."""
+    """Why it is never selected, where its activity serves another that holds what it consumes."""
     for contention in usage.contentions:
         above = [name for name in contention.rivals if name != activity]
         if contention.wanted in consumed and len(above) == 1 and activity in usage.closure(above[0]):
