@@ -1,9 +1,10 @@
 r"""Generalised Büchi automata on transitions, and the translation of formulas on paths into them.
 
-The states of the automaton are what is still to be satisfied; its edges are the ways to satisfy that by one
-state and what is left then (Couvreur, *On-the-fly verification of linear temporal logic*, FM 1999; Gastin,
-Oddoux, *Fast LTL to Büchi automata translation*, CAV 2001, whose simplifications are used). An edge bears the
-mark of each ``U`` that it does not put off; a run is accepted where it takes every mark again and again.
+The states of the automaton are sets of obligations: formulas that the rest of the path must satisfy. Its
+edges are the covers of such a set: what the present state must satisfy, and the obligations left then
+(Couvreur, *On-the-fly verification of linear temporal logic*, FM 1999; Gastin, Oddoux, *Fast LTL to Büchi
+automata translation*, CAV 2001, whose simplifications are used). An edge bears the mark of each ``U`` that it
+does not put off; a run is accepted where it takes every mark again and again.
 
 >>> from mcpn.check.ltl.formulas import Until
 >>> from mcpn.space.search.goal import TRUE, marked
@@ -73,7 +74,7 @@ class Automaton:
 
     @property
     def accepting_all(self) -> frozenset[int]:
-        """States from which it accepts every path: an edge takes each mark, whatever comes, and stays."""
+        """States from which it accepts every path: by a loop that bears every mark and asks for nothing."""
         return frozenset(
             q
             for q, of in enumerate(self.edges)
@@ -90,7 +91,7 @@ class _Cover:
     put_off: frozenset[Formula]
 
     def covers(self, other: _Cover) -> bool:
-        """Whether whatever goes the other way could as well go this one."""
+        """Whether this cover makes the other needless: it asks for no more and puts off no more."""
         return self.literals <= other.literals and self.left <= other.left and self.put_off <= other.put_off
 
 
@@ -137,7 +138,7 @@ def translated(formula: Formula) -> Automaton:
 
 
 def kept(automaton: Automaton, keep: Callable[[Literals], bool]) -> Automaton:
-    """An automaton with the edges alone whose literals are to be kept, and what is then of use."""
+    """An automaton without the edges whose literals are not to be kept, and without states useless then."""
     edges = tuple(tuple(edge for edge in of if keep(edge.literals)) for of in automaton.edges)
     return _reduced(Automaton(edges, automaton.marks))
 
@@ -147,7 +148,7 @@ def _conjuncts(formula: Formula) -> frozenset[Formula]:
 
 
 def _ways(obligations: frozenset[Formula]) -> list[_Cover]:
-    """The ways to satisfy some formulas, but for those that another way makes needless."""
+    """The covers of some formulas, without those that another cover makes needless."""
     covers: list[_Cover] = []
     nothing = frozenset[Formula]()
     stack = [(list(obligations), frozenset[Formula](), _Cover(nothing, nothing, nothing))]
@@ -186,7 +187,7 @@ def _ways(obligations: frozenset[Formula]) -> list[_Cover]:
 
 
 def _reduced(automaton: Automaton) -> Automaton:
-    """An automaton of the same language without useless states, and one for all that have equal edges."""
+    """An automaton of the same language without useless states, bisimilar states merged."""
     while True:
         smaller = _merged(_useful(automaton))
         if len(smaller.edges) == len(automaton.edges):
@@ -260,12 +261,13 @@ def _reached(start: int, by_block: dict[int, int], blocks: list[int], automaton:
 
 
 def _needed(edges: Iterable[AutomatonEdge]) -> Iterator[AutomatonEdge]:
-    """Those of some edges of a state that no other makes needless, each once."""
-    of = list(dict.fromkeys(edges))
+    """Some edges of one state, each once, without those that another of them makes needless."""
+    distinct = list(dict.fromkeys(edges))
 
     def needless(e: AutomatonEdge) -> bool:
         return any(
-            o != e and o.target == e.target and o.literals <= e.literals and o.marks >= e.marks for o in of
+            o != e and o.target == e.target and o.literals <= e.literals and o.marks >= e.marks
+            for o in distinct
         )
 
-    return (edge for edge in of if not needless(edge))
+    return (edge for edge in distinct if not needless(edge))

@@ -114,7 +114,7 @@ def _release(left: Formula, right: Formula) -> Formula:
 
 
 def is_eventual(formula: Formula) -> bool:
-    """Whether a path whose rest satisfies a formula, in normal form, is known to satisfy it, too."""
+    """Whether a formula in normal form is eventual by its syntax: true of a path if of a suffix."""
     match formula:
         case And(operands) | Or(operands):
             return all(map(is_eventual, operands))
@@ -128,7 +128,7 @@ def is_eventual(formula: Formula) -> bool:
 
 
 def is_universal(formula: Formula) -> bool:
-    """Whether the rest of a path that satisfies a formula, in normal form, is known to satisfy it, too."""
+    """Whether a formula in normal form is universal by its syntax: if true of a path, of every suffix."""
     match formula:
         case And(operands) | Or(operands):
             return all(map(is_universal, operands))

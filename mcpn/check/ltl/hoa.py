@@ -1,4 +1,4 @@
-"""Automata in the Hanoi Omega-Automata format, for other tools; and what classes a formula is of.
+"""Automata in the Hanoi Omega-Automata format, for other tools; and the classes of a formula.
 
 Source: Babiak and others, *The Hanoi Omega-Automata format*, CAV 2015 (adl.github.io/hoaf).
 """
@@ -75,7 +75,7 @@ def classes(formula: Formula) -> list[str]:
 
 
 def is_stutter_insensitive(formula: Formula) -> bool:
-    """Whether steps that change nothing do not count, by how a formula is written."""
+    """Whether a formula is stutter-insensitive by its syntax: it holds neither ``X`` nor a step."""
     return not any(isinstance(part, Next | Happens) for part in formula.walk())
 
 

@@ -20,8 +20,8 @@ class Lasso(Generic[S]):
         steps: The edges of the run.
         cycle: Index of the step with which the part begins that is repeated for ever; ``None`` where nothing
             is repeated.
-        decided: Whether every way to go on behind the run is accepted; else a run that repeats nothing ends
-            in a state without successors.
+        decided: Whether every continuation of the run is accepted. A run that is not decided and repeats
+            nothing ends in a state without successors.
     """
 
     def __init__(self, product: Product[S], start: Any) -> None:
@@ -34,8 +34,8 @@ class Lasso(Generic[S]):
         for sets, _ in product.fair(within):
             fair.update({q: states for q, states in sets.items() if states})
         decided = product.decided(fair, within)
-        came = self._follow(_union(fair, decided), within, product.edges)
-        assert came, "some path is accepted"
+        arrived = self._follow(_union(fair, decided), within, product.edges)
+        assert arrived, "some path is accepted"
         self.decided = self._in(decided)
         if self.decided:
             return
@@ -51,7 +51,7 @@ class Lasso(Generic[S]):
         return self._state in sets and bool(self.space.single(self._at) & sets[self._state])
 
     def _go_round(self, fair: Sets[S], inside: Collection[ProductEdge[S]]) -> None:
-        """Appends a cycle that meets all that is to be met, further on where none leads back."""
+        """Appends a cycle that meets every mark and constraint, further on where none leads back."""
         while not self._ended:
             begin, first = {self._state: self.space.single(self._at)}, len(self.steps)
             for meeting in self.product.meetings(inside):
@@ -70,9 +70,9 @@ class Lasso(Generic[S]):
         bearing: Collection[ProductEdge[S]],
         fired: Collection[int] | None,
     ) -> None:
-        """Goes to where something is met inside the fair sets, and by the step that meets it, if one does."""
-        came = self._ended or self._follow(met(fair), fair, inside)
-        assert came, "it is met from everywhere in the fair sets"
+        """Appends a path to where a mark or constraint is met, and the step that meets it, if a step does."""
+        arrived = self._ended or self._follow(met(fair), fair, inside)
+        assert arrived, "it is met from everywhere in the fair sets"
         if not self._ended and (bearing or fired):
             self._step(fair, bearing or inside, fired)
 
@@ -108,12 +108,12 @@ class Lasso(Generic[S]):
         for edge in self.space.edges(self._at):
             for way in ways:
                 allowed = way.transitions is None or edge.transition in way.transitions
-                asked = not fired or edge.transition in fired
-                if allowed and asked and self.space.single(edge.target) & into[way.target]:
+                wanted = not fired or edge.transition in fired
+                if allowed and wanted and self.space.single(edge.target) & into[way.target]:
                     self.steps.append(edge)
                     self._state, self._at = way.target, edge.target
                     return
-        # What may be met by firing may have been met by the state alone.
+        # A constraint that a firing may meet has then been met by the state.
         assert fired, "closures said that there is such a step"
 
 

@@ -1,10 +1,9 @@
-"""What is asked of paths from the initial marking, decided marking by marking as they are needed.
+"""Whether some path from the initial marking satisfies a formula, decided on the fly, without a space.
 
-The automaton of a formula is run beside the net (:mod:`mcpn.check.ltl.search`). What is known to hold
-always, or never, of the conditions on markings that the formula speaks of is put in before: an automaton that
-then accepts nothing needs no marking at all; so does one that accepts nothing together with what is known to
-hold at some time on every path. Where steps that change nothing do not count, the net is made
-smaller first.
+The automaton of the formula is run beside the net (:mod:`mcpn.check.ltl.search`). Before that, conditions on
+markings that are known to hold always, or never, are replaced by constants. If the automaton then accepts
+nothing, no marking is explored; nor is one if it accepts nothing in conjunction with the conditions that are
+known to hold at some time on every path. For a stutter-insensitive formula the net is reduced first.
 """
 
 from __future__ import annotations
@@ -38,12 +37,12 @@ from mcpn.space.search.goal import (
 from mcpn.space.search.portfolio import ROUNDS, Portfolio
 
 RESTARTS = (*[64] * 8, *[8] * 4, 1)
-"""What share of the steps each order has: where it begins badly, a search goes astray for ever."""
+"""By random order of the search, the divisor of its steps: a search that begins badly may never end."""
 
 MOST_ASKED = 8
-"""Conditions of which it is asked whether they hold at some time on every path."""
+"""Limit on conditions that are tested for holding at some time on every path."""
 FEW_STEPS = 2_000
-"""Steps of the product that are followed to know that."""
+"""Limit on steps of the product in such a test."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +52,7 @@ class _Asked:
     Args:
         net: The net.
         search: The search, in it or in a smaller one.
-        reduction: How that has been made.
+        reduction: The reduction that made the smaller net; ``None`` where the search is in the net.
     """
 
     net: PetriNet
@@ -61,11 +60,12 @@ class _Asked:
     reduction: Reduction | None = None
 
     def found(self, steps: int, seed: int) -> FoundPath | None:
-        """How the search ends; ``None`` where it finds a path that repeats in the smaller net alone."""
+        """How the search ends; ``None`` where it finds a path that is a cycle in the smaller net alone."""
         path = self.search.search(steps, seed)
         return path if self.reduction is None or path.outcome != "found" else self._lifted(path)
 
     def _lifted(self, path: FoundPath) -> FoundPath | None:
+        """A path of the smaller net in the net; ``None`` where its cycle is none there."""
         assert self.reduction is not None
         split = len(path.run) if path.cycle is None else path.cycle
         begin = self.reduction.lift(path.run[:split])
@@ -83,11 +83,11 @@ class _Asked:
     def _ended(self, path: FoundPath, marking: list[int]) -> tuple[int, ...]:
         """Where the path has ended in the smaller net, what is left to fire until it ends in this one."""
         assert self.reduction is not None
-        smaller, at = self.reduction.net, list(self.reduction.net.initial)
+        smaller, reached = self.reduction.net, list(self.reduction.net.initial)
         for t in path.run:
-            smaller.fire_in_place(at, t)
+            smaller.fire_in_place(reached, t)
         rest = list[int]()
-        while not smaller.enabled(at) and (enabled := self.net.enabled(marking)):
+        while not smaller.enabled(reached) and (enabled := self.net.enabled(marking)):
             rest.append(enabled[0])
             self.net.fire_in_place(marking, enabled[0])
         return tuple(rest)
@@ -105,7 +105,7 @@ class PathParts:
         self._searches: dict[Formula, _Asked | None] = {}
         self._constants: dict[Goal, Formula | None] = {}
         self._enriched = set[Formula]()
-        self._coming: dict[Formula, bool] = {}
+        self._inevitable: dict[Formula, bool] = {}
 
     def decide(self, path: Formula, steps: int, seed: int, *, enrich: bool = False) -> FoundPath | None:
         """Whether such a path begins in the initial marking.
@@ -156,21 +156,22 @@ class PathParts:
     def _refuted(self, path: Formula) -> bool:
         """Whether no path satisfies both a formula and what holds at some time on every path of the net."""
         plain = dict.fromkeys(c.operands[0] if isinstance(c, Not) else c for c in _conditions(path))
-        come = [Until(TRUE, c) for of in [*plain][:MOST_ASKED] for c in (of, Not(of)) if self._comes(c)]
+        literals = [literal for c in [*plain][:MOST_ASKED] for literal in (c, Not(c))]
+        inevitable = [Until(TRUE, literal) for literal in literals if self._is_inevitable(literal)]
         try:
-            return bool(come) and translated(normal(And(path, *come))).is_empty
+            return bool(inevitable) and translated(normal(And(path, *inevitable))).is_empty
         except LimitError:
             return False
 
-    def _comes(self, condition: Formula) -> bool:
-        """Whether few steps show that what does not hold at first holds at some time on every path."""
-        if condition not in self._coming:
-            self._coming[condition] = False
+    def _is_inevitable(self, condition: Formula) -> bool:
+        """Whether a short search proves that a condition, false at first, holds some time on every path."""
+        if condition not in self._inevitable:
+            self._inevitable[condition] = False
             goal = as_goal(condition, self._net)
             if goal is not None and not holds(goal, self._net, self._net.initial):
                 search = PathSearch(self._net, translated(normal(Release(FALSE, Not(condition)))))
-                self._coming[condition] = search.fits and search.search(FEW_STEPS, 0).outcome == "none"
-        return self._coming[condition]
+                self._inevitable[condition] = search.fits and search.search(FEW_STEPS, 0).outcome == "none"
+        return self._inevitable[condition]
 
     def _reduced(self, path: Formula) -> tuple[Reduction, Formula] | None:
         """A smaller net for a formula, and the formula there; ``None`` where none would give its answer."""

@@ -26,7 +26,7 @@ from mcpn.space.search.goal import Formula, Not
 
 @dataclass(frozen=True)
 class Constraint(Generic[S]):
-    """What a path must meet again and again, or not count: in some states, or by some firings."""
+    """A justice constraint: only paths that meet it infinitely often count, in a state or by a firing."""
 
     states: S
     transitions: tuple[int, ...] = ()
@@ -42,7 +42,7 @@ class ProductEdge(Generic[S]):
         marks: Marks that it bears.
         states: States that it reads.
         transitions: What may fire along it; ``None`` for anything.
-        rests: Whether it may be taken where nothing fires.
+        rests: Whether it may be taken in a state without successors, which repeats.
     """
 
     source: int
@@ -116,14 +116,14 @@ class Product(Generic[S]):
         return after | (begun & self.space.dead) if edge.rests else after
 
     def reached(self, begin: S) -> Sets[S]:
-        """What runs from some states, with the automaton in its initial state, lead to."""
+        """The product states that some states, with the initial state of the automaton, lead to."""
         reached: Sets[S] = {0: begin}
         fresh: Sets[S] = {0: begin}
         leaving = _by(self.edges, lambda edge: edge.source)
         while fresh:
             q, states = fresh.popitem()
             stays = [e for e in leaving.get(q, ()) if e.target == q and e.transitions is None]
-            if stays:  # as far as it may go on there
+            if stays:  # a closure in the space stands for all steps along these loops
                 along = reduce(or_, (e.states for e in stays))
                 inside = self.space.reached(states & along, along)
                 wider = states | inside | self.space.after(inside)
@@ -139,7 +139,7 @@ class Product(Generic[S]):
     def reaching(
         self, goal: Mapping[int, S], within: Mapping[int, S], edges: Collection[ProductEdge[S]]
     ) -> Sets[S]:
-        """Where runs along some edges and through some sets lead into a goal, the goal's own included."""
+        """The product states that reach a goal along some edges and inside some sets, the goal included."""
         nothing = self.space.nothing
         leading: Sets[S] = dict(goal)
         fresh: Sets[S] = {q: states for q, states in goal.items() if states}
@@ -165,7 +165,7 @@ class Product(Generic[S]):
     # --- acceptance ---
 
     def decided(self, fair: Mapping[int, S], within: Mapping[int, S]) -> Sets[S]:
-        """Where every path that counts is accepted, and there is one: what comes next says nothing more.
+        """The product states from which every path that counts is accepted, and some path counts.
 
         Args:
             fair: Where accepted paths may stay for ever.
@@ -214,7 +214,7 @@ class Product(Generic[S]):
             yield (self._fair(begin, inside) if begin else {}), states
 
     def _fair(self, within: Sets[S], inside: Sequence[ProductEdge[S]]) -> Sets[S]:
-        """The greatest sets from which a run along some edges may meet all that it must again and again."""
+        """Greatest fixpoint: product states from which a run may meet all marks and constraints for ever."""
         marks = frozenset[int]().union(*(edge.marks for edge in inside))
         if not inside or len(marks) < self.automaton.marks:
             return {}
@@ -224,7 +224,7 @@ class Product(Generic[S]):
             return {first.source: self.space.staying(first.states & within[first.source])}
         fair = within
         while True:
-            narrower = self._going_on(fair, inside)
+            narrower = self._with_successor(fair, inside)
             for met, _, _ in meetings:
                 if narrower:
                     narrower = self.reaching(met(narrower), narrower, inside)
@@ -234,8 +234,8 @@ class Product(Generic[S]):
             if not fair:
                 return {}
 
-    def _going_on(self, sets: Sets[S], inside: Collection[ProductEdge[S]]) -> Sets[S]:
-        """Those of some sets from which some edge leads into them again."""
+    def _with_successor(self, sets: Sets[S], inside: Collection[ProductEdge[S]]) -> Sets[S]:
+        """The product states of some sets from which some edge leads into these sets."""
         continued: Sets[S] = {}
         for edge in inside:
             if edge.source in sets and edge.target in sets:
@@ -244,24 +244,26 @@ class Product(Generic[S]):
         return continued
 
     def meetings(self, inside: Collection[ProductEdge[S]]) -> list[Meeting[S]]:
-        """What a path along some edges must meet again and again, but for what every edge meets.
+        """The marks and constraints that a path along some edges must meet infinitely often.
+
+        A mark that every edge bears is left out.
 
         Returns:
-            For each mark and each constraint: what makes of some sets the states at which it is met, there or
-            by a step inside them; the edges that bear the mark; and what fires where that meets a constraint.
+            For each: a function from sets to their product states at which it is met, there or by a step
+            inside the sets; the edges that bear the mark; the transitions whose firing meets the constraint.
         """
         meetings: list[Meeting[S]] = []
         for mark in sorted(frozenset[int]().union(*(edge.marks for edge in inside))):
             bearing = [edge for edge in inside if mark in edge.marks]
             if len(bearing) < len(inside):
-                meetings.append((partial(self._going_on, inside=bearing), bearing, None))
+                meetings.append((partial(self._with_successor, inside=bearing), bearing, None))
         for constraint in self.constraints:
             met = partial(self._met, constraint, inside=inside)
             meetings.append((met, (), constraint.transitions or None))
         return meetings
 
     def _met(self, constraint: Constraint[S], sets: Sets[S], inside: Collection[ProductEdge[S]]) -> Sets[S]:
-        """States of some sets at which a constraint is met; where nothing fires all are."""
+        """Product states of some sets that meet a constraint; a state without successors meets all."""
         here = constraint.states | self.space.dead
         met = {q: states & here for q, states in sets.items()}
         asked = frozenset(constraint.transitions)
@@ -274,7 +276,7 @@ class Product(Generic[S]):
 
 
 def _joined(edges: Iterator[ProductEdge[S]]) -> list[ProductEdge[S]]:
-    """Edges that differ in what they read alone, as one; those that read nothing are left out."""
+    """Merges edges that differ only in the states that they read; drops those that read no state."""
     joined: dict[object, ProductEdge[S]] = {}
     for e in edges:
         key = e.source, e.target, e.marks, e.transitions, e.rests

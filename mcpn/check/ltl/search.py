@@ -1,7 +1,7 @@
 """Some path that an automaton accepts, found marking by marking: no space is built.
 
 The native kernel searches the product of the net and the automaton depth first, in an order that a seed
-draws: it closes a lasso as a walk does, or has seen the whole product, and then there is none.
+draws. It ends with a lasso; or it has seen the whole product without one, and no path is accepted.
 """
 
 from __future__ import annotations
