@@ -34,7 +34,7 @@ UNKNOWNS = 1 << 12
 
 
 class ListedChain:
-    """The states of a section, or of the whole mission, and what the model asks of them without numbers.
+    """The states and edges of a section's chain, or of the whole mission's, before rates are given.
 
     Args:
         prospects: The section's local net, or the mission's, on its alternatives graph in arrays.
@@ -48,7 +48,7 @@ class ListedChain:
         graph: Its states and edges.
         exits: Its exits, by name.
         columns: The number of pairs of an exit and a status there.
-        column: By state, such a pair as a number; of use at exits.
+        column: By state at an exit, the number of its pair; meaningless elsewhere.
         ended: States at exits.
         entries: The first state, by the status with which it is entered; -1 where it is never entered so.
             Where hardware may fail on demand, the state before it, which is left at once.
@@ -146,25 +146,25 @@ class ListedChain:
         return found
 
     def at_entries(self, states: npt.NDArray[T]) -> npt.NDArray[T]:
-        """What is said of states, of the first one by status; zero where it is never entered so."""
-        found = states[self.entries]
-        found[self.entries < 0] = 0
-        return found
+        """Values by state, taken at the first state of each status; zero where it is never entered so."""
+        values = states[self.entries]
+        values[self.entries < 0] = 0
+        return values
 
     @cached_property
     def degraded(self) -> Mask:
         """States in which some activity runs in another alternative than its first."""
-        found = self.prospects.mission_net
-        first = {f"{a.name}.{a.alternatives[0].name}" for a in found.mission.activities}
-        others = [place for place, name in found.saying("active").items() if name not in first]
+        mission_net = self.prospects.mission_net
+        first = {f"{a.name}.{a.alternatives[0].name}" for a in mission_net.mission.activities}
+        others = [place for place, name in mission_net.saying("active").items() if name not in first]
         return self.prospects.space.marked(others).mask & ~self.ended
 
     @cached_property
     def changing(self) -> Mask:
         """Edges into another functioning mode: other objectives run, or other alternatives."""
-        found, graph = self.prospects.mission_net, self.graph
+        mission_net, graph = self.prospects.mission_net, self.graph
         changed = np.zeros(graph.edges, np.bool_)
-        for place in (*found.saying("active"), *found.saying("objective")):
+        for place in (*mission_net.saying("active"), *mission_net.saying("objective")):
             marked = graph.marked(place)
             changed |= marked[graph.sources] != marked[graph.targets]
         return changed
@@ -182,7 +182,8 @@ class Chain:
 
     Attributes:
         rates: By edge.
-        hasty: States that are left at once: an objective that runs cannot succeed any more.
+        hasty: Vanishing states, left in no time: an objective that runs cannot succeed any more, or
+            hardware may fail on demand at the entry.
         moving: Edges that are taken with some probability.
         leaving: The rate at which each state is left.
     """
@@ -250,12 +251,12 @@ class Chain:
 
     @cached_property
     def _ending(self) -> Mask:
-        """States from which it comes to an exit with some probability."""
+        """States from which the chain reaches an exit with some probability."""
         return self.graph.reaching(self.listed.ended, self.moving)
 
     @cached_property
     def stays(self) -> Mask:
-        """By status at the entry, whether with some probability it comes to no exit."""
+        """By status at the entry, whether with some probability the chain never reaches an exit."""
         return self.listed.at_entries(self.graph.reaching(~self._ending, self.moving))
 
     # --- what is expected ---
@@ -271,9 +272,9 @@ class Chain:
         leaving = self.leaving[states] + np.multiply.outer(decays, ~self.hasty[states])
         scale, many = 1.0 / leaving.reshape(-1, 1), len(decays)
         step = self._matrix[states][:, states].tocoo()
-        # The systems stand on one diagonal; made at once, for each operation of scipy takes its time.
+        # One block-diagonal matrix holds all systems, since each call of scipy has a cost of its own.
         number, block = np.arange(len(scale)), np.repeat(np.arange(many) * len(states), step.nnz)
-        rows, columns = (np.tile(at, many) + block for at in (step.row, step.col))
+        rows, columns = (np.tile(indices, many) + block for indices in (step.row, step.col))
         values = np.concatenate([np.ones(len(scale)), -np.tile(step.data, many) * scale[rows, 0]])
         ends = np.concatenate([number, rows]), np.concatenate([number, columns])
         solve = splu(csc_array((values, ends), shape=(len(scale),) * 2)).solve
@@ -302,7 +303,7 @@ class Chain:
         return self.listed.at_entries(found)
 
     def kernels(self, decays: Floats) -> Floats:
-        """Where it ends, discounted at several rates.
+        """Laplace transforms of the time to absorption, by the exit and status where the chain ends.
 
         Args:
             decays: Rates ``s``.
@@ -329,9 +330,9 @@ class Chain:
 
     @cached_property
     def modes(self) -> Floats:
-        """How often it is expected to come into another, degraded mode, by status at the entry, or infinite.
+        """The expected number of jumps into another, degraded mode, by status at the entry; may be infinite.
 
-        That of the first state counts, and none that is left at once.
+        A degraded first state counts as a jump; vanishing states do not count.
         """
         graph, listed = self.graph, self.listed
         degraded = listed.degraded & ~self.hasty
@@ -341,7 +342,7 @@ class Chain:
         return listed.at_entries(degraded + after)
 
     def _solved(self, inner: Mask, gained: Floats) -> Floats:
-        """What is gained in some states; in all others nothing."""
+        """The expected total gain from each of some states; 0 from all others."""
         found, states = np.zeros(self.graph.states), np.flatnonzero(inner)
         if len(states):
             found[states] = self._solver(states, np.zeros(1))(gained[states, None])[0, :, 0]
@@ -354,15 +355,15 @@ def totals(
     solved: Callable[[Mask, Floats], Floats],
     resting: Mask | bool = False,
 ) -> Floats:
-    """What is expected to be gained on the way through a chain, by state; infinite where it never ends.
+    """The expected total gain (reward) until absorption, by state; infinite where gains may never end.
 
     Args:
-        gained: What is expected to be gained in a state, or by the jump out of it.
+        gained: The expected gain in a state, or by the jump out of it.
         reaching: Finds the states from which some of given states are reached with some probability.
-        solved: Solves the linear system of some states in which what is gained is finite.
+        solved: Solves the linear system of the states whose total gain is positive and finite.
         resting: States that may turn out to be the last.
     """
     gaining = reaching(np.asarray(gained > 0, np.bool_))
-    # It goes on for ever where no state is reached after which nothing is gained.
+    # Gains may never end where some run comes to a state from which no state without further gain is reached.
     endless = reaching(np.isinf(gained) | ~reaching(~gaining | resting))
     return np.where(endless, np.inf, solved(gaining & ~endless, gained))

@@ -2,8 +2,8 @@
 
 A set is lost for good where it is out of service and never repaired, while other hardware may fail and
 recover as it likes. In the net whose hardware may die (:mod:`mcpn.net.mortal`) the sets that a goal survives
-are the image, on the places *dead*, of the states from which a run without a further death reaches it. When
-the hardware is lost is one of the moments of :class:`Moment`; the sets that are not survived are read off a
+are the image, on the places *dead*, of the states from which a run without a further death reaches it. The
+hardware is lost at one of the moments of :class:`Moment`; the sets that are not survived are read off a
 diagram, the minimal ones by their size, and no set is tried on its own.
 """
 
@@ -46,7 +46,7 @@ class Moment(Enum):
 
 
 class Nonmonotone(NamedTuple):
-    """A set whose loss loses a goal at some moment, and the same with one resource more, which does not."""
+    """A set whose loss loses a goal, and a set with one resource more, whose loss does not."""
 
     lost: CutSet
     larger: CutSet
@@ -57,7 +57,7 @@ class Found(NamedTuple):
 
     Args:
         minimal: Minimal cut sets by moment.
-        nonmonotone: Where one failure more would undo a loss, such a pair.
+        nonmonotone: A pair of sets for which one failure more would undo a loss; ``None`` without one.
     """
 
     minimal: Mapping[Moment, list[CutSet]]
@@ -65,7 +65,7 @@ class Found(NamedTuple):
 
 
 class CutSets(Prospects[S]):
-    """What a mission whose hardware may die may still reach, and the cut sets that this tells.
+    """The prospects of a mission whose hardware may die, and the cut sets that follow from them.
 
     Args:
         mission_net: The mission's net.

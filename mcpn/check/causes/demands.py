@@ -40,8 +40,8 @@ class SplitEdges(NamedTuple):
 
     Args:
         graph: The states, with the edges.
-        asked: By edge, the number of what was asked.
-        answers: What was asked, and how it was answered.
+        asked: By edge, the index in ``answers`` of the resources asked along it.
+        answers: The different sequences of resources asked, each resource with whether it failed.
     """
 
     graph: StateGraph
@@ -80,6 +80,8 @@ def split_edges(
 
 
 class _Splitting:
+    """Follows what an edge starts: the resources to be asked, and the states after their failures."""
+
     def __init__(self, graph: StateGraph, mission_net: MissionNet, demanded: Mapping[str, int]) -> None:
         self.graph = graph
         self.net = mission_net.net
@@ -115,7 +117,7 @@ class _Splitting:
         """What an edge starts that may fail on demand, in order."""
         after = self.marking(target)
         places = [place for place in self.consuming if after[place]]
-        used = next((of for place, of in self.running.items() if after[place]), None)
+        used = next((parts for place, parts in self.running.items() if after[place]), None)
         if not places or used is None:
             return ()
         fired, _ = self.completion.after(self.marking(source), label)
@@ -129,7 +131,7 @@ class _Splitting:
         return tuple(sorted(found))
 
     def ends(self, state: int, pending: tuple[Demand, ...]) -> Iterator[tuple[Asked, int]]:
-        """What is asked, how it is answered, and the state then."""
+        """For each outcome: the resources asked, with whether each failed, and the state reached."""
         if not pending:
             yield (), state
             return
@@ -138,7 +140,7 @@ class _Splitting:
             yield ((resource, False), *asked), end
         label, lost = self._lost(state, resource)
         after = self.marking(lost)
-        still = (of for of in rest if of.resource != resource and after[of.place])
+        still = (demand for demand in rest if demand.resource != resource and after[demand.place])
         following = tuple(sorted({*still, *self.started(state, label, lost)}))
         for asked, end in self.ends(lost, following):
             yield ((resource, True), *asked), end
@@ -152,7 +154,7 @@ class _Splitting:
 
 
 def entered_again(split: SplitEdges, returning: Mask, status: Ints, start: Mask) -> tuple[SplitEdges, Mask]:
-    """Leads edges that come back to the entry to the first states there, as the edges of the start do.
+    """Redirects edges that enter the section again to its first states, split as edges of the start are.
 
     Args:
         split: The edges.

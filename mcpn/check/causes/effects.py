@@ -90,7 +90,7 @@ class Case:
         mission_regained: Whether the mission can.
         safety_regained: Whether the mission can be aborted again, or succeed.
         elsewhere: By objective in other branches of the same block, what it does there, in words.
-        found: Whether the robot may learn of it next, where it is detected late.
+        found: Where the failure is detected late: whether its detection may be the next event.
     """
 
     severity: Severity
@@ -118,10 +118,10 @@ class Case:
 
     def detection(self, usage: Usage, hardware: str) -> str:
         """How the failure of some hardware is noticed."""
-        of = usage.hardware[hardware]
-        if isinstance(of, Crash):
-            return f"at once: {of.activity} has crashed"
-        if of.detected == "late":
+        resource = usage.hardware[hardware]
+        if isinstance(resource, Crash):
+            return f"at once: {resource.activity} has crashed"
+        if resource.detected == "late":
             finding = [a.name for a in usage.activities.values() if hardware in a.detects]
             if self.found:
                 return f"by {finding[0]}, which runs"
@@ -194,9 +194,9 @@ def route(section: ElementarySection, around: Around) -> str:
 _ENDS = {SUCCEED: "success", FAIL: "failure", ABORT: "abort"}
 
 
-def joined(told: Iterable[str]) -> str:
-    """Different things, each once."""
-    return "; or ".join(dict.fromkeys(told))
+def joined(texts: Iterable[str]) -> str:
+    """The different texts, each once."""
+    return "; or ".join(dict.fromkeys(texts))
 
 
 def changes(before: Situation, after: Situation) -> str:
@@ -214,24 +214,24 @@ def changes(before: Situation, after: Situation) -> str:
 
 
 def worth_telling(cases: Sequence[Case]) -> list[Case]:
-    """Those cases that a row tells, the worst first.
+    """The cases that a row of the table tells, the worst first.
 
-    Where the failure does something, nothing is said of states in which it does nothing; and of objectives
-    that have lost before, only where it does as much to no other.
+    A case without effect is left out where another case has one. A case in which the objective was lost
+    already is left out where a case in which it was still open has the same severity.
     """
     open_to = {case.severity for case in cases if not case.already_lost}
-    told = [case for case in cases if not (case.already_lost and case.severity in open_to)]
-    told.sort(key=lambda case: case.severity, reverse=True)
-    return [case for case in told if case.severity] or told
+    kept = [case for case in cases if not (case.already_lost and case.severity in open_to)]
+    kept.sort(key=lambda case: case.severity, reverse=True)
+    return [case for case in kept if case.severity] or kept
 
 
 def local_effect(cases: Sequence[Case]) -> str:
-    """What changes in the mode of an objective; else where it acts, if it does."""
+    """How the mode of an objective changes; if it does not, the changes in other branches, or later."""
     found = [changed for case in cases if (changed := changes(case.before, case.after))]
     if found or not any(case.severity for case in cases):
         return joined(found) or "none"
     if any(case.objective_lost and not case.already_lost for case in cases):
         return "none at once; the objective cannot succeed any more"
-    told = ("; ".join(f"in {name}, {changed}" for name, changed in case.elsewhere) for case in cases)
-    elsewhere = dict.fromkeys(words or "needed later" for words in told)
+    branches = ("; ".join(f"in {name}, {changed}" for name, changed in case.elsewhere) for case in cases)
+    elsewhere = dict.fromkeys(words or "needed later" for words in branches)
     return f"none here; {'; '.join(sorted(elsewhere, key='needed later'.__eq__))}"

@@ -31,9 +31,9 @@ class _Eliminated(NamedTuple):
     """Unknowns that are eliminated together, in the order of their solving; pairs by the matrix between them.
 
     Args:
-        solving: By matrix of an unknown to itself, or ``None``, the unknowns.
-        before: By matrix, the unknowns that need an eliminated one, and these.
-        behind: By matrix, eliminated unknowns, and those that they need.
+        solving: By factored diagonal block, ``None`` for the identity, the eliminated unknowns.
+        before: Forward substitution: by matrix, pairs of an unknown and the eliminated one that it needs.
+        behind: Back substitution: by matrix, pairs of an eliminated unknown and one that it needs.
     """
 
     solving: Mapping[int | None, list[int]]
@@ -49,8 +49,8 @@ class Elimination:
         count: The number of unknowns.
 
     Attributes:
-        products: Matrices that are factored, and products of two matrices, one of them inverted or not.
-        matrices: All that are computed.
+        products: The number of factorizations, and of products of two matrices, one of them inverted or not.
+        matrices: The number of all matrices that are computed.
     """
 
     def __init__(self, blocks: Mapping[tuple[int, int], Hashable], count: int) -> None:
@@ -61,7 +61,7 @@ class Elimination:
         known: dict[Hashable, int] = {}
         for (i, j), name in blocks.items():
             if name not in known:
-                known[name] = self._of("given", len(known))
+                known[name] = self._expression("given", len(known))
             needs[i][j] = known[name]
         self._names = list(known)
         self._rounds = self._planned(needs)
@@ -69,7 +69,7 @@ class Elimination:
         self.products = len(kinds) - kinds.count("given") - kinds.count("sum")
         self.matrices = len(kinds)
 
-    def _of(self, kind: str, *parts: int) -> int:
+    def _expression(self, kind: str, *parts: int) -> int:
         """The number of an expression; equal expressions have one."""
         if (found := self._number.get((kind, *parts))) is None:
             found = self._number[kind, *parts] = len(self._terms)
@@ -77,14 +77,15 @@ class Elimination:
         return found
 
     def _sum(self, *parts: int) -> int:
-        """That of a sum; a sum of sums is one sum, in one order, so that equal ones are found."""
+        """The number of a sum; sums in it are taken apart and sorted, so that equal sums are found."""
         each: list[int] = []
         for part in parts:
             kind, terms = self._terms[part]
             each += terms if kind == "sum" else (part,)
-        return self._of("sum", *sorted(each))
+        return self._expression("sum", *sorted(each))
 
     def _planned(self, needs: list[dict[int, int]]) -> list[_Eliminated]:
+        """The rounds, by symbolic elimination; ``needs`` has the row of each unknown and is changed."""
         users: list[set[int]] = [set() for _ in needs]
         for i, row in enumerate(needs):
             for j in row.keys() - {i}:
@@ -100,10 +101,11 @@ class Elimination:
             solving, before, behind = defaultdict(list), defaultdict(list), defaultdict(list)
             for i in chosen:
                 own = needs[i].pop(i, None)
-                factors = None if own is None else self._of("factored", own)
+                factors = None if own is None else self._expression("factored", own)
                 solving[factors].append(i)
                 row = {
-                    j: a if factors is None else self._of("solved", factors, a) for j, a in needs[i].items()
+                    j: a if factors is None else self._expression("solved", factors, a)
+                    for j, a in needs[i].items()
                 }
                 for j, a in row.items():
                     behind[a].append((i, j))
@@ -112,7 +114,7 @@ class Elimination:
                     a = needs[user].pop(i)
                     before[a].append((user, i))
                     for j, b in row.items():
-                        made = self._of("product", a, b)
+                        made = self._expression("product", a, b)
                         known = needs[user].get(j)
                         needs[user][j] = made if known is None else self._sum(known, made)
                         if j != user:

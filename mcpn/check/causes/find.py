@@ -72,8 +72,8 @@ class Survival:
     Args:
         section: The section just entered; ``None`` for the start.
         cut_sets: Minimal cut sets of the mission at that moment.
-        always: So many resources may be lost whichever they are; ``None`` where success is out of reach.
-        at_most: So many may be lost at most; ``None`` where success is out of reach.
+        always: Most resources that may be lost whichever they are; ``None`` where success is out of reach.
+        at_most: Size of the largest set that may be lost; ``None`` where success is out of reach.
         find_run: Looks for a run through that moment to success with the most failures on the way.
         safety: The same of a safe end, success or abort; ``None`` of a mission that cannot abort.
     """
@@ -157,8 +157,8 @@ def find_causes(
     spaces, mission_net = spaces_of(of), spaces_of(of).mission
 
     def both(by: Choice) -> tuple[Space[Any], Space[Any]]:
-        told = None if by.brief else progress
-        living = spaces.space(by, "alternatives", progress=told, executor=executor)
+        callback = None if by.brief else progress
+        living = spaces.space(by, "alternatives", progress=callback, executor=executor)
         return living, spaces.space(by, "alternatives", may_die=True, executor=executor)
 
     (living, dying), choice = answered(
@@ -202,8 +202,8 @@ def find_causes(
         prospects,
         causes(prospects.mission, cuts.mission),
         {
-            name: causes(prospects.objectives[name], cuts.objectives[name], of)
-            for name, of in prospects.sections.items()
+            name: causes(prospects.objectives[name], cuts.objectives[name], section)
+            for name, section in prospects.sections.items()
         },
         [survival(section) for section in (None, *mission_net.graph.sections)],
         choice,

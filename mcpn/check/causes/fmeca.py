@@ -182,7 +182,7 @@ class _Table(Generic[S]):
     # --- severity --------------------------------------------------------------------------------------
 
     def severities(self, transition: int, goal: Goal[S]) -> dict[Severity, S]:
-        """The states before an edge by the worst threshold that it crosses."""
+        """The states before the failure, by severity: that of the worst losing region that it enters."""
         found: dict[Severity, S] = {}
         left = self.space.enabling([transition]) & goal.running
         regions = [self.prospects.losing(goal, repairs=False), *self.lost]
@@ -198,18 +198,18 @@ class _Table(Generic[S]):
         return {severity: states for severity, states in found.items() if states}
 
     def leading(self, states: S, *steps: Collection[int]) -> S:
-        """States from which edges of some transitions, one step after another, lead to others."""
+        """The preimage of some states under steps, each an edge of some transitions."""
         for transitions in reversed(steps):
             states = self.space.before(states, transitions) if states else states
         return states
 
     def changing(self, states: S, transition: int, before: S) -> S:
-        """Those of some states from which an edge leads into or out of others."""
+        """The states of ``before`` from which an edge leads into or out of ``states``."""
         kept = self.leading(states, [transition])
         return ((states - kept) | (kept - states)) & before
 
     def modes(self, goal: Goal[S]) -> dict[int, S]:
-        """The mode of an objective: by place of what serves it, the states in which that serves it now.
+        """The mode of an objective: by place of an activity that serves it, the states in which it serves.
 
         An activity serves an objective that starts it, or that another serves by an alternative which
         consumes what this one produces. A branch beside the objective may keep it running without that.
@@ -271,7 +271,7 @@ class _Table(Generic[S]):
                 )
 
     def found(self, states: S, transition: int, hardware: str) -> bool:
-        """Whether the robot may learn of a failure next, where that is detected late."""
+        """Whether the late detection of a failure may be the next event after it."""
         finding = self.prospects.carrying(What.DETECTED, hardware)
         return bool(finding) and bool(states & self.leading(self.space.enabling(finding), [transition]))
 
@@ -285,7 +285,7 @@ class _Table(Generic[S]):
     def distinct(
         self, severity: Severity, states: S, transition: int, hardware: str, goal: Goal[S]
     ) -> Iterator[Case]:
-        """Some states before a failure, by what it does to the objective's mode and its prospects."""
+        """The cases of a failure: states before it by how it changes the objective's mode and prospects."""
         lost, modes = self.prospects.losing(goal, repairs=False), self.modes(goal)
         fails, repairs = [transition], self.prospects.carrying(What.REPAIRED, hardware)
         changed = [p for p, marked in modes.items() if self.changing(marked, transition, states)]
@@ -321,20 +321,20 @@ class _Table(Generic[S]):
             changed = [p for p, marked in modes.items() if self.changing(marked, transition, there)]
             asked = [modes[p] for p in changed]
             asked += [self.leading(modes[p], [transition]) for p in changed]
-            told = dict.fromkeys(
+            texts = dict.fromkeys(
                 changes(
                     said_by(self.net, compress(changed, answers)), said_by(self.net, compress(changed, after))
                 )
                 for answers, _ in _atoms(there, asked)
                 if changed and (after := answers[len(changed) :]) != answers[: len(changed)]
             )
-            if told:
-                found.append((other, " or ".join(told)))
+            if texts:
+                found.append((other, " or ".join(texts)))
         return tuple(found)
 
 
 def _atoms(states: S, asked: Sequence[S]) -> Iterator[tuple[tuple[bool, ...], S]]:
-    """Some states by which of some sets hold them, with the answers; those that more sets hold first."""
+    """Partitions states by membership in some sets: the atoms of these, each with its memberships."""
     if not asked:
         yield (), states
         return

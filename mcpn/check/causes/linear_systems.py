@@ -31,7 +31,12 @@ PRECISION = 1e-13
 
 
 def solver_of(system: Callable[[Floats], Floats], size: int) -> Callable[[Floats], Floats]:
-    """Solves a linear system, given as what it makes of the columns of a matrix, for any right side."""
+    """A solver for any right side of a linear system, by LU factors or by GMRES.
+
+    Args:
+        system: Applies the operator of the system to the columns of a matrix.
+        size: The number of unknowns.
+    """
     if size <= MOST_DENSE:
         parts = np.array_split(np.eye(size), -(-size // CHUNK), axis=1)
         factors = lu_factor(np.hstack([system(part) for part in parts]))

@@ -1,9 +1,9 @@
 """The way through a section, from values at its exits to values at its entry; loops of sections.
 
 Sections that lead to each other are a linear system in the values at their entries. It is solved in one of
-three ways, whichever is expected to take least: section by section, what sections of one type make of it
-computed once (:mod:`mcpn.check.causes.elimination`); or for the entries that are led back to alone, as what
-one way through the loop makes of their values, directly or by iteration.
+three ways, whichever is expected to cost least: by block elimination, where equal blocks are computed once
+(:mod:`mcpn.check.causes.elimination`); or reduced to the *heads*, the entries that sections lead back to, one
+sweep through the loop giving the operator on their values, which is solved directly or by iteration.
 """
 
 from __future__ import annotations
@@ -37,10 +37,10 @@ class WayThrough:
     beside: Sequence[tuple[float, float]]
 
     def _each_beside(self, values: Floats, maps: Iterable[Sequence[Sequence[float]]]) -> Floats:
-        """Values after a map of two states to two for each resource beside the section."""
+        """Applies a 2 by 2 matrix for each resource beside the section: their Kronecker product."""
         found = values
-        for number, of in enumerate(maps):
-            found = np.asarray(of) @ found.reshape(1 << number, 2, -1)
+        for number, matrix in enumerate(maps):
+            found = np.asarray(matrix) @ found.reshape(1 << number, 2, -1)
         return found.reshape(values.shape)
 
     @cached_property
@@ -57,7 +57,7 @@ class WayThrough:
         return self.chain.kernels(decays), numbers
 
     def back(self, values: Floats) -> Floats:
-        """Expected values.
+        """Expected values at the entry of values at the exits.
 
         Args:
             values: By status beside, exit and own status there, and a free axis.
@@ -97,7 +97,7 @@ class LoopSection(NamedTuple):
         passage: The way through it.
         after: The entries behind it, as of :meth:`WayThrough.back`, numbered in the loop; what is not of the
             loop has the number after all of these.
-        here: Its own.
+        here: Its own entries.
         inner: By entry of its own, whether it has a value other than 0.
     """
 
@@ -108,7 +108,7 @@ class LoopSection(NamedTuple):
 
 
 class _Between(NamedTuple):
-    """What one section of a loop makes of the values of another, or of its own.
+    """The block of the system by which values of one section depend on those of another, or its own.
 
     Args:
         passage: The way through it.
@@ -126,7 +126,7 @@ class _Between(NamedTuple):
         return len(self.inner) * self.passage.work
 
     def matrix(self) -> Floats:
-        """The matrix of it."""
+        """The block as a dense matrix."""
         size = len(self.inner)
         found = self.passage.back(np.eye(size + 1, size)[self.after])
         return np.where(self.inner[:, None], found, 0.0)
@@ -137,7 +137,7 @@ class SectionLoop:
 
     Args:
         steps: The sections, in the order of their entries.
-        heads: The entries that are led back to.
+        heads: The entries that sections lead back to.
 
     Attributes:
         kind: Equal for loops that differ in where their entries are alone.
@@ -148,21 +148,21 @@ class SectionLoop:
         self.heads = heads
         self.size = steps[-1].here.stop
         self.width = steps[0].here.stop
-        told = ((id(step.passage), step.after.tobytes(), step.inner.tobytes()) for step in steps)
-        self.kind: Hashable = (heads.tobytes(), *told)
+        keys = ((id(step.passage), step.after.tobytes(), step.inner.tobytes()) for step in steps)
+        self.kind: Hashable = (heads.tobytes(), *keys)
 
     def system(self) -> Callable[[Floats], Floats]:
-        """What solves it: values at entries, of what is gained there; both with a free axis."""
+        """A solver that gives the values at entries from the gains there; both with a free axis."""
         heads, made = len(self.heads), self._eliminated() if 8 * self.width**2 <= MOST_BYTES else None
         if made is not None:
             plan, given = made
-            work = plan.products * self.width**3 + sum(of.work for of in given.values())
+            work = plan.products * self.width**3 + sum(block.work for block in given.values())
             through = heads * sum(step.passage.work for step in self.steps) + heads**3
             if plan.matrices * 8 * self.width**2 <= MOST_BYTES and (heads > MOST_DENSE or work <= through):
                 solve = plan.factored_with(lambda name: given[name].matrix())
                 shape = len(self.steps), self.width, -1
                 return lambda gained: solve(gained.reshape(shape)).reshape(gained.shape)
-        at_heads = solver_of(self._less, heads)
+        at_heads = solver_of(self._reduced, heads)
 
         def solved(gained: Floats) -> Floats:
             found = self._swept(gained)
@@ -184,16 +184,16 @@ class SectionLoop:
         return Elimination(names, len(self.steps)), given
 
     def _swept(self, gained: Floats, at_heads: Floats | None = None) -> Floats:
-        """The values on one way through the loop, of given ones at the entries that are led back to."""
+        """The values at all entries after one sweep through the loop from given values at the heads."""
         found = np.zeros((self.size + 1, gained.shape[1]))
         if at_heads is not None:
             found[self.heads] = at_heads
         for passage, after, here, inner in self.steps:
-            # What leads back to this section came before it here, and has seen the value that was known.
+            # Sections that lead back to this one were swept before it, with its given value.
             found[here] = gained[here] + np.where(inner[:, None], passage.back(found[after]), 0.0)
         return found
 
-    def _less(self, matrix: Floats) -> Floats:
-        """Values at those entries, less what they make of themselves on one way through the loop."""
+    def _reduced(self, matrix: Floats) -> Floats:
+        """The reduced operator: values at the heads minus what one sweep through the loop makes of them."""
         found = self._swept(np.zeros((self.size, matrix.shape[1])), matrix)
         return np.asarray(matrix - found[self.heads], np.float64)

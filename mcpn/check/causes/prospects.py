@@ -73,7 +73,7 @@ class CriticalEvent:
 
 
 Counted: TypeAlias = Mapping[tuple[tuple[str, ...], tuple[tuple[str, str], ...]], int]
-"""By objectives that run and functioning mode, in how many states."""
+"""The number of states, by the objectives that run and the functioning mode."""
 
 
 class Prospects(Generic[S]):
@@ -88,8 +88,8 @@ class Prospects(Generic[S]):
         sections: The elementary objectives by name, in the mission's order.
         failing: Transitions by which hardware goes out of service.
         dying: Those by which it is lost for good, in a space whose hardware may die.
-        everything: All that carry an event, but for those.
-        unrepaired: Those of them that repair nothing.
+        everything: All transitions that carry an event, but for ``dying``.
+        unrepaired: Those of ``everything`` that repair nothing.
     """
 
     def __init__(self, mission_net: MissionNet, space: Space[S]) -> None:
@@ -170,7 +170,7 @@ class Prospects(Generic[S]):
 
     @memoized
     def entered(self, section: Section) -> S:
-        """States at the entry of a section: just entered, or so but for failures that came at once."""
+        """States just after the entry of a section, closed under hardware failures that come at once."""
         space, first = self.space, [inner.name for inner in entries(section)]
         running = inside = space.marked([*self.places("objective", first), *self.places("pending", first)])
         before, again = space.before(inside, self.everything), space.nothing
@@ -219,11 +219,11 @@ class Prospects(Generic[S]):
     # --- critical events -----------------------------------------------------------------------------------
 
     def alike(self, goal: Goal[S], *states: S) -> tuple[Hashable, tuple[str, ...]] | None:
-        """What tells a goal, and some states in which it is open, from others, but for names of objectives.
+        """A key of a goal and of some states in which it is open, which does not depend on names.
 
         Returns:
-            What is equal where all that runs to the goal pass is alike, and the objectives that it speaks of;
-            ``None`` where nothing is known to be alike.
+            The key, equal for goals whose runs pass alike pieces of the space, and the objectives of these
+            pieces; ``None`` where nothing is known to be alike.
         """
         pieces = [list(self.space.pieces(some)) for some in (goal.running, *states)]
         if len(pieces[0]) != 1 or goal.name not in (names := pieces[0][0].names) or pieces[0][0].kind is None:
@@ -272,8 +272,8 @@ class Prospects(Generic[S]):
         if piece.kind is None:
             return compute()
         ends = event.what in ENDING
-        of = piece.names.index(event.element) if ends else event.element
-        found, names = self._alike.known((event.what, of, piece.kind), piece.names, compute)
+        element = piece.names.index(event.element) if ends else event.element
+        found, names = self._alike.known((event.what, element, piece.kind), piece.names, compute)
         return {(tuple(names[n] for n in running), mode): count for (running, mode), count in found.items()}
 
     @memoized
@@ -295,7 +295,7 @@ class Prospects(Generic[S]):
         return choosing
 
     # --- runs ----------------------------------------------------------------------------------------------
-    # Nothing is repaired in them, and objectives fail only where they cannot succeed any more.
+    # On these runs nothing is repaired, and objectives fail only where they cannot succeed any more.
 
     def to_failure(self, goal: Goal[S], cut_set: Iterable[str]) -> Run | None:
         """A short run in which a goal fails because of a cut set, and no other hardware fails.
@@ -304,8 +304,8 @@ class Prospects(Generic[S]):
         the mission need not end, to where it can no longer succeed. ``None`` where no run leads there.
         """
         space, names = self.space, list(cut_set)
-        mine = (self.carrying(What.OUT_OF_SERVICE, name) for name in names)
-        transitions = (self.unrepaired - self.failing).union(*mine)
+        losses = (self.carrying(What.OUT_OF_SERVICE, name) for name in names)
+        transitions = (self.unrepaired - self.failing).union(*losses)
         ends = [self.losing(goal, repairs=False)]
         whole = goal is self.mission or goal is self.safety
         if whole:

@@ -2,9 +2,9 @@
 
 The model, all durations exponential and independent, hours the unit of time:
 
-- the mission starts at time 0 with all hardware in service but for that which says otherwise;
+- the mission starts at time 0 with all hardware in service but for that declared out of service;
 - hardware in service fails at its ``failure_rate``, hardware out of service is repaired at its
-  ``repair_rate``; one that is not given is 0; what may crash fails only while it runs;
+  ``repair_rate``; a rate that is not given is 0; what may crash fails only while it runs;
 - hardware fails with its ``demand_probability`` at once when an alternative that consumes it starts
   (:mod:`mcpn.check.causes.demands`);
 - an objective of mean duration ``d`` ends at rate ``1/d`` while its success is possible: with its
@@ -100,21 +100,21 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
     }
     rates |= failing
     demands: dict[Element, float] = {("hardware", h): p for h, p in _demands(prospects.mission_net).items()}
-    expected = Outlook(model, rates, demands)
-    found, aborts = expected.ends(), prospects.mission_net.abort is not None
+    outlook = Outlook(model, rates, demands)
+    ends, aborts = outlook.ends(), prospects.mission_net.abort is not None
     importance, safely = dict[str, float](), dict[str, float]()
     for resource in failing:
-        frozen = Outlook(model, {**rates, resource: (0.0, 0.0)}, {**demands, resource: 0.0}, expected)
+        frozen = Outlook(model, {**rates, resource: (0.0, 0.0)}, {**demands, resource: 0.0}, outlook)
         best, worst = frozen.ends(kept=resource), frozen.ends(resource)
         importance[resource[1]] = best[SUCCEED] - worst[SUCCEED]
         safely[resource[1]] = importance[resource[1]] + best[ABORT] - worst[ABORT]
     return Risk(
-        found[SUCCEED],
-        found[FAIL],
-        expected.degraded_modes(),
+        ends[SUCCEED],
+        ends[FAIL],
+        outlook.degraded_modes(),
         importance,
         tuple(_unrated(prospects.mission_net)),
-        found[ABORT] if aborts else None,
+        ends[ABORT] if aborts else None,
         safely if aborts else None,
     )
 
@@ -176,11 +176,11 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
     demands = _demands(net)
 
     def demanded(*each: Sequence[Element]) -> tuple[int, ...]:
-        """The numbers of what fails on demand in some section of those that are alike."""
+        """The positions of hardware that fails on demand in at least one of some alike sections."""
         return tuple(
             i
-            for i, of in enumerate(zip(*each, strict=True))
-            if any(kind == "hardware" and name in demands for kind, name in of)
+            for i, elements in enumerate(zip(*each, strict=True))
+            if any(kind == "hardware" and name in demands for kind, name in elements)
         )
 
     if not isinstance(space, CompositeSpace):
@@ -205,7 +205,7 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
 
     def carried(part: LocalPart) -> tuple[Element, ...]:
         kept = {("once", name) for name in part.once_on(rated)}
-        return tuple(of for of in part.carried if of[0] != "once" or of in kept)
+        return tuple(element for element in part.carried if element[0] != "once" or element in kept)
 
     entered = {name: placed for name, placed in space.sections.items() if name in space.everything.parts}
     alike: dict[SectionType, list[tuple[Element, ...]]] = {}

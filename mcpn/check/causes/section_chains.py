@@ -9,9 +9,9 @@ rates ``s`` add up. So the expected value of such a product at the section's exi
 and the product of the section's states with the status of other hardware is never built.
 
 The sections are worked backward from the mission's ends. The value at an entry is a function of the status of
-the hardware that this section and later ones use; other hardware does not matter any more. What has happened
-once is status too, of a resource that never fails nor is repaired beside a section. Where sections lead back
-to earlier ones, the values at those entries are the unknowns of a linear system.
+the hardware that this section and later ones use; other hardware does not matter any more. A handler that
+happens once has a status too: that of a resource that never fails nor is repaired beside a section. Where
+sections lead back to earlier ones, the values at those entries are the unknowns of a linear system.
 """
 
 from __future__ import annotations
@@ -69,15 +69,15 @@ class Sections:
         entry: The section where the mission begins.
         carried: The mission's hardware that can fail and handlers that happen once.
         out: Hardware that is out of service at the start.
-        idle: What cannot fail beside a section, as it runs in the sections that it is of alone.
+        idle: What cannot fail beside a section: crashes happen only in sections that use what crashes.
 
     Attributes:
         sections: The sections, in the order of their entries: later ones first.
         used: By section and end of the mission, the hardware that it and later ones use, its own last.
         first: By section and end, the number of its first entry.
         entries: The number of all.
-        loops: Sections that lead to each other, each time those that come last first, and the entries of
-            those of them that are led back to; later ones first.
+        loops: The strongly connected components of sections, in reverse topological order: the members, in
+            reverse order of the mission, and the entries that members lead back to.
 
     Raises:
         LimitError: Too much hardware must be remembered.
@@ -141,7 +141,7 @@ class Sections:
 
 
 def _projected(carried: Sequence[Element], of: Sequence[Element]) -> Ints:
-    """By status of some elements, the status of some of them; bits of what is not among these are 0."""
+    """By status of ``carried``, the status of ``of``, where elements that are not carried have bit 0."""
     found = np.zeros(1, np.int64)
     for element in carried:
         found = np.add.outer(found, (0, _bit(element, of))).reshape(-1)
@@ -222,7 +222,7 @@ class Outlook:
         return float(totals(gained, self._reaching, solved, stays > 0)[start])
 
     def _by_entry(self, said: Callable[[Chain], Floats | Mask]) -> Floats:
-        """What is said of the chains by status of a section's own hardware, by entry; 0 at the ends."""
+        """Values of chains, which are by status of a section's own hardware, by entry; 0 at the ends."""
         parts = [np.tile(said(p.chain), 1 << len(p.beside)) for p in self._passages.values()]
         return np.concatenate([np.zeros(len(ENDS)), *parts])
 
@@ -239,7 +239,7 @@ class Outlook:
         return found
 
     def _solved(self, inner: Mask, gained: Floats) -> Floats:
-        """What is gained at entries and ends, and then expected; 0 at entries outside ``inner``."""
+        """The expected total gain by entry and end, of gains there; 0 at entries outside ``inner``."""
         gained = gained.reshape(len(gained), -1)
         values = np.zeros(gained.shape)
         values[: len(ENDS)] = gained[: len(ENDS)]
