@@ -93,6 +93,7 @@ class _ContestReader:
             raise self.error(element, "found ", f", expected <{tag}> of the namespace {_NAMESPACE[1:-1]}")
 
     def only(self, element: etree._Element, count: int | None = 1) -> list[etree._Element]:
+        """The elements inside one, of which there must be so many."""
         if count not in (None, len(element)):
             raise self.error(element, "", f" holds {len(element)} elements, expected {count}")
         return list(element)

@@ -183,7 +183,7 @@ class Evaluation(Generic[S]):
     def _by_region(
         self, regions: Sequence[S], unmet: Sequence[tuple[Justice, S]]
     ) -> Iterator[tuple[S, list[Justice]]]:
-        """Each region with the constraints that some of its states do not meet: halves, and their halves."""
+        """Each region with the constraints that some of its states do not meet, by bisection."""
         if len(regions) == 1 or not unmet:
             yield from ((region, [c for c, _ in unmet]) for region in regions)
             return
@@ -205,8 +205,8 @@ def largest(space: Space[Any], weights: dict[int, int]) -> int:
     from mcpn.space.diagrams.spaces import DiagramMarkings
 
     if isinstance(space, DiagramMarkings):  # in one pass over the diagram
-        levels, always = space.encoding.weigh(weights)
-        return space.everything.largest(levels) + always
+        levels, constant = space.encoding.weigh(weights)
+        return space.everything.largest(levels) + constant
     if isinstance(space, ArraySpace):
         return int(space.graph.tokens(weights).max())
     low, high = 0, sum(weights.values())

@@ -69,7 +69,7 @@ OPERATORS: Mapping[str, Callable[..., Formula]] = {
     "EU": EU,
     "AU": lambda a, b: And(~EU(~b, And(~a, ~b)), ~EG(~b)),
 }
-"""By the operators that people write, the formulas of their operands."""
+"""By operator as people write it, the function that makes a formula of its operands."""
 
 Sum: TypeAlias = tuple[int, tuple[int, ...]]
 """A constant and the tokens of some places, by index; a place that stands twice counts twice."""
@@ -117,13 +117,14 @@ def every_path(formula: Formula) -> Formula:
 
 
 def _some(formula: Formula) -> Formula:
+    """See :func:`some_path`, of a formula in normal form."""
     if not is_of_paths(formula):
         return formula
     match formula:
         case Or(operands):
             return Or(*map(_some, operands))
-        case And(operands) if len(ahead := [f for f in operands if is_of_paths(f)]) == 1:
-            return And(*(f for f in operands if f not in ahead), _some(ahead[0]))
+        case And(operands) if len(on_paths := [f for f in operands if is_of_paths(f)]) == 1:
+            return And(*(f for f in operands if f not in on_paths), _some(on_paths[0]))
         case Next((operand,)):
             after = _some(operand)
             return Or(And(DEADLOCK, after), EX(after))
@@ -135,7 +136,7 @@ def _some(formula: Formula) -> Formula:
 
 
 def on_one_path(part: Formula, net: PetriNet) -> Formula | None:
-    """What a part of a formula says of some path from a state; ``None`` where it says more than that.
+    """A formula on paths that some path satisfies where a part holds; ``None`` where none says the same.
 
     Args:
         part: A formula on states, which some path from there decides if it is true.

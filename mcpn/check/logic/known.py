@@ -61,11 +61,11 @@ class Known:
     @cached_property
     def initial(self) -> Marking:
         """The initial state."""
-        at = list(self.net.initial)
+        marking = list(self.net.initial)
         if self.settled:
-            for _ in Completion(self.net).settle(at):
+            for _ in Completion(self.net).settle(marking):
                 pass
-        return tuple(at)
+        return tuple(marking)
 
     @cached_property
     def _bounds(self) -> Sequence[float]:
@@ -103,9 +103,9 @@ class Known:
         match part:
             case EU((And(()), inside)):
                 goal = as_goal(inside, self.net)
-                # What is dead is stable.
-                free = goal is None or goal == DEADLOCK or not self.settled
-                return goal if free else as_goal(And(inside, calm(self.net, EVENTS)), self.net)
+                # A dead marking is stable; of other goals only the stable markings count.
+                unrestricted = goal is None or goal == DEADLOCK or not self.settled
+                return goal if unrestricted else as_goal(And(inside, calm(self.net, EVENTS)), self.net)
         return None
 
     def beginning(self, names: Names) -> Witness:
@@ -146,21 +146,21 @@ class _ByRuns(Explanation):
 
     def _fire(self, run: Sequence[int]) -> None:
         """Appends the edges of a run: firings, or events each with the internal firings behind it."""
-        net, at = self.known.net, self.known.net.initial
+        net, marking = self.known.net, self.known.net.initial
         events: list[tuple[list[int], Marking]] = []
         for t in run:
-            at = net.fire(at, t)
+            marking = net.fire(marking, t)
             if not self.witness.settles or not net.transitions[t].internal:
-                events.append(([t], at))
+                events.append(([t], marking))
             elif events:
-                events[-1] = [*events[-1][0], t], at
-        self.witness.steps += (Edge(fired[0], at, tuple(fired[1:])) for fired, at in events)
+                events[-1] = [*events[-1][0], t], marking
+        self.witness.steps += (Edge(fired[0], after, tuple(fired[1:])) for fired, after in events)
 
     def step(self, operand: Formula) -> None:
-        net, at = self.known.net, self.witness.end
+        net, here = self.known.net, self.witness.end
         completion = Completion(net) if self.witness.settles else None
-        for t in net.enabled(at):
-            internal, after = completion.after(at, t) if completion else ((), net.fire(at, t))
+        for t in net.enabled(here):
+            internal, after = completion.after(here, t) if completion else ((), net.fire(here, t))
             if self.known.rest(operand, after) == TRUE:
                 self.witness.steps.append(Edge(t, after, internal))
                 return

@@ -43,7 +43,7 @@ WORDS = {
     "event": (),
     "happens": (),
 }
-"""The words about an element of the mission, and what the places say of it that they mean."""
+"""The words about an element of the mission, and the roles of the places that they stand for."""
 ENDINGS = ("success", "failure", "abort")
 PROGRESS = "progress"
 
@@ -54,7 +54,7 @@ class Names:
     Args:
         net: Names places and transitions.
         mission_net: Names elements of the mission, where the net is of one.
-        within: Stands before the names of the text that asks: of one use of a protocol.
+        within: The prefix of names in the formula's text, where that is of one use of a protocol.
 
     Attributes:
         said: By formula the words about the mission that were looked up for it.
@@ -89,16 +89,16 @@ class Names:
         return meaning
 
     def _meaning(self, kind: str, name: str = "", value: str | None = None) -> Formula:
-        of = self.mission_net
-        if of is None:
+        mission_net = self.mission_net
+        if mission_net is None:
             raise InputError.at(None, f"{kind} is a word of missions, and this net is of none")
         if value is not None and kind not in ("alternative", "waiting", "fact"):
             raise InputError.at(None, f"expected {kind}({name}) alone, found ={value} after it")
         match kind:
             case "success" | "failure" | "abort":
-                about = [of.mission.name]
+                about = [mission_net.mission.name]
             case "objective" | "pending":
-                sections = (*of.graph.walk(), *of.graph.never_entered())
+                sections = (*mission_net.graph.walk(), *mission_net.graph.never_entered())
                 entered = [section.name for section in sections]
                 about = self._copies(name, entered) or [self._element(name, entered, "objective")]
             case "block":
@@ -106,18 +106,18 @@ class Names:
                 about = [objective for block in names for objective in self._blocks[block]]
             case "fact" | "done":
                 about = [self._fact(kind, name, value)]
-            case "available" if name in of.usage.producer:
-                return self._meaning("activity", of.usage.producer[name])
+            case "available" if name in mission_net.usage.producer:
+                return self._meaning("activity", mission_net.usage.producer[name])
             case "oos" | "available":
-                software = of.usage.producer if kind == "available" else ()
-                known = [*(h.name for h in of.mission.hardware), *software]
+                software = mission_net.usage.producer if kind == "available" else ()
+                known = [*(h.name for h in mission_net.mission.hardware), *software]
                 resource = self._element(name, known, "resource")
-                about = [resource, *(f.name for f in of.mission.faults if resource in f.affects)]
+                about = [resource, *(f.name for f in mission_net.mission.faults if resource in f.affects)]
             case "event":
                 texts = {str(t.event) for t in self.net.transitions if t.event}
                 event = Event(What.DECLARED, name)
                 events = {event}
-                if str(event) not in texts and name not in {e.name for e in of.mission.events}:
+                if str(event) not in texts and name not in {e.name for e in mission_net.mission.events}:
                     atoms = self._copies(name, texts) or [self._element(name, texts, "event")]
                     events = set(map(Event.parse, atoms))
                 return Fires(tuple(i for i, t in enumerate(self.net.transitions) if t.event in events))
@@ -132,14 +132,14 @@ class Names:
                     raise InputError.at(None, message)
                 return self._meaning(kind, activity, value)
             case _:
-                activity = self._element(name, of.usage.activities, "activity")
-                ways = [a.name for a in of.usage.activities[activity].alternatives]
+                activity = self._element(name, mission_net.usage.activities, "activity")
+                ways = [a.name for a in mission_net.usage.activities[activity].alternatives]
                 if value is not None:
                     ways = [self._element(value, ways, f"alternative of {activity}")]
                 about = [activity] if kind == "refused" else [f"{activity}.{way}" for way in ways]
         roles = WORDS.get(kind, (kind,))
-        said = marked(*(place for place, (what, of_) in of.roles.items() if what in roles and of_ in about))
-        return ~said if kind == "available" else said
+        places = (p for p, (role, element) in mission_net.roles.items() if role in roles and element in about)
+        return ~marked(*places) if kind == "available" else marked(*places)
 
     @cached_property
     def _blocks(self) -> dict[str, tuple[str, ...]]:
@@ -171,23 +171,23 @@ class Names:
         return f"{name}={said}"
 
     def _copies(self, name: str, names: Collection[str]) -> list[str]:
-        """What a name means of which there are rounds or tries: all of them, those of this use first."""
-        of, numbers = name.removeprefix("OBJ_"), self._numbers
+        """All rounds or tries that a name without numbers stands for, those of this use first."""
+        plain, numbers = name.removeprefix("OBJ_"), self._numbers
         if numbers is None:
             return []
         for within in dict.fromkeys((self.within, "")):
-            begin = name.removesuffix(of) + within
-            if begin + of in names:
+            begin = name.removesuffix(plain) + within
+            if begin + plain in names:
                 break
             meant: dict[str, list[str]] = {}
             for known in names:
                 if not known.startswith(begin):
                     continue
                 said = numbers.sub(lambda m: next(filter(None, m.groups())), known[len(begin) :])
-                if said == of or said.endswith(f".{of}"):
+                if said == plain or said.endswith(f".{plain}"):
                     meant.setdefault(said, []).append(known)
-            if of in meant or len(meant) == 1:
-                return meant.get(of) or next(iter(meant.values()))
+            if plain in meant or len(meant) == 1:
+                return meant.get(plain) or next(iter(meant.values()))
         return []
 
     def folded(self, names: Collection[str]) -> dict[str, list[str]]:
@@ -204,7 +204,7 @@ class Names:
 
     @cached_property
     def _numbers(self) -> re.Pattern[str] | None:
-        """What tells the rounds and tries of blocks apart, behind names; ``None`` where none has any."""
+        """Matches block names with the numbers of rounds and tries; ``None`` where no block has any."""
         assert self.mission_net is not None
         mission, several = self.mission_net.mission, list[str]()
         texts = (mission.blocks, *(protocol.blocks for protocol in mission.protocols))
@@ -269,8 +269,8 @@ def progress(mission_net: MissionNet | None) -> tuple[Justice, ...]:
     objectives that is run for ever is fair: each of them ends again and again.
 
     Returns:
-        For the start and for each objective: again and again it is not to be awaited or not running, or the
-        start, its ``OK``, its ``FAIL`` or its ``TIMEOUT`` happens.
+        For the start: infinitely often the mission has begun, or the start happens. For each objective:
+        infinitely often it does not run, or its ``OK``, ``FAIL`` or ``TIMEOUT`` happens.
     """
     if mission_net is None:
         raise InputError.at(None, f"the constraint {PROGRESS} speaks of missions, and this net is of none")

@@ -1,4 +1,4 @@
-"""CTL on the markings of a net as they are needed: no space is built, and places may hold several tokens.
+"""CTL on the fly: markings are explored as needed, no space is built; places may hold several tokens.
 
 Source: Vergauwen, Lewi, *A linear local model checking algorithm for CTL* (CONCUR 1993); the native kernel
 has it.
@@ -44,7 +44,7 @@ class OnTheFlyCheck:
                 goals.append(goal)
             else:
                 operands = formula.operands
-                if isinstance(formula, And | Or):  # parts that no path is looked at for come first
+                if isinstance(formula, And | Or):  # parts without temporal operators come first
                     operands = tuple(sorted(operands, key=lambda part: as_goal(part, net) is None))
                 operators.append((KINDS[type(formula)], list(map(add, operands))))
             return self._numbers.setdefault(formula, len(operators) - 1)
@@ -52,8 +52,8 @@ class OnTheFlyCheck:
         for formula in formulas:
             add(formula)
         encoded, roots = encode(goals, len(net.places))
-        told = [(kind, [roots[i] for i in of] if kind == "goal" else of) for kind, of in operators]
-        self._kernel = Checker(Searches(net).kernel, net.initial, encoded, told, max_bytes)
+        nodes = [(kind, [roots[i] for i in parts] if kind == "goal" else parts) for kind, parts in operators]
+        self._kernel = Checker(Searches(net).kernel, net.initial, encoded, nodes, max_bytes)
 
     def decide(self, formula: Formula, max_steps: int, seed: int = 0) -> bool | None:
         """Whether a formula holds, or ``None`` where a limit was hit.

@@ -112,7 +112,7 @@ class Questions:
 
     @property
     def made(self) -> bool:
-        """Whether the space is there."""
+        """Whether the space has been built."""
         return "_chosen" in self.__dict__
 
     @property
@@ -147,7 +147,7 @@ class Questions:
         return self.made
 
     def one_safe(self) -> bool:
-        """Whether no place ever holds two tokens; where none does, the space is made by that.
+        """Whether no place ever holds two tokens; where none does, the space has then been built.
 
         Raises:
             LimitError: A limit was hit.

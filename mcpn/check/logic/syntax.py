@@ -74,7 +74,7 @@ ON_PATH: Mapping[str, Callable[..., Formula]] = {
     "R": Release,
     "W": lambda a, b: Release(b, Or(a, b)),
 }
-"""By the operators of one path, and those that say of which paths, the formulas of their operands."""
+"""By operator on one path, or quantifier of paths, the function that makes a formula of its operands."""
 _BEFORE = ("X", "F", "G", "A", "E")
 """Those of them that stand before their operand; elsewhere they are names."""
 RESERVED = {*_UNARY, *PLAIN, *ENDINGS, "not", "and", "or", "U"}
@@ -95,7 +95,7 @@ _TOKEN = re.compile(
 )
 _SHOWN = re.compile(rf"{_QUOTED}|<->|->|<=|>=|!=|[\w.]+|\S")
 _ROLES = {"and": "&", "or": "|", **dict.fromkeys(("<=", ">=", "!=", ">"), "<")}
-"""What some tokens are behind an operand: comparisons are of one kind."""
+"""The role of some tokens behind an operand, by their text: all comparisons have one role."""
 _IN_WORDS = {"U": "U", "": "the end", ")": "')'", "]": "']'", ",": "','", "+": "'+'", "=": "'='"}
 _IN_WORDS |= {"<": "a comparison", "&": "an operator"}
 
@@ -115,6 +115,8 @@ Found = TypeVar("Found")
 
 
 class _Parser:
+    """Parses by operator precedence (Dijkstra's shunting yard): a stack of operands and one of operators."""
+
     def __init__(self, text: str, names: Names) -> None:
         self._text = text
         self._lookup = names
@@ -148,7 +150,7 @@ class _Parser:
                 self._operators.append(sign)
 
     def _closes(self, sign: str) -> bool:
-        """Whether a ``U`` is the one of an ``E[`` or ``A[``."""
+        """Whether the token is the ``U`` that belongs to the innermost ``E[`` or ``A[``."""
         opening = next((operator for operator in reversed(self._operators) if operator in _CLOSING), "")
         return sign == "U" and _CLOSING[opening] == "U"
 
@@ -307,9 +309,11 @@ class _Parser:
     def _fail(self, roles: Iterable[str], expected: str = "") -> NoReturn:
         text, word = self._text, _SHOWN.match(self._text, self._next.at)
         found, at = (repr(word.group()), word.start()) if word else ("the end", len(text.rstrip()))
-        told = [words for role, words in _IN_WORDS.items() if role in (*roles, *self._longer)]
+        fitting = [words for role, words in _IN_WORDS.items() if role in (*roles, *self._longer)]
         if not expected:
-            expected = " or ".join(told) if len(told) < 3 else ", ".join(told[:-1]) + " or " + told[-1]
+            expected = " or ".join(fitting)
+            if len(fitting) > 2:
+                expected = ", ".join(fitting[:-1]) + " or " + fitting[-1]
         begin = text.rfind("\n", 0, at) + 1
         shown = text[begin:].split("\n", 1)[0]
         message = f"found {found}, expected {expected}{_hint(text, at)}"

@@ -4,7 +4,7 @@ Formulas are simplified, by invariants and by the initial marking; what asks for
 a search, once where several formulas ask for the same; others are asked of few markings, as they are needed
 (:mod:`mcpn.check.logic.on_the_fly`). What is left is asked of the space, built once. All questions share it:
 cheap ones first, each with a time slice that grows round by round, so that one hard question does not cost
-the easy ones. A typed formula comes with a run that shows its value, so that a way which tells none decides
+the easy ones. A typed formula comes with a run that shows its value, so that a technique without runs decides
 it only where no single run would show it, or where there is no space.
 """
 
@@ -45,7 +45,7 @@ FIRST_SLICE, GROWTH = 1.5, 4.0
 WALK_STEPS = 50_000
 ONE_SAFE = "OneSafe"
 EFFORT_OF_LIVENESS = 30
-"""As many operators a formula has that takes about as long: closures to and fro."""
+"""The number of operators of a formula that takes about as long: closures forward and backward."""
 LOCAL_STEPS = (20_000, 200_000, 1_000_000, 5_000_000, 25_000_000, 125_000_000)
 """For each part of a formula: two rounds before the space is built, the others between rounds of slices."""
 SEARCHES = 2
@@ -131,7 +131,7 @@ def answer_typed(questions: Questions, texts: Sequence[str]) -> list[Answer]:
 
 
 class _Answers:
-    """Gives answers; each way takes what it decides from what waits.
+    """Gives answers: each technique removes the questions that it decides from those that wait.
 
     Args:
         questions: About the net.
@@ -196,8 +196,8 @@ class _Answers:
         questions = self.questions
         parts = parts_at_first(self.known.simple(formula)) if self.known.paths else []
         if not questions.made or any(part in self.known.paths for part in parts):
-            told = ", ".join(way.lower().replace("_", " ") for way in ways)
-            choice = NoSpace(f"no space was needed ({told})")
+            listed = ", ".join(way.lower().replace("_", " ") for way in ways)
+            choice = NoSpace(f"no space was needed ({listed})")
             try:
                 return self.known.explain(formula, holds, questions.names), choice
             except NoRun:
@@ -213,7 +213,7 @@ class _Answers:
     # --- what waits ---
 
     def answer(self, name: str, value: int, *ways: str) -> ContestAnswer:
-        """The answer to what then waits no more, with the ways by which parts were decided before."""
+        """The answer to a question, which waits no more, with the techniques that decided parts of it."""
         del self.waiting[name]
         return ContestAnswer(name, str(value).upper(), tuple({**self.ways[name], **dict.fromkeys(ways)}))
 
@@ -231,7 +231,7 @@ class _Answers:
                 yield self.answer(name, value, *ways)
             elif isinstance(asked, Formula) and part in parts_at_first(asked):
                 self.ways[name].update(dict.fromkeys(ways))
-                yield from self.left(name, at_first(asked, lambda at: value if at == part else None))
+                yield from self.left(name, at_first(asked, lambda atom: value if atom == part else None))
 
     def left(self, name: str, rest: Formula, *ways: str) -> Iterator[ContestAnswer]:
         """Keeps what is left to ask of a formula, or yields the answer if nothing is."""
@@ -298,7 +298,7 @@ class _Answers:
         Args:
             steps: How many.
             searched: Whether parts are asked that a search may decide.
-            runs: Whether parts count that hold though the run that shows them is not known.
+            runs: Whether a part that holds is answered although no run is known that shows it.
         """
         parts = [
             part
@@ -316,7 +316,7 @@ class _Answers:
             self.on_the_fly = OnTheFlyCheck(self.net, [part for part in self.parts() if not says_paths(part)])
         for part in parts:
             value = self.on_the_fly.decide(part, steps, seed=self.rounds)
-            # A step is a run that the marking tells; what holds further on needs a run that is not known.
+            # EX is shown by one step; other parts that hold need a run, which is not known.
             if value is False or (value and (runs or not self.typed or isinstance(part, EX))):
                 yield from self.learn(part, value, EXPLICIT)
         self.rounds += 1

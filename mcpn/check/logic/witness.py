@@ -147,7 +147,7 @@ def explain(evaluation: Evaluation[S], formula: Formula, names: Names | None = N
 
 
 class Explanation(ABC):
-    """Extends a run by what shows the value of a formula; how the run goes on is for those who know a way.
+    """Extends a run to demonstrate the value of a formula; subclasses say how paths are found.
 
     Args:
         witness: The run, extended in place.
@@ -204,7 +204,7 @@ class Explanation(ABC):
                 self.note("here", formula if holds else ~formula)
 
     def explain_some(self, operands: tuple[Formula, ...], holds: bool, *, all_needed: bool) -> None:
-        """Shows an operand of the value wanted: the simplest, or the first of all where all are needed."""
+        """Explains one operand of the wanted value; where all are needed, notes say so of the others."""
         shown = [o for o in operands if self.value(o) == holds]
         if len(shown) < (len(operands) if all_needed else 1):
             raise NoRun
@@ -222,7 +222,7 @@ class Explanation(ABC):
         self.witness.shown.append(Note(len(self.witness.steps), where, formula, reason))
 
     def show_rest(self, cycle: int | None, *, decided: bool) -> None:
-        """Says how the path goes on whose first steps the run ends with."""
+        """Records how the path goes on behind the run: by a cycle, in any way (decided), or not at all."""
         self.witness.cycle, self.witness.decided = cycle, decided and cycle is None
         if cycle is None:
             end = "decides it: nothing that comes later changes that" if decided else "ends: nothing may fire"
@@ -252,8 +252,8 @@ class _InSpace(Explanation, Generic[S]):
     def go(self, allowed: S, transitions: Collection[int] | None = None) -> bool:
         """Appends the first edge into a set, of some transitions where they are given, if there is one."""
         for edge in self.space.edges(self.witness.end):
-            asked = transitions is None or edge.transition in transitions
-            if asked and self.space.single(edge.target) & allowed:
+            wanted = transitions is None or edge.transition in transitions
+            if wanted and self.space.single(edge.target) & allowed:
                 self.witness.steps.append(edge)
                 return True
         return False
@@ -296,7 +296,7 @@ class _InSpace(Explanation, Generic[S]):
         self.show_rest(None if lasso.cycle is None else begin + lasso.cycle, decided=lasso.decided)
 
     def go_round(self, hull: S) -> None:
-        """Appends a cycle that meets every constraint, further on where none leads back to where it began."""
+        """Appends a cycle that meets every constraint; where none leads back, begins again further on."""
         while True:
             begin, first = self.witness.end, len(self.witness.steps)
             for constraint in self.evaluation.fair:

@@ -89,7 +89,7 @@ def _sum(places: Iterable[tuple[int, int]], constant: int, names: Names) -> str:
 
 
 def _word(formula: Formula, names: Names) -> str:
-    """The word for a formula; one about the mission that people have used for it or for its negation."""
+    """The word for a formula or its negation: a constant, or looked up in ``names``; else empty."""
     for word, meaning in (*PLAIN.items(), ("false", Fires(()))):
         if formula == meaning:
             return word
