@@ -261,7 +261,7 @@ def section_machine(
     Raises:
         LimitError: It has more than :data:`MOST_ENTRIES` states of its hardware.
     """
-    refuse_entries((*part.faulty, *part.flags))
+    refuse_entries(part.faulty, part.flags)
     facts = {fact.name: fact for fact in part.facts}
     return replace(cut(controller(local, alternatives), part.faulty, guards, facts), once=part.once)
 
@@ -275,7 +275,7 @@ def cut(
     """The inside of a machine: what is before the start and after the end becomes entries and outcomes."""
     fact_flags = _FactFlags(machine, facts or {})
     at_entries = (*hardware, *fact_flags.at_entries)
-    refuse_entries(at_entries)
+    refuse_entries(hardware, fact_flags.at_entries)
     graph, transitions = machine.graph, machine.graph.net.transitions
     ended = np.array([state.outcome is not None for state in machine.states], np.bool_)
     within = ~ended

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from mcpn.errors import LimitError
 from mcpn.space.local.composite import CompositeSpace
@@ -17,21 +17,23 @@ MOST_TABLED = 50_000
 """States of a section up to which ``auto`` makes a machine of it, where rules are possible, too."""
 
 MOST_ENTRIES = 1 << 20
-"""Hardware states with which a section may be entered, each with an entry of its own."""
+"""States of hardware and facts with which a section may be entered, each with an entry of its own."""
 
 WHY = "a machine lists every state"
 
 
-def refuse_entries(hardware: tuple[str, ...], section: str | None = None) -> None:
-    """Raises an error where a machine would have too many entries, one for each state of its hardware.
+def refuse_entries(hardware: Sequence[str], flags: Sequence[str] = (), section: str | None = None) -> None:
+    """Raises an error where a machine would have too many entries, one for each state of hardware and facts.
 
     Raises:
         LimitError: There are more than :data:`MOST_ENTRIES`.
     """
-    if 1 << len(hardware) > MOST_ENTRIES:
+    bits = len(hardware) + len(flags)
+    if 1 << bits > MOST_ENTRIES:
         where = "" if section is None else f"section {section}: "
+        facts = f" and {len(flags)} flags of facts" if flags else ""
         raise LimitError(
-            f"{where}{len(hardware)} hardware resources that may fail have 2^{len(hardware)} states, "
+            f"{where}{len(hardware)} hardware resources that may fail{facts} have 2^{bits} states, "
             f"the limit on the entries of a machine is {MOST_ENTRIES:,}"
         )
 
@@ -64,7 +66,7 @@ def too_large(names: Mapping[SectionType, str], limit: int) -> LimitError | None
     try:
         for type_, name in names.items():
             type_.refuse_list(name, limit, WHY)
-            refuse_entries(type_.part.faulty, name)
+            refuse_entries(type_.part.faulty, type_.part.flags, name)
     except LimitError as error:
         return error
     return None

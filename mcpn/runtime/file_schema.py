@@ -99,6 +99,10 @@ def check_shape(document: Any) -> None:
     for key in ("out_of_service", "unrepairable", "crashing"):
         for name in document.get(key, ()):
             _member(name, document["hardware"], key)
+    flags = {flag for values in document.get("facts", {}).values() for of in values.values() for flag in of}
+    for event, change in document.get("changing", {}).items():
+        for flag in (*change["true"], *change["false"]):
+            _member(flag, flags, f"changing.{event}")
     targets = known | ENDS.keys()
     for number, row in enumerate(document["sections"]):
         for route in row["routes"].values():

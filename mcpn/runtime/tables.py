@@ -280,11 +280,14 @@ class Tables:
 
     def values(self, true: Set[str]) -> dict[str, str]:
         """The value of each fact, from the flags that are true."""
-        found = {}
-        for name, values in self.facts.items():
-            now = {flag for flag in true if any(flag in flags for flags in values.values())}
-            found[name] = next(value for value, flags in values.items() if now == set(flags))
-        return found
+        values = {name: self.value(name, true) for name in self.facts}
+        return {name: value for name, value in values.items() if value is not None}
+
+    def value(self, fact: str, true: Set[str]) -> str | None:
+        """The value of a fact, from the flags that are true; ``None`` where they are those of no value."""
+        values = self.facts[fact]
+        now = {flag for flags in values.values() for flag in flags if flag in true}
+        return next((value for value, flags in values.items() if now == set(flags)), None)
 
     def changes(self, event: str, true: Set[str]) -> bool:
         """Whether an event that changes facts would change something."""

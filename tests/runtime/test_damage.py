@@ -14,7 +14,7 @@ from mcpn.controller.generate import generate
 from mcpn.controller.targets.json import document, write_json
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
-from mcpn.runtime import Controller, ControllerFileError
+from mcpn.runtime import Controller, ControllerFileError, SnapshotError
 from tests.runtime.damage import bytes_changed, runs, signed, text_of, value_changed
 
 WATCH = Path(__file__).parents[1] / "controller" / "watch.xml"
@@ -92,4 +92,41 @@ def test_what_is_wrong_is_said_with_its_place(change: Any, where: str, watch: Mi
     said = json.loads(write_json(generate(watch), watch))
     change(said)
     with pytest.raises(ControllerFileError, match=where):
+        Controller.from_document(signed(said))
+
+
+LIGHT = """<mission name="m" xmlns="urn:mcpn:mission:1">
+  <robot name="r">
+    <fact name="light" values="red amber green"/>
+    <event name="switch"><sets fact="light" to="green"/></event>
+    <event name="warn"><sets fact="light" to="amber"/></event>
+    <activity name="go" requires="light=green"/>
+  </robot>
+  <objective name="cross" activities="go"/>
+</mission>"""
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_fact_has_one_value_in_files_and_snapshots(
+    form: Literal["hierarchical", "modular"], tmp_path: Path
+) -> None:
+    """Each set of its flags that is not of one of its values is refused, and so are flags of no fact."""
+    (tmp_path / "m.xml").write_text(LIGHT)
+    net = compose(read_mission(tmp_path / "m.xml"))
+    said = json.loads(write_json(generate(net, form), net))
+    of_values = {value: frozenset(flags) for value, flags in said["facts"]["light"].items()}
+    every = sorted(frozenset().union(*of_values.values()))
+    controller = Controller.from_document(said)
+    snapshot = json.loads(controller.snapshot())
+    for bits in range(1 << len(every)):
+        true = frozenset(flag for i, flag in enumerate(every) if bits >> i & 1)
+        text = json.dumps({**snapshot, "happened": sorted(true)})
+        if true in of_values.values():
+            controller.restore(text)
+            assert of_values[controller.facts["light"]] == true
+        else:
+            with pytest.raises(SnapshotError, match="what cannot be"):
+                controller.restore(text)
+    said["changing"]["switch_EV"]["true"].append("light=blue")
+    with pytest.raises(ControllerFileError, match=r"changing\.switch_EV: found 'light=blue'"):
         Controller.from_document(signed(said))
