@@ -39,7 +39,7 @@ _quiet = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_t
 for _name, _examples, _fixed in (
     ("smoke", 10, True),
     ("dev", 100, False),
-    ("ci", 45, True),
+    ("ci", 36, True),
     ("fresh", 15, False),
     ("nightly", 5000, False),
 ):

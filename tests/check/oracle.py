@@ -85,9 +85,13 @@ class Play:
         return lambda marking: bool(marking[number])
 
     def out(self, marking: Marking) -> frozenset[str]:
-        return frozenset(
-            h for h in self.hardware if marking[self.place.get(f"{h}_gone", self.place[f"{h}_OOS"])]
-        )
+        return frozenset(h for h in self.hardware if marking[self.lost_place(h)])
+
+    def lost_place(self, hardware: str) -> int:
+        """The place of lost hardware. What crashes may be called as its activity: then names say the kind."""
+        prefixes = (f"{hardware}_", f"hardware:{hardware}:")
+        names = (prefix + part for part in ("gone", "OOS") for prefix in prefixes)
+        return next(self.place[name] for name in names if name in self.place)
 
     def subsets(self) -> list[frozenset[str]]:
         sizes = range(len(self.hardware) + 1)
