@@ -227,11 +227,13 @@ def test_scxml_in_lockstep(mission: Mission, seed: int, flat: bool) -> None:
 
     run = next((run for run in runs if places.after(reached(places, run[:-1]), run[-1]) is not None), None)
     if run is not None and len(run) > 1:
-        expected = places.after(reached(places, run[:-1]), run[-1])
-        assert expected is not None
-        difference = compare(Deaf(controller, mission_net), places, [run])
-        same = reached(places, run[:-1]) is expected[0] and not expected[1]
-        assert same or (difference is not None and list(difference.events) == run)
+        deaf = Deaf(controller, mission_net)
+        difference = compare(deaf, places, [run])
+        if deaf.answers([run]) == statechart.answers([run]):  # the last event did what the one before did
+            assert difference is None
+        else:
+            assert difference is not None
+            assert list(difference.events) == run
 
 
 def drawn(places: Places, rng: random.Random) -> list[str]:
@@ -239,7 +241,8 @@ def drawn(places: Places, rng: random.Random) -> list[str]:
     place, events = places.start, list[str]()
     while len(events) < 30 and place.possible:
         noise = rng.random() < 0.1
-        events.append(rng.choice([*places.tables.known, "no_such_EV"] if noise else place.possible))
+        some = {*places.tables.known, "no_such_EV"} if noise else {*place.possible}
+        events.append(rng.choice(sorted(some)))
         place = reached(places, events[-1:], place)
     return events
 
