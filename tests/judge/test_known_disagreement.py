@@ -34,6 +34,7 @@ WRITTEN = """<mission xmlns="urn:mcpn:mission:1" name="mission">
 </mission>"""
 
 
+# Drawn with seed 43602076 of the profile "fresh".
 @pytest.mark.xfail(raises=Disagreement, strict=True, reason="an activity and its producer want one hardware")
 def test_a_producer_and_its_consumer_want_one_hardware(tmp_path: Path) -> None:
     (tmp_path / "m.xml").write_text(WRITTEN)
