@@ -20,12 +20,10 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from hypothesis import HealthCheck, Phase, given, settings
-from hypothesis import seed as seeded
-
 sys.path.append(str(Path(__file__).resolve().parents[1]))
 
-from mcpn.mission.model import Mission
+from drawing import drawn
+
 from mcpn.mission.writer import write_mission
 from tests.judge.drawn import MISSIONS
 from tests.judge.lockstep import Disagreement, Judge
@@ -67,16 +65,7 @@ def judged(number: int, seed: int, unseen: tuple[str, ...]) -> Found:
     """Draws missions and judges each."""
     found = Found()
 
-    @seeded(seed)
-    @settings(
-        max_examples=number,
-        phases=(Phase.generate,),
-        deadline=None,
-        database=None,
-        suppress_health_check=list(HealthCheck),
-    )
-    @given(MISSIONS)
-    def one(mission: Mission) -> None:
+    for mission in drawn(MISSIONS, number, seed):
         try:
             verdict = Judge(mission, unseen).judge()
         except Disagreement as error:
@@ -88,8 +77,6 @@ def judged(number: int, seed: int, unseen: tuple[str, ...]) -> Found:
             found.kinds[verdict.kind] += 1
             found.states += verdict.states
             found.pairs += verdict.pairs
-
-    one()
     return found
 
 

@@ -51,7 +51,7 @@ from mcpn.runtime import Controller as Runtime
 from mcpn.runtime import Refused
 from mcpn.runtime.tables import Tables
 from mcpn.space.local.composing import composite_space
-from mcpn.testing import missions as drawn
+from mcpn.testing import missions
 
 HERE = Path(__file__).parent
 BESIDE = [HERE / name / "mission.xml" for name in ("ulysse", "courier", "drone", "glider", "rover")]
@@ -279,25 +279,12 @@ def run(name: str, mission_net: MissionNet, count: int, qt: int, seed: int) -> t
 
 def drawn_missions(number: int, seed: int, **bounds: int) -> list[MissionNet]:
     """Drawn missions, small enough that both forms can be built; of nets of one size the first alone."""
-    from hypothesis import HealthCheck, Phase, given, settings
-    from hypothesis import seed as seeded
+    from drawing import drawn
 
     found: dict[tuple[int, int], MissionNet] = {}
-
-    @seeded(seed)
-    @settings(
-        max_examples=40 * number + 1,
-        database=None,
-        deadline=None,
-        phases=(Phase.generate,),
-        suppress_health_check=list(HealthCheck),
-    )
-    @given(drawn(max_objectives=4, max_depth=2, **bounds))
-    def collect(mission: Any) -> None:
+    for mission in drawn(missions(max_objectives=4, max_depth=2, **bounds), 40 * number + 1, seed):
         net = compose(mission)
         found.setdefault((len(net.net.places), len(net.net.transitions)), net)
-
-    collect()
     small = [net for net in found.values() if len(net.net.places) <= MOST_PLACES]
     return sorted(small, key=lambda net: -len(net.net.places))
 

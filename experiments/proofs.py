@@ -20,11 +20,9 @@ from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
-from hypothesis import HealthCheck, Phase, given, settings
-from hypothesis import seed as seeded
-
 sys.path.append(str(Path(__file__).resolve().parents[1]))
 
+from drawing import drawn
 from growth import FAMILIES
 from limits import Result, measured
 
@@ -63,33 +61,13 @@ HEADS = (
 )
 
 
-def drawn(number: int, seed: int) -> list[Mission]:
-    """Missions of all kinds, contended ones too."""
-    found: list[Mission] = []
-
-    @seeded(seed)
-    @settings(
-        max_examples=number,
-        phases=(Phase.generate,),
-        deadline=None,
-        database=None,
-        suppress_health_check=list(HealthCheck),
-    )
-    @given(MISSIONS)
-    def one(mission: Mission) -> None:
-        found.append(mission)
-
-    one()
-    return found
-
-
 def sets(number: int, seed: int) -> Iterator[tuple[str, list[Mission]]]:
     """The missions, by name of the set."""
     for family, size in SIZES.items():
         yield f"{family} {size}", [FAMILIES[family][0](size)]
     beside = sorted(Path(__file__).parent.glob("*/mission.xml"))
     yield "beside the scripts", [read_mission(path) for path in beside]
-    yield "drawn", drawn(number, seed)
+    yield "drawn", drawn(MISSIONS, number, seed)
 
 
 def sections(mission: Mission) -> list[PetriNet]:

@@ -14,7 +14,7 @@ import pytest
 from tests.conftest import ROOT
 
 FOLDER = ROOT / "experiments"
-LIBRARIES = {"callers", "limits", "plots"}
+LIBRARIES = {"callers", "drawing", "limits", "plots"}
 """Modules that scripts share and that are no scripts."""
 SCRIPTS = sorted(path.stem for path in FOLDER.glob("*.py") if path.stem not in LIBRARIES)
 PAPER = ROOT / "papers" / "mcpn.md"

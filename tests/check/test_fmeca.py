@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from pathlib import Path
@@ -16,7 +15,7 @@ from mcpn.check.causes.fmeca import Row, fmeca
 from mcpn.check.engines import Engine
 from mcpn.check.verdicts.modes import Situation
 from mcpn.errors import ConfluenceError, LimitError
-from mcpn.mission.flatten import ElementarySection
+from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
@@ -297,6 +296,35 @@ class Words:
             return "succeed"
         return "be aborted" if self.unsafe(after) and not self.unsafe(back) else ""
 
+    def leads(self) -> str:
+        """Where the failure of the objective leads, as the graph has it."""
+        to = self.section.failure
+        graphs: list[tuple[ObjectivesGraph, ParallelSection | None, Branch | None]]
+        graphs = [(self.costs.found.graph, None, None)]
+        for graph, block, branch in graphs:
+            for other in graph.sections:
+                if other.name == self.section.name:
+                    return self.leading(to, block, branch)
+                if isinstance(other, ParallelSection):
+                    graphs += [(each.graph, other, each) for each in other.branches]
+        raise AssertionError(self.section.name)
+
+    def leading(self, to: str, block: ParallelSection | None, branch: Branch | None) -> str:
+        """The same, in the branch of a block, or in none."""
+        if to not in ("succeed", "fail", "abort"):
+            return f"its failure leads to {to}"
+        if block is None or branch is None:
+            ends = {"succeed": "success", "fail": "failure", "abort": "abort"}
+            return f"its failure ends the mission in {ends[to]}"
+        if to == "abort":
+            return f"its failure aborts {block.name}"
+        if to == "succeed":
+            return f"its failure is a success of {branch.name}"
+        if branch.mandatory and (block.needed is None or block.hasty):
+            return f"its failure fails {block.name}"
+        counted = f"{block.name} needs {block.needed} of {len(block.branches)}"
+        return f"{block.name} does not need it" if block.needed is None else counted
+
     def of(self, hardware: str, before: Marking, after: Marking) -> dict[str, str]:
         """By column, for one failure."""
         back = next((m for e, m in self.play.edges(after) if e == f"{hardware}_EV_RD"), after)
@@ -332,6 +360,7 @@ class Words:
             told["mission_effect"] = "can still succeed"
         if self.lost(after):
             told["objective_effect"] = "cannot succeed any more"
+            told["compensation"] = self.leads()
             told["recovery"] = "none before the objective has failed"
             if not self.lost(back):
                 told["recovery"] = "the objective can succeed again"
@@ -399,12 +428,8 @@ def assert_words(found: MissionNet, rows: list[Row]) -> None:
                 assert row.local_effect.startswith("none")
                 assert (row.local_effect == "none") == (not row.severity)
             for column in ("objective_effect", "mission_effect", "detection", "recovery", "compensation"):
-                possible = {each.get(column, "") for each in told}
-                said = set(getattr(row, column).split("; or "))
-                if "" in possible:  # where a failed objective leads
-                    leads = re.compile("its failure .*|.* does not need it")
-                    said = {text for text in said if not leads.fullmatch(text)}
-                assert said <= possible, column
+                possible = {each[column] for each in told}
+                assert set(getattr(row, column).split("; or ")) <= possible, column
 
 
 WAITING = {

@@ -43,6 +43,11 @@ def is_of_paths(formula: Formula) -> bool:
     return isinstance(formula, Not | And | Or) and any(map(is_of_paths, formula.operands))
 
 
+def atom_of(literal: Formula) -> Formula:
+    """What a literal affirms or negates."""
+    return literal.operands[0] if isinstance(literal, Not) else literal
+
+
 def eventually(formula: Formula) -> Formula:
     """``F f``."""
     return Until(TRUE, formula)

@@ -9,8 +9,8 @@ import json
 from collections.abc import Callable
 
 from mcpn.check.ltl.automaton import Automaton
-from mcpn.check.ltl.formulas import Happens, Next, Release, Until
-from mcpn.space.search.goal import And, Formula, Not, Or
+from mcpn.check.ltl.formulas import Happens, Next, Release, Until, atom_of
+from mcpn.space.search.goal import And, Formula, Or
 
 
 def write_hoa(automaton: Automaton, name: str, formula: Formula, said: Callable[[Formula], str]) -> str:
@@ -23,7 +23,7 @@ def write_hoa(automaton: Automaton, name: str, formula: Formula, said: Callable[
         said: A formula on states, or a step, as text: these are the atomic propositions.
     """
     literals = [f for of in automaton.edges for e in of for f in sorted(e.literals, key=said)]
-    atoms = {atom: i for i, atom in enumerate(dict.fromkeys(map(_atom, literals)))}
+    atoms = {atom: i for i, atom in enumerate(dict.fromkeys(map(atom_of, literals)))}
     inf = "&".join(f"Inf({mark})" for mark in range(automaton.marks))
     properties = "trans-labels explicit-labels trans-acc"
     hierarchy = classes(formula)
@@ -43,15 +43,11 @@ def write_hoa(automaton: Automaton, name: str, formula: Formula, said: Callable[
     for number, of in enumerate(automaton.edges):
         lines.append(f"State: {number}")
         for edge in of:
-            signs = sorted((atoms[_atom(f)], _atom(f) != f) for f in edge.literals)
+            signs = sorted((atoms[atom_of(f)], atom_of(f) != f) for f in edge.literals)
             label = "&".join(f"{'!' if negated else ''}{atom}" for atom, negated in signs) or "t"
             marks = f" {{{' '.join(map(str, sorted(edge.marks)))}}}" if edge.marks else ""
             lines.append(f"  [{label}] {edge.target}{marks}")
     return "\n".join([*lines, "--END--", ""])
-
-
-def _atom(literal: Formula) -> Formula:
-    return literal.operands[0] if isinstance(literal, Not) else literal
 
 
 def classes(formula: Formula) -> list[str]:

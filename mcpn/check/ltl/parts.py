@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from itertools import chain
 
 from mcpn.check.ltl.automaton import translated
-from mcpn.check.ltl.formulas import Release, Until, is_of_paths, normal
+from mcpn.check.ltl.formulas import Release, Until, atom_of, is_of_paths, normal
 from mcpn.check.ltl.hoa import is_stutter_insensitive
 from mcpn.check.ltl.search import FoundPath, PathSearch
 from mcpn.errors import LimitError
@@ -155,7 +155,7 @@ class PathParts:
 
     def _refuted(self, path: Formula) -> bool:
         """Whether no path satisfies both a formula and what holds at some time on every path of the net."""
-        plain = dict.fromkeys(c.operands[0] if isinstance(c, Not) else c for c in _conditions(path))
+        plain = dict.fromkeys(map(atom_of, _conditions(path)))
         literals = [literal for c in [*plain][:MOST_ASKED] for literal in (c, Not(c))]
         inevitable = [Until(TRUE, literal) for literal in literals if self._is_inevitable(literal)]
         try:

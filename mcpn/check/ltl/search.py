@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias, cast
 
 from mcpn.check.ltl.automaton import Automaton, AutomatonEdge
-from mcpn.check.ltl.formulas import Happens
+from mcpn.check.ltl.formulas import Happens, atom_of
 from mcpn.net.petri import PetriNet
 from mcpn.space.search.goal import Formula, Goal, Not, as_goal, encode
 from mcpn.space.search.searches import MAX_BYTES, Searches
@@ -52,7 +52,7 @@ class PathSearch:
         self._goals: dict[Formula, Goal] = {}
         self.fits = self._searches.fits and automaton.marks <= MOST_MARKS
         for literal in dict.fromkeys(f for of in automaton.edges for edge in of for f in edge.literals):
-            if not isinstance(_plain(literal), Happens):
+            if not isinstance(atom_of(literal), Happens):
                 goal = as_goal(literal, net)
                 if goal is None:
                     self.fits = False
@@ -96,7 +96,3 @@ class PathSearch:
             None if fired is None else sorted(fired),
             rests,
         )
-
-
-def _plain(literal: Formula) -> Formula:
-    return literal.operands[0] if isinstance(literal, Not) else literal
