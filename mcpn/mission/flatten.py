@@ -209,14 +209,8 @@ class _Flattening:
                 return
             here = around.copy(by, f"{block.name}{number}")
             self.series(blocks, inside, leads._replace(failure=Lead(self.entry(by, here))).exits, sections)
-            late = by.timeout_goto if isinstance(by, Objective) else None
             back = Lead(self.entry(again[0][0], again[1]))
-            ways = Leads(
-                back, leads.failure, routes[by.abort or ABORT], routes[late] if late else leads.failure
-            )
-            before = len(sections)
-            self.block(by, self.handling(here, by.handlers, routes, by.name), ways, sections)
-            self.held.setdefault(around.name(by), []).extend(sections[before:])
+            self.helper(by, here, (around, routes), (back, leads.failure), sections)
 
     def paused(
         self,
@@ -231,7 +225,7 @@ class _Flattening:
         Each copy leads back to its section; handlers whose targets are placeholders (keys of ``runs``) are
         replaced by handlers that lead to the copies.
         """
-        scope, routes = around
+        scope, _ = around
         for number in range(before, len(sections)):
             section, entries = sections[number], dict[str, str]()
             marks = (i.target for i in section.interruptions if i.target in runs)
@@ -241,15 +235,26 @@ class _Flattening:
                     message = f"two copies of {by.name} would be called {here.name(by)}"
                     raise InputError.at(by.source, f"{message}: rename one of the blocks that pause")
                 self.copied.add(here.name(by))
-                late = by.timeout_goto if isinstance(by, Objective) else None
-                back = Lead(section.name)
-                ways = Leads(back, failure, routes[by.abort or ABORT], routes[late] if late else failure)
-                first = len(sections)
-                self.block(by, self.handling(here, by.handlers, routes, by.name), ways, sections)
-                self.held.setdefault(scope.name(by), []).extend(sections[first:])
+                self.helper(by, here, around, (Lead(section.name), failure), sections)
                 entries |= {mark: self.entry(by, here) for mark, of in runs.items() if of is by}
             led = (replace(i, target=entries.get(i.target, i.target)) for i in section.interruptions)
             sections[number] = replace(section, interruptions=tuple(led))
+
+    def helper(
+        self,
+        by: Block,
+        here: Scope,
+        around: tuple[Scope, Mapping[str, Lead]],
+        ways: tuple[Lead, Lead],
+        sections: list[Section],
+    ) -> None:
+        """Adds a copy of a sibling that is run for another block; its success and failure lead two ways."""
+        (scope, routes), (success, failure) = around, ways
+        late = by.timeout_goto if isinstance(by, Objective) else None
+        leads = Leads(success, failure, routes[by.abort or ABORT], routes[late] if late else failure)
+        before = len(sections)
+        self.block(by, self.handling(here, by.handlers, routes, by.name), leads, sections)
+        self.held.setdefault(scope.name(by), []).extend(sections[before:])
 
     def handling(
         self, scope: Scope, handlers: tuple[Handler, ...], routes: Mapping[str, Lead], block: str
