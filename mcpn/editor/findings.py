@@ -17,6 +17,7 @@ from mcpn.errors import McpnError
 
 def findings(file: Path) -> dict[str, Any]:
     """Modes and cut sets by objective, what each hardware resource can make fail, and problems."""
+    from mcpn.mission.static.copies import Copies, grouped
     from mcpn.opening import open_study
     from mcpn.report.words import modes_in_words
 
@@ -44,10 +45,12 @@ def findings(file: Path) -> dict[str, Any]:
         {"file": str(file), "line": 1, "message": f"{name}: {checked.verdicts[name].explanation}"}
         for name in checked.failing
     ]
-    for answer in checked.requirements:
-        source = answer.asked.requirement.source
-        if not answer.met and source is not None:
-            message = f"requirement {answer.asked.name} is not met"
+    copies, every = Copies(study.mission_net.mission), [answer.asked.name for answer in checked.requirements]
+    unmet = [answer.asked for answer in checked.requirements if not answer.met]
+    for source, same in grouped(unmet, lambda asked: asked.requirement.source).items():
+        if source is not None:
+            subject, several = copies.subject("requirement", [asked.name for asked in same], every)
+            message = f"{subject} {'are' if several else 'is'} not met"
             problems.append({"file": source.file, "line": source.line, "message": message})
     return {"names": {name: "\n\n".join(said) for name, said in names.items()}, "problems": problems}
 

@@ -6,8 +6,8 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from mcpn.check.logic.names import Names
 from mcpn.check.verdicts.modes import Mode, Situation, said_by
+from mcpn.mission.static.copies import Copies
 from mcpn.net.events import Event, What
 from mcpn.space.run import Run
 
@@ -110,14 +110,8 @@ def modes_together(check: MissionCheck) -> dict[tuple[str, ...], list[str]]:
 
 def folded(mission_net: MissionNet, objectives: Collection[str]) -> list[str]:
     """Objectives by name; where all rounds and tries of one are among them they are said together."""
-    names = Names(mission_net.net, mission_net)
-    found = list[str]()
-    here = names.folded(objectives)
-    whole = names.folded([objective.name for objective in mission_net.graph.walk()]) if here else {}
-    for name, of in here.items():
-        together = len(of) > 1 and len(of) == len(whole[name])
-        found += [f"{name} (all {len(of)})"] if together else of
-    return found
+    every = (objective.name for objective in mission_net.graph.walk())
+    return Copies(mission_net.mission).told(objectives, every)
 
 
 def modes_in_words(modes: Iterable[Mode]) -> tuple[str, ...]:

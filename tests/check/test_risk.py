@@ -139,18 +139,12 @@ def test_durations_must_be_known() -> None:
         numbers(mission([], {"a": [()]}, Objective(name="x", activities=("a",))))
 
 
-@pytest.mark.parametrize(
-    ("tries", "named"),
-    [
-        (2, "objectives x_try1, x_try2 have no duration"),
-        (4, "objectives x_try1, x_try2, x_try3 and 1 more have"),
-    ],
-)
-def test_a_line_without_a_duration_is_told_once(tries: int, named: str) -> None:
+@pytest.mark.parametrize("tries", [2, 4])
+def test_a_line_without_a_duration_is_told_once(tries: int) -> None:
     source = Source("m.xml", 7)
     again = Objective(name="x", activities=("a",), retries=tries - 1, failure="y", source=source)
     last = Objective(name="y", activities=("a",), source=Source("m.xml", 8))
-    with pytest.raises(InputError, match=named) as error:
+    with pytest.raises(InputError, match=rf"objective x \(all {tries}\) has no duration") as error:
         numbers(mission([], {"a": [()]}, again, last))
     assert [p.source and p.source.line for p in error.value.problems] == [7, 8]
 

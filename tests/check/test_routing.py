@@ -13,6 +13,7 @@ from mcpn.check.logic.syntax import parse
 from mcpn.check.verdicts.mission import MissionCheck, check
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
+from mcpn.mission.static.copies import Copies
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.testing import missions
@@ -116,8 +117,10 @@ def test_what_is_told_is_so(mission: Mission) -> None:
         return
     evaluation = Evaluation(space)
     told = [problem.message for problem in found.futile]
+    copies = Copies(mission)
     for section in found_of.graph.sections:
-        if any(f"objective {section.name} leads" in message for message in told):
+        plain = copies.plain(section.name)
+        if any(f"objective {of} lead" in m for of in (section.name, f"{plain} (all") for m in told):
             event = f"happens(OBJ_{section.name}_EV_OK)"
             assert evaluation.holds(parse(f"EF event(OBJ_{section.name}_EV_OK)", names))
             assert evaluation.holds(parse(f"A G ({event} -> X G !success)", names))

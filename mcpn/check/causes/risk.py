@@ -163,7 +163,7 @@ def _refuse_unknown(prospects: Prospects[Any]) -> None:
     needed = "no duration, which numbers of risk need: its mean in hours"
     running = (s for name, s in prospects.sections.items() if prospects.objectives[name].running)
     unknown = (section for section in running if section.duration is None)
-    problems = list(of_objectives(unknown, f"has {needed}", f"have {needed}"))
+    problems = list(of_objectives(prospects.mission_net.usage, unknown, f"has {needed}", f"have {needed}"))
     if problems:
         raise InputError(problems)
 

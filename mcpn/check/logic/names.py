@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Sequence
 from difflib import get_close_matches
 from functools import cached_property
@@ -12,10 +11,10 @@ from typing import TYPE_CHECKING
 from mcpn.check.logic.formulas import Justice
 from mcpn.check.ltl.formulas import Happens
 from mcpn.errors import InputError
-from mcpn.mission.expansion.recovery import pausing, recovering
 from mcpn.mission.flatten import blocks_of
-from mcpn.mission.model import Each, Holder, Objective, walk
+from mcpn.mission.model import Objective, walk
 from mcpn.mission.robot import BOOLEAN_VALUES
+from mcpn.mission.static.copies import Copies, grouped
 from mcpn.mission.world.conditions import is_boolean, objective_done
 from mcpn.net.events import ENDING, START, Event, What
 from mcpn.net.petri import PetriNet
@@ -172,8 +171,8 @@ class Names:
 
     def _copies(self, name: str, names: Collection[str]) -> list[str]:
         """All rounds or tries that a name without numbers stands for, those of this use first."""
-        plain, numbers = name.removeprefix("OBJ_"), self._numbers
-        if numbers is None:
+        plain, copies = name.removeprefix("OBJ_"), self._written
+        if not copies:
             return []
         for within in dict.fromkeys((self.within, "")):
             begin = name.removesuffix(plain) + within
@@ -183,7 +182,7 @@ class Names:
             for known in names:
                 if not known.startswith(begin):
                     continue
-                said = numbers.sub(lambda m: next(filter(None, m.groups())), known[len(begin) :])
+                said = copies.plain(known[len(begin) :])
                 if said == plain or said.endswith(f".{plain}"):
                     meant.setdefault(said, []).append(known)
             if plain in meant or len(meant) == 1:
@@ -192,37 +191,17 @@ class Names:
 
     def folded(self, names: Collection[str]) -> dict[str, list[str]]:
         """Names, those of rounds and tries together under the one name that means all of them."""
-        together: dict[str, list[str]] = {}
-        numbers = self._numbers
-        for name in names:
+
+        def plain(name: str) -> str:
             begin = "OBJ_" if name.startswith("OBJ_") else ""  # of the event of an objective
-            plain = name.removeprefix(begin)
-            if numbers is not None:
-                plain = numbers.sub(lambda m: next(filter(None, m.groups())), plain)
-            together.setdefault(begin + plain, []).append(name)
-        return together
+            return begin + self._written.plain(name.removeprefix(begin))
+
+        return grouped(names, plain)
 
     @cached_property
-    def _numbers(self) -> re.Pattern[str] | None:
-        """Matches block names with the numbers of rounds and tries; ``None`` where no block has any."""
+    def _written(self) -> Copies:
         assert self.mission_net is not None
-        mission, several = self.mission_net.mission, list[str]()
-        texts = (mission.blocks, *(protocol.blocks for protocol in mission.protocols))
-        inside = (block for blocks in texts for block in walk(blocks) if isinstance(block, Holder))
-        families = [*((None, blocks) for blocks in texts), *((block, block.blocks) for block in inside)]
-        for around, blocks in families:
-            value = f"_(?:{'|'.join(around.values)})" if isinstance(around, Each) else ""
-            aside, shelters = recovering(blocks), pausing(blocks)
-            for block in blocks:
-                said = value + ("_run[0-9]+" if block.recover else "")
-                if recovers := aside.get(block.name):
-                    said += f"(?:_(?:{'|'.join(b.name for b in recovers)})[0-9]+)?"
-                said += "(?:_at_[A-Za-z0-9_]+?)?" if block.name in shelters else ""
-                said += "_[0-9]+" if block.repeat is not None else ""
-                said += "_try[0-9]+" if block.retries else ""
-                if said:
-                    several.append(f"({block.name}){said}")
-        return re.compile(rf"(?:(?<=[.])|^)(?:{'|'.join(several)})(?=[.]|$|_EV_)") if several else None
+        return Copies(self.mission_net.mission)
 
     def _element(self, name: str, names: Collection[str], what: str) -> str:
         """The name in full: the use of a protocol that qualifies it may be left out where one name fits."""

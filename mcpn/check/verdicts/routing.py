@@ -8,14 +8,16 @@ at routes alone, not at the hardware that is out of service along them: the anal
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 from mcpn.errors import Problem
 from mcpn.mission.flatten import blocks_of
 from mcpn.mission.graph import TIMED_OUT, ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission
-from mcpn.mission.static.warnings import of_objectives
+from mcpn.mission.static.copies import Copies, Written, grouped
+from mcpn.mission.static.warnings import names_of_objectives
 from mcpn.net.events import Event, What
 from mcpn.sentences import shortened
 
@@ -30,11 +32,26 @@ class _Route(NamedTuple):
     by: str | Event
     target: str
 
-    def __str__(self) -> str:
-        """Why it is not taken."""
-        if isinstance(self.by, Event):
-            return f"event {self.by.element} never happens while {_kind(self.of)} {self.of.name} runs"
-        return f"{_kind(self.of)} {self.of.name} can never {_VERBS[self.by]}"
+
+class _Region(NamedTuple):
+    """Sections that are never entered, in document order, and the routes that would lead there."""
+
+    sections: list[Section]
+    causes: list[_Route]
+
+
+class _Futile(NamedTuple):
+    """A section that leads only to failure by its success.
+
+    Args:
+        section: The section.
+        ends: The exits that it leads to.
+        missing: The routes behind it that would lead to success if they were taken.
+    """
+
+    section: Section
+    ends: frozenset[str]
+    missing: list[_Route]
 
 
 class Routing:
@@ -44,10 +61,15 @@ class Routing:
         graph: Its objectives graph.
         entered: The objectives that some state runs.
         happens: The events that some state allows.
+        mission: The mission.
     """
 
-    def __init__(self, graph: ObjectivesGraph, entered: Collection[str], happens: Collection[Event]) -> None:
+    def __init__(
+        self, graph: ObjectivesGraph, entered: Collection[str], happens: Collection[Event], mission: Mission
+    ) -> None:
         self.graph = graph
+        self._mission = mission
+        self._copies = Copies(mission)
         self._entered = entered
         self._happens = happens
         self._exits: dict[str, frozenset[str]] = {}
@@ -56,17 +78,23 @@ class Routing:
         """Whether some state runs the section, or an objective in it."""
         return any(objective.name in self._entered for objective in section.walk())
 
-    def never_entered(self, mission: Mission) -> Iterator[Problem]:
-        """Objectives, or whole blocks, that routes reach and no run enters, each region with its cause."""
-        blocks: dict[str, tuple[str, ...]] | None = None
-        for graph in self._graphs(self.graph):
-            for region, causes in self._regions(graph):
-                objectives = [objective for section in region for objective in section.walk()]
-                blocks = blocks_of(mission) if blocks is None else blocks
-                names = _folded([objective.name for objective in objectives], blocks)
-                yield Problem(objectives[0].source, f"{names} can never be entered{_because(causes)}")
+    def never_entered(self) -> Iterator[Problem]:
+        """Objectives, or whole blocks, that routes reach and no run enters, each region with its cause.
 
-    def _regions(self, graph: ObjectivesGraph) -> Iterator[tuple[list[Section], list[_Route]]]:
+        Regions of copies of the same blocks are one.
+        """
+
+        def alike(region: _Region) -> object:
+            return frozenset(self._copies.written(s.name) for s in region.sections), self._key(region.causes)
+
+        regions = [region for graph in self._graphs(self.graph) for region in self._regions(graph)]
+        for same in grouped(regions, alike).values():
+            objectives = [o for region in same for section in region.sections for o in section.walk()]
+            names = self._whole([objective.name for objective in objectives])
+            because = self._because(cause for region in same for cause in region.causes)
+            yield Problem(objectives[0].source, f"{names} can never be entered{because}")
+
+    def _regions(self, graph: ObjectivesGraph) -> Iterator[_Region]:
         """Sections that are never entered, with those behind them, and the routes that would lead there."""
         never = {section.name for section in graph.sections if not self.entered(section)}
         into: dict[str, list[_Route]] = {name: [] for name in never}
@@ -88,27 +116,47 @@ class Routing:
                     region.append(graph.section(name))
                     causes += into[name]
                     queue += [target for target in region[-1].routes if target in never]
-            yield _in_text(graph, region), causes
+            yield _Region(_in_text(graph, region), causes)
 
     def futile(self) -> Iterator[Problem]:
-        """Objectives and blocks that may still succeed or fail, and lead only to failure by their success."""
+        """Objectives and blocks that may still succeed or fail, and lead only to failure by their success.
+
+        Copies of one are said together.
+        """
+
+        def alike(each: _Futile) -> object:
+            leads = each.section.success
+            to = leads if leads in _ENDS else self._copies.written(leads)
+            return (
+                _kind(each.section),
+                self._copies.written(each.section.name),
+                each.ends,
+                to,
+                self._key(each.missing),
+            )
+
+        for same in grouped(self._futile(), alike).values():
+            one, missing = same[0], [route for each in same for route in each.missing]
+            names = [each.section.name for each in same]
+            subject, several = self._copies.subject(_kind(one.section), names, self._every)
+            where = " or ".join(word for exit_, word in _ENDS.items() if exit_ in one.ends) or "no end"
+            whose = "their" if several else "its"
+            if one.section.success in _ENDS:
+                cause = f": {whose} success leads to {one.section.success}"
+            else:
+                successes = shortened(self._copies.told((s.section.success for s in same), self._every))
+                cause = self._because(missing) or f": no route leads from {successes} to succeed"
+            leads = "lead" if several else "leads"
+            yield Problem(one.section.source, f"{subject} {leads} only to {where} by {whose} success{cause}")
+
+    def _futile(self) -> Iterator[_Futile]:
         hopeful = self._reaching(self.graph, SUCCEED)
         for section in self.graph.sections:
             if section.name not in hopeful or not self.entered(section):
                 continue
-            if "success" not in self.taken(section) or section.success in hopeful:
-                continue
-            causes, ends = self._behind(self.graph, section.success, hopeful)
-            where = " or ".join(word for exit_, word in _ENDS.items() if exit_ in ends) or "no end"
-            if section.success in _ENDS:
-                cause = f": its success leads to {section.success}"
-            else:
-                cause = _because(causes) or f": no route leads from {section.success} to succeed"
-            said = f"lead{{}} only to {where} by {{}} success{cause}"
-            if isinstance(section, ElementarySection):
-                yield from of_objectives([section], said.format("s", "its"), said.format("", "their"))
-            else:
-                yield Problem(section.source, f"{_kind(section)} {section.name} {said.format('s', 'its')}")
+            if "success" in self.taken(section) and section.success not in hopeful:
+                causes, ends = self._behind(self.graph, section.success, hopeful)
+                yield _Futile(section, frozenset(ends), causes)
 
     def taken(self, section: Section) -> frozenset[str]:
         """The outcomes of a section that happen."""
@@ -178,6 +226,50 @@ class Routing:
         missing = [r for r in routes if r.target in hopeful and not isinstance(r.by, Event)]
         return missing, seen & {SUCCEED, FAIL, ABORT}
 
+    @cached_property
+    def _every(self) -> list[str]:
+        """The names of all sections of the mission, at any depth."""
+        return [section.name for section in self.graph.all_sections()]
+
+    def _key(self, routes: Iterable[_Route]) -> frozenset[tuple[str | Event, Written]]:
+        """Routes as they are written, whatever copies they are of."""
+        return frozenset((route.by, self._copies.written(route.of.name)) for route in routes)
+
+    def _because(self, causes: Iterable[_Route]) -> str:
+        """Why routes are not taken; empty where there are none."""
+
+        def alike(route: _Route) -> object:
+            return route.by, self._copies.written(route.of.name)
+
+        said = list[str]()
+        for same in grouped(causes, alike).values():
+            by, kind = same[0].by, _kind(same[0].of)
+            subject, several = self._copies.subject(kind, [r.of.name for r in same], self._every)
+            if isinstance(by, Event):
+                said.append(
+                    f"event {by.element} never happens while {subject} {'run' if several else 'runs'}"
+                )
+            else:
+                said.append(f"{subject} can never {_VERBS[by]}")
+        return f": {shortened(said)}" if said else ""
+
+    def _whole(self, objectives: Sequence[str]) -> str:
+        """Objectives by name, those of a whole block by the outermost such block."""
+        blocks = self._blocks
+        named = {objective: ("objective", objective) for objective in objectives}
+        whole = [name for name, held in blocks.items() if len(held) > 1 and named.keys() >= set(held)]
+        for block in sorted(whole, key=lambda name: len(blocks[name])):  # the outermost last
+            named |= dict.fromkeys(blocks[block], ("block", block))
+        every, parts = {"block": [*blocks], "objective": names_of_objectives(self.graph)}, []
+        for kind, known in every.items():
+            if names := list(dict.fromkeys(name for what, name in named.values() if what == kind)):
+                parts.append(self._copies.subject(kind, names, known)[0])
+        return " and ".join(parts)
+
+    @cached_property
+    def _blocks(self) -> dict[str, tuple[str, ...]]:
+        return blocks_of(self._mission)
+
     def _graphs(self, graph: ObjectivesGraph) -> Iterator[ObjectivesGraph]:
         """A graph and those of branches that are entered, at any depth."""
         yield graph
@@ -204,22 +296,3 @@ def _routes(section: Section) -> Iterator[_Route]:
         yield _Route(section, outcome, target)
     for interruption in section.interruptions:
         yield _Route(section, Event(What.DECLARED, interruption.event), interruption.target)
-
-
-def _because(causes: Iterable[_Route]) -> str:
-    said = list(dict.fromkeys(map(str, causes)))
-    return f": {shortened(said)}" if said else ""
-
-
-def _folded(objectives: list[str], blocks: dict[str, tuple[str, ...]]) -> str:
-    """Objectives by name, those of a whole block by the outermost such block."""
-    named = {objective: ("objective", objective) for objective in objectives}
-    whole = [name for name, held in blocks.items() if len(held) > 1 and named.keys() >= set(held)]
-    for block in sorted(whole, key=lambda name: len(blocks[name])):  # the outermost last
-        named |= dict.fromkeys(blocks[block], ("block", block))
-    parts = []
-    for kind in ("block", "objective"):
-        names = list(dict.fromkeys(name for what, name in named.values() if what == kind))
-        if names:
-            parts.append(f"{kind if len(names) == 1 else f'{kind}s'} {shortened(names)}")
-    return " and ".join(parts)

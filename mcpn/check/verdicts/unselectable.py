@@ -55,12 +55,12 @@ def never_happens(mission_net: MissionNet, space: Space[S], firings: Mapping[int
             else:
                 why = _held(usage, activity.name, alternative.consumes)
                 problems.append(Problem(alternative.source, f"alternative {name} can never be selected{why}"))
-    routing = Routing(usage.graph, entered, happens)
-    problems.extend(routing.never_entered(mission))
+    routing = Routing(usage.graph, entered, happens, mission)
+    problems.extend(routing.never_entered())
     for what, verb in ((What.SUCCESS, "succeed"), (What.FAILURE, "fail")):
         never = (s for s in sections if s.name in entered and Event(what, s.name) not in happens)
-        problems.extend(of_objectives(never, f"can never {verb}"))
-    problems.extend(never_entered(usage.graph.never_entered()))
+        problems.extend(of_objectives(usage, never, f"can never {verb}"))
+    problems.extend(never_entered(usage))
     problems.extend(never_used(mission, used))
     return Never(tuple(in_order(problems)), tuple(in_order(routing.futile())))
 

@@ -161,7 +161,7 @@ def _refuse_without_duration(mission_net: MissionNet) -> None:
 
     unknown = (section for section in mission_net.graph.walk() if section.duration is None)
     needed = "no duration, which a bench needs: its mean in hours (or --duration for all that have none)"
-    problems = list(of_objectives(unknown, f"has {needed}", f"have {needed}"))
+    problems = list(of_objectives(mission_net.usage, unknown, f"has {needed}", f"have {needed}"))
     if problems:
         raise InputError(problems)
 

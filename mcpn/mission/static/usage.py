@@ -11,7 +11,6 @@ one inside the chain of resources that the other consumes.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 from typing import TypeAlias
@@ -20,6 +19,7 @@ from mcpn.errors import Source
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection
 from mcpn.mission.model import Mission
 from mcpn.mission.robot import Activity, Hardware
+from mcpn.mission.static.contentions import Contention
 from mcpn.mission.static.handover import Handover
 from mcpn.mission.static.sharing import Sharing, occasions
 from mcpn.mission.static.switching import Switching
@@ -31,27 +31,6 @@ Demand: TypeAlias = tuple[str, int]
 
 Needs: TypeAlias = dict[str, set[Demand]]
 """Demands by the resource that they consume."""
-
-
-@dataclass(frozen=True, slots=True)
-class Contention:
-    """Two rivals that may run together and both need one resource or activity that serves one at a time.
-
-    Args:
-        wanted: An exclusive resource, or ``activity NAME``.
-        rivals: Two activities that consume the resource, or two branches that start the activity; sorted.
-        context: Where they run together, in words ("parallel block census").
-        source: The line of that context.
-    """
-
-    wanted: str
-    rivals: tuple[str, str]
-    context: str
-    source: Source | None = None
-
-    def __str__(self) -> str:
-        first, second = self.rivals
-        return f"{first} and {second}, both in {self.context}, both need {self.wanted}"
 
 
 class Usage:

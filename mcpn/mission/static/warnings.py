@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator
 from functools import cache
 
-from mcpn.errors import Problem, Source
-from mcpn.mission.flatten import ElementarySection, flatten
+from mcpn.errors import Problem
+from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, flatten
 from mcpn.mission.model import ABORT, Block, Holder, Mission, Objective, Use, walk
+from mcpn.mission.static.contentions import contention_warnings
+from mcpn.mission.static.copies import Copies, grouped
 from mcpn.mission.static.usage import Usage
 from mcpn.mission.world.fact_warnings import fact_warnings
-from mcpn.sentences import shortened
 
 
 def find_warnings(of: Mission | Usage) -> list[Problem]:
@@ -29,8 +30,8 @@ def find_warnings(of: Mission | Usage) -> list[Problem]:
 
 def static_warnings(usage: Usage) -> list[Problem]:
     """All warnings that need no state space: those of :func:`find_warnings`, and contentions."""
-    contentions = (Problem(c.source, str(c)) for c in usage.contentions)
-    return list({str(problem): problem for problem in (*find_warnings(usage), *contentions)}.values())
+    problems = (*find_warnings(usage), *contention_warnings(usage.contentions, usage.mission, usage.graph))
+    return list({str(problem): problem for problem in problems}.values())
 
 
 def in_order(problems: Iterable[Problem]) -> list[Problem]:
@@ -38,27 +39,32 @@ def in_order(problems: Iterable[Problem]) -> list[Problem]:
     return sorted(problems, key=lambda p: (p.source.file, p.source.line or 0) if p.source else ("", 0))
 
 
-def of_objectives(sections: Iterable[ElementarySection], one: str, several: str = "") -> Iterator[Problem]:
-    """One problem for each line of the mission, however many rounds and tries are written out from it.
+def of_objectives(
+    usage: Usage, sections: Iterable[ElementarySection], one: str, several: str = ""
+) -> Iterator[Problem]:
+    """One problem for each objective that is written, however many rounds, tries and uses it has.
 
     Args:
+        usage: The mission's static analysis.
         sections: Objectives of which the same is to be said, in their order.
         one: What is said of one of them, without its name.
         several: The same of several; that of one by default.
     """
-    lines: dict[Source | str, list[ElementarySection]] = {}
-    for section in sections:
-        lines.setdefault(section.source or section.name, []).append(section)
-    for same in lines.values():
-        names = shortened([section.name for section in same])
-        said = f"objective {names} {one}" if len(same) == 1 else f"objectives {names} {several or one}"
-        yield Problem(same[0].source, said)
+    copies = Copies(usage.mission)
+    for same in grouped(sections, lambda section: copies.written(section.name)).values():
+        subject, more = copies.subject("objective", [s.name for s in same], names_of_objectives(usage.graph))
+        yield Problem(same[0].source, f"{subject} {(several or one) if more else one}")
 
 
-def never_entered(sections: Iterable[ElementarySection]) -> Iterator[Problem]:
+def names_of_objectives(graph: ObjectivesGraph) -> list[str]:
+    """The names of all objectives, those that no route reaches among them."""
+    return [objective.name for objective in (*graph.walk(), *graph.never_entered())]
+
+
+def never_entered(usage: Usage) -> Iterator[Problem]:
     """The warnings of objectives that no route reaches, in the words of every stage that finds them."""
     said = "can never be entered: no route reaches"
-    return of_objectives(sections, f"{said} it", f"{said} them")
+    return of_objectives(usage, usage.graph.never_entered(), f"{said} it", f"{said} them")
 
 
 def never_used(mission: Mission, used: Collection[str]) -> Iterator[Problem]:
@@ -100,7 +106,7 @@ def _warnings(usage: Usage) -> Iterator[Problem]:
             yield Problem(protocol.source, f"protocol {protocol.name} is never used")
     yield from fact_warnings(usage.world, graph)
     yield from _vain(mission)
-    yield from never_entered(graph.never_entered())
+    yield from never_entered(usage)
 
 
 def _vain(mission: Mission) -> Iterator[Problem]:
