@@ -11,7 +11,6 @@ from mcpn.controller.modular import AnyController, ModularController
 from mcpn.controller.rules import modular_controller
 from mcpn.controller.sizes import MAX_TABLE_STATES, rather_rules, standing, too_large
 from mcpn.errors import LimitError
-from mcpn.mission.expansion.faults import refuse_late
 from mcpn.net.compose import MissionNet
 from mcpn.space.stable.clash_words import in_mission_words
 from mcpn.space.stable.completion import MAX_STABLE_STATES
@@ -86,7 +85,6 @@ def generate(
         :mod:`mcpn.controller.targets`: the files that robots read.
     """
     spaces, mission_net = spaces_of(of), spaces_of(of).mission
-    refuse_late(mission_net.mission.late, "controllers do")
     if form == "flat":
         faulty = sum(h.faulty for h in mission_net.mission.hardware)
         limit = MAX_STABLE_STATES if max_states is None else max_states

@@ -18,7 +18,7 @@ keeps the hardware out of service; guards of moves ask for them. In the flat con
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -28,6 +28,7 @@ from mcpn.check.verdicts.modes import Situation
 from mcpn.controller.actions import PlannedAction
 from mcpn.controller.machine import Machine, controller, event_at
 from mcpn.controller.sizes import refuse_entries
+from mcpn.mission.expansion.faults import unnoticed
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Fact
 from mcpn.mission.world.conditions import all_flags, flags
@@ -239,7 +240,8 @@ def flat_controller(mission_net: MissionNet, alternatives: AlternativesGraph) ->
     hardware = tuple(h.name for h in mission_net.mission.hardware if h.faulty)
     refuse_entries(hardware)
     facts = mission_net.usage.world.facts
-    machine = cut(controller(mission_net, alternatives), hardware, facts=facts)
+    late = [h.name for h in mission_net.mission.late]
+    machine = cut(controller(mission_net, alternatives), hardware, facts=facts, late=late)
     name = mission_net.mission.name
     leads = {"success": SUCCEED, "failure": FAIL, "abort": ABORT}
     routes = {outcome: leads[outcome] for outcome in mission_net.ends}
@@ -263,7 +265,8 @@ def section_machine(
     """
     refuse_entries(part.faulty, part.flags)
     facts = {fact.name: fact for fact in part.facts}
-    return replace(cut(controller(local, alternatives), part.faulty, guards, facts), once=part.once)
+    late = [h.name for h in local.mission.late if h.name in part.faulty]
+    return replace(cut(controller(local, alternatives), part.faulty, guards, facts, late), once=part.once)
 
 
 def cut(
@@ -271,11 +274,12 @@ def cut(
     hardware: tuple[str, ...],
     guards: Mapping[int, Guard] | None = None,
     facts: Mapping[str, Fact] | None = None,
+    late: Collection[str] = (),
 ) -> SectionMachine:
     """The inside of a machine: what is before the start and after the end becomes entries and outcomes."""
-    fact_flags = _FactFlags(machine, facts or {})
-    at_entries = (*hardware, *fact_flags.at_entries)
-    refuse_entries(hardware, fact_flags.at_entries)
+    flags_of = _Flags(machine, facts or {}, late)
+    at_entries = (*hardware, *flags_of.at_entries)
+    refuse_entries(hardware, flags_of.at_entries)
     graph, transitions = machine.graph, machine.graph.net.transitions
     ended = np.array([state.outcome is not None for state in machine.states], np.bool_)
     within = ~ended
@@ -310,7 +314,7 @@ def cut(
             to if to >= 0 else _outcome(states[-1 - to]),
             lists[order],
             guards.get(t, ALWAYS),
-            *fact_flags.changes(before, after),
+            *flags_of.changes(before, after),
         )
         for source, event, to, order, t, before, after in zip(*(c.tolist() for c in columns), strict=True)
     )
@@ -318,42 +322,47 @@ def cut(
         if transitions[graph.labels[edge]].event == START:
             source, target = int(graph.sources[edge]), int(graph.targets[edge])
             assert states[target].outcome is None, "a section that is entered has something to do"
-            mask = sum(bit[name] for name in (*states[source].out_of_service, *fact_flags.of(source)))
-            order, changes = int(machine.orders[edge]), fact_flags.changes(source, target)
+            mask = sum(bit[name] for name in (*states[source].out_of_service, *flags_of.of(source)))
+            order, changes = int(machine.orders[edge]), flags_of.changes(source, target)
             entries[mask] = Entry(int(number_of[target]), lists[order], *changes)
     within_states = tuple(states[n] for n in inside.tolist())
-    names, entering = fact_flags.names, len(fact_flags.at_entries)
+    names, entering = flags_of.names, len(flags_of.at_entries)
     return SectionMachine(hardware, events, within_states, tuple(entries), moves, (), names, entering)
 
 
-class _FactFlags:
-    """The flags of facts (:func:`mcpn.mission.world.conditions.flags`) that are true in a machine's states.
+class _Flags:
+    """What is true of facts (:func:`mcpn.mission.world.conditions.flags`) and of late hardware in states.
 
     Args:
         machine: The machine.
         facts: Its facts, by name.
+        late: Its hardware that is detected late.
 
     Attributes:
         at_entries: Flags that are true in some state before the start.
         names: All flags, those at entries first.
     """
 
-    def __init__(self, machine: Machine, facts: Mapping[str, Fact]) -> None:
+    def __init__(self, machine: Machine, facts: Mapping[str, Fact], late: Collection[str]) -> None:
         self._states = machine.states
         self._flags = {name: flags(fact) for name, fact in facts.items()}
-        every = [flag for fact in facts.values() for flag in all_flags(fact)]
-        before = {flag for number in machine.waiting for flag in self.of(number)} if facts else set[str]()
+        self._any = bool(facts or late)
+        every = [flag for fact in facts.values() for flag in all_flags(fact)] + [unnoticed(h) for h in late]
+        before = {flag for number in machine.waiting for flag in self.of(number)} if every else set[str]()
         self.at_entries = tuple(flag for flag in every if flag in before)
         self.names = (*self.at_entries, *(flag for flag in every if flag not in before))
 
     def of(self, number: int) -> frozenset[str]:
         """The flags that are true in a state."""
-        values = self._states[number].facts.items() if self._flags else ()
-        return frozenset(flag for name, value in values for flag in self._flags[name][value])
+        if not self._any:
+            return frozenset()
+        state, known = self._states[number], self._flags
+        said = {flag for name, value in state.facts.items() if name in known for flag in known[name][value]}
+        return frozenset(said.union(map(unnoticed, state.unnoticed)))
 
     def changes(self, before: int, after: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """The flags that become true from one state to another, and those that become false."""
-        if not self._flags:
+        if not self._any:
             return (), ()
         was, now = self.of(before), self.of(after)
         return tuple(sorted(now - was)), tuple(sorted(was - now))

@@ -1,9 +1,9 @@
 """Merges states of machines that no run of events can tell apart (partition refinement, Moore 1956).
 
 Two states may be merged where they show the same (objectives, mode, what waits, what was refused, branches
-that have ended, hardware out of service), allow the same events under the same guards, order the same actions
-on each, and lead to states that may be merged. The coarsest such partition is a bisimulation;
-:func:`is_bisimulation` checks one on its own.
+that have ended, hardware out of service, noticed or not), allow the same events under the same guards, order
+the same actions on each, and lead to states that may be merged. The coarsest such partition is a
+bisimulation; :func:`is_bisimulation` checks one on its own.
 """
 
 from __future__ import annotations
@@ -123,6 +123,7 @@ def _shown(machine: SectionMachine, number: int) -> Hashable:
         tuple(state.waiting.items()),
         state.refused,
         state.out_of_service,
+        state.unnoticed,
         tuple(state.facts.items()),
     )
 

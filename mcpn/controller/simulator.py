@@ -223,7 +223,7 @@ def resources(mission_net: MissionNet, now: Situation) -> Iterator[tuple[str, st
     Yields:
         The name, and ``free``, ``out of service``, ``used by …`` or ``produced by …``; of a fault
         ``fault`` or ``no fault``, of what may crash ``crashed`` or ``not crashed``. What is detected late may
-        be ``out of service, unnoticed, used by …``.
+        be ``out of service, unnoticed``, used by somebody or not.
     """
     activities = mission_net.usage.activities
     users: dict[str, list[str]] = {}
@@ -242,9 +242,11 @@ def resources(mission_net: MissionNet, now: Situation) -> Iterator[tuple[str, st
             yield name, "crashed" if name in now.out_of_service else "not crashed"
         elif name in faults:
             yield name, "fault" if name in now.out_of_service else "no fault"
+        elif name in now.unnoticed:
+            use = f", used by {', '.join(users[name])}" if name in users else ""
+            yield name, f"out of service, unnoticed{use}"
         elif name in now.out_of_service or not affecting[name].isdisjoint(now.out_of_service):
-            use = f", unnoticed, used by {', '.join(users[name])}" if name in users else ""
-            yield name, f"out of service{use}"
+            yield name, "out of service"
         else:
             yield name, f"used by {', '.join(users[name])}" if name in users else "free"
     for activity in now.mode:

@@ -151,6 +151,12 @@ class Controller:
             return frozenset(self._out_of_service)
 
     @property
+    def unnoticed(self) -> frozenset[str]:
+        """Hardware out of service of which the robot does not know it: detected late, and not yet."""
+        with self._lock:
+            return frozenset(name for name, flag in self._tables.unnoticed.items() if flag in self._happened)
+
+    @property
     def happened(self) -> frozenset[str]:
         """Handlers that happen once and have; a flat controller has this in its state alone."""
         with self._lock:
@@ -292,8 +298,6 @@ class Controller:
         tables, section = self._tables, self._section
         if not isinstance(event, str):
             return None
-        failing, repaired = tables.failures.get(event), tables.repairs.get(event)
-        hardware = failing or repaired
         actions: tuple[Action, ...] = ()
         if section is not None and event in section.number:
             step = section.move(self._state, event, self._happened)
@@ -301,31 +305,21 @@ class Controller:
                 return None
             target, actions, happening, ended = step
             self._happened = (self._happened | happening) - ended
-            self._note(failing, repaired)
+            self._out_of_service = tables.out_after(event, self._out_of_service)
             if isinstance(target, str):
                 actions += self._enter(section.routes[target])
             else:
                 self._state = target
-        elif hardware is not None:
-            if (hardware in self._out_of_service) == (failing is not None) or failing in tables.crashing:
-                return None
-            self._note(failing, repaired)
-        elif event in tables.changing:
-            if not tables.changes(event, self._happened):
+        elif tables.is_beside(event):
+            if not tables.may_happen(event, self._out_of_service, self._happened):
                 return None
             self._happened = tables.changed(event, self._happened)
+            self._out_of_service = tables.out_after(event, self._out_of_service)
         elif event == START and self._phase == BEFORE:
             actions = self._enter(tables.initial.name)
         else:
             return None
         return actions
-
-    def _note(self, failing: str | None, repaired: str | None) -> None:
-        """Takes note of hardware that fails or is ready again."""
-        if failing is not None:
-            self._out_of_service.add(failing)
-        elif repaired is not None:
-            self._out_of_service.discard(repaired)
 
     def _enter(self, route: str) -> tuple[Action, ...]:
         """Enters a section, or ends the mission."""

@@ -99,6 +99,8 @@ def check_shape(document: Any) -> None:
     for key in ("out_of_service", "unrepairable", "crashing"):
         for name in document.get(key, ()):
             _member(name, document["hardware"], key)
+    for name in document.get("late", {}):
+        _member(name, document["hardware"], "late")
     flags = {flag for values in document.get("facts", {}).values() for of in values.values() for flag in of}
     for event, change in document.get("changing", {}).items():
         for flag in (*change["true"], *change["false"]):
@@ -256,6 +258,7 @@ _CONTROLLER = _record(
         "out_of_service": _names,
         "unrepairable": _names,
         "crashing": _names,
+        "late": _map(_text),
         "requirements": _list(
             _record(
                 {

@@ -255,7 +255,10 @@ class Tables:
         # By fact and value, the flags that are then true; by event, the flags that it makes true and false.
         self.facts: dict[str, dict[str, list[str]]] = document.get("facts", {})
         self.changing: dict[str, dict[str, list[str]]] = document.get("changing", {})
+        # By hardware that is detected late, the flag that says that its loss is not known yet.
+        self.unnoticed: dict[str, str] = document.get("late", {})
         self.true = {said for values in self.facts.values() for true in values.values() for said in true}
+        self.true |= {*self.unnoticed.values()}
         self.once = {handler for section in sections for handler in section.once} | self.true
         self.initial = self.sections[document["initial"]]
         # Failure and repair of all hardware that can fail, by event: they may happen outside sections, too.
@@ -274,9 +277,35 @@ class Tables:
         for name in self.hardware:
             if name not in hardware:
                 event = f"{name}_EV_RD" if name in gone else f"{name}_EV_OOS"
-                if event in self.repairs if name in gone else name not in self.crashing:
+                if self.is_beside(event) and self.may_happen(event, gone, true):
                     yield event
         yield from (e for e in self.changing if e not in events and self.changes(e, true))
+
+    def is_beside(self, event: str) -> bool:
+        """Whether an event may happen whatever runs, unless the section handles it itself."""
+        return event in self.failures or event in self.repairs or event in self.changing
+
+    def may_happen(self, event: str, gone: Set[str], true: Set[str]) -> bool:
+        """Whether an event that the section does not handle itself can be taken.
+
+        Args:
+            event: One of :meth:`is_beside`.
+            gone: Hardware out of service.
+            true: The flags that are true.
+        """
+        if event in self.failures:
+            name = self.failures[event]
+            return name not in gone and name not in self.crashing
+        if event in self.repairs:
+            name = self.repairs[event]
+            return name in gone and self.unnoticed.get(name) not in true
+        return self.changes(event, true)
+
+    def out_after(self, event: str, gone: set[str]) -> set[str]:
+        """Hardware that is out of service after an event."""
+        if event in self.failures:
+            return gone | {self.failures[event]}
+        return gone - {self.repairs[event]} if event in self.repairs else gone
 
     def values(self, true: Set[str]) -> dict[str, str]:
         """The value of each fact, from the flags that are true."""
@@ -294,12 +323,13 @@ class Tables:
         return self.changed(event, true) != true
 
     def changed(self, event: str, true: Set[str]) -> set[str]:
-        """The flags that are true after an event that changes facts."""
-        changes = self.changing[event]
-        return {*true, *changes["true"]}.difference(changes["false"])
+        """The flags that are true after an event that the section does not handle itself."""
+        changes, lost = self.changing.get(event, _NOTHING), self.unnoticed.get(self.failures.get(event, ""))
+        return {*true, *changes["true"], *([lost] if lost else [])}.difference(changes["false"])
 
 
 START = "MISSION_EV_START"
+_NOTHING: dict[str, list[str]] = {"true": [], "false": []}
 
 
 def read(path: Path) -> Tables:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,7 @@ from mcpn.check.engines import Engine
 from mcpn.check.verdicts.mission import check
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.simulator import Simulation, resources
+from mcpn.controller.targets.json import document
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.mission.writer import written
@@ -22,6 +24,8 @@ from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.net.events import Event
 from mcpn.net.templates.compact import CompactTemplates
+from mcpn.runtime import Controller as Runtime
+from mcpn.runtime import Refused, SnapshotError
 from mcpn.space.stable.alternatives import direct
 from mcpn.study import Study
 from mcpn.testing import missions
@@ -33,7 +37,6 @@ from tests.commands import mcpn
 from tests.draws import fewer
 
 KNOWING: tuple[Engine, ...] = ("explicit", "symbolic")
-FORMS: tuple[Form, ...] = ("flat", "hierarchical", "modular")
 
 PHOTO = """<mission name="photo" xmlns="urn:mcpn:mission:1">
   <robot name="drone">
@@ -166,12 +169,55 @@ def test_it_is_written_as_it_was_read(path: Path, tmp_path: Path) -> None:
     assert 'detects="camera"' in other.read_text()
 
 
-@pytest.mark.parametrize("form", FORMS)
-def test_controllers_say_that_they_do_not_know_it(path: Path, form: Form) -> None:
+def test_a_controller_by_hand(path: Path) -> None:
+    mission_net = compose(photo(path, "", 1))
+    said = document(generate(mission_net, "flat"), mission_net)
+    assert said["late"] == {"camera": "camera unnoticed"}
+    runtime = Runtime.from_document(said)
+    runtime.handle("camera_EV_OOS")  # before the mission
+    assert runtime.out_of_service == runtime.unnoticed == {"camera"}
+    with pytest.raises(Refused):
+        runtime.handle("camera_EV_RD")
+    runtime.handle("MISSION_EV_START")
+    assert runtime.mode == {"look": "by_eye"}
+    assert "OBJ_search_try1_EV_OK" not in runtime.possible
+    with pytest.raises(Refused):
+        runtime.handle("camera_EV_DETECTED")  # nothing detects it now
+    saved = runtime.snapshot()
+    runtime.handle("OBJ_search_try1_EV_FAIL")
+    assert runtime.mode == {"look": "by_ear"}
+    assert runtime.unnoticed == frozenset()
+    assert "camera_EV_RD" in runtime.possible
+    runtime.handle("OBJ_search_try2_EV_OK")
+    assert "camera_EV_RD" in runtime.possible
+    runtime.handle("camera_EV_RD")
+    runtime.handle("camera_EV_OOS")  # after the mission
+    assert "camera_EV_RD" not in runtime.possible
+    runtime.restore(saved)
+    assert runtime.unnoticed == {"camera"}
+    assert runtime.mode == {"look": "by_eye"}
+    wrong = json.loads(saved) | {"out_of_service": []}
+    with pytest.raises(SnapshotError):
+        runtime.restore(json.dumps(wrong))
+
+
+def test_one_event_tells_no_loss_and_its_detection(path: Path) -> None:
+    mission_net = compose(photo(path, TEST))
+    runtime = Runtime.from_document(document(generate(mission_net, "flat"), mission_net))
+    runtime.handle("MISSION_EV_START")
+    with pytest.raises(Refused):
+        runtime.handle("camera_EV_DETECTED")
+    assert runtime.handle("camera_EV_OOS") == ()
+    assert runtime.handle("camera_EV_DETECTED") == ()
+    assert runtime.unnoticed == frozenset()
+    runtime.handle("OBJ_test_EV_OK")
+    assert runtime.mode == {"look": "by_ear"}
+
+
+@pytest.mark.parametrize("form", ["hierarchical", "modular"])
+def test_controllers_of_sections_say_that_they_do_not_know_it(path: Path, form: Form) -> None:
     net = compose(photo(path))
-    with pytest.raises(
-        LimitError, match=r"photo.xml:3: camera is detected late, which controllers do not know"
-    ):
+    with pytest.raises(LimitError, match=r"photo.xml:3: camera is detected late, which composition does not"):
         generate(net, form)
 
 
@@ -193,5 +239,6 @@ def test_the_command_line_tells_what_refuses_it(path: Path, tmp_path: Path) -> N
     assert done.returncode == 2
     assert "camera is detected late" in done.stderr
     assert not (tmp_path / "out").exists()
+    assert mcpn("controller", str(path), "--flat", "-o", str(tmp_path / "out")).returncode == 0
     for command in (["check"], ["causes"], ["report", "-o", str(tmp_path / "page.html")]):
         assert mcpn(command[0], str(path), *command[1:]).returncode == 0, command

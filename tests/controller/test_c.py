@@ -211,7 +211,8 @@ def test_sizes_in_the_header_are_those_of_the_compiler(
     missions(max_objectives=3, max_depth=1, events=1, timeouts=3, faults=1, awkward_names=True, text=True)
     | missions(max_objectives=3, max_depth=1, max_sections=6, events=1, pauses=9)
     | missions(max_objectives=3, max_depth=1, max_sections=6, facts=2)
-    | missions(max_objectives=3, max_depth=1, max_sections=6, faults=1, lasting=True, crashes=True),
+    | missions(max_objectives=3, max_depth=1, max_sections=6, faults=1, lasting=True, crashes=True)
+    | missions(max_objectives=2, max_depth=1, max_sections=5, late=True, lasting=True, facts=1),
     st.integers(0, 2**32),
     st.sampled_from(get_args(Form)),
 )

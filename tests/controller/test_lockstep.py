@@ -113,7 +113,8 @@ def either(mission_net: MissionNet) -> list[AnyController]:
 @given(
     missions(max_objectives=3, max_depth=2)
     | missions(max_objectives=2, max_depth=2, max_sections=6, faults=2)
-    | missions(max_objectives=2, max_depth=2, max_sections=6, lasting=True, crashes=True),
+    | missions(max_objectives=2, max_depth=2, max_sections=6, lasting=True, crashes=True)
+    | missions(max_objectives=2, max_depth=2, max_sections=6, late=True, lasting=True),
     st.integers(0, 2**32),
 )
 def test_any_mission(mission: Mission, seed: int) -> None:

@@ -75,7 +75,8 @@ def test_every_edge_of_ulysse(form: Form, ulysse_net: MissionNet, tmp_path: Path
 @given(
     missions(max_objectives=3, max_depth=1, events=1, timeouts=3, awkward_names=True, text=True)
     | missions(max_objectives=3, max_depth=1, max_sections=6, facts=2, events=1)
-    | missions(max_objectives=3, max_depth=1, max_sections=6, faults=1, lasting=True, crashes=True),
+    | missions(max_objectives=3, max_depth=1, max_sections=6, faults=1, lasting=True, crashes=True)
+    | missions(max_objectives=2, max_depth=1, max_sections=5, late=True, lasting=True, facts=1),
     st.integers(0, 2**32),
     st.sampled_from(get_args(Form)),
 )

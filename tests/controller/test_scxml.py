@@ -56,6 +56,7 @@ def expected(controller: TableController, traced: Traced, events: list[str]) -> 
         regions |= {f"{i}.{'happened' if name in happened else 'open'}" for name, i in once.items()}
         values = traced.controller.facts.items()
         true = {said for name, value in values for said in traced.tables.facts[name][value]}
+        true |= {traced.tables.unnoticed[name] for name in traced.controller.unnoticed}
         regions |= {f"{i}.{'on' if name in true else 'off'}" for name, i in facts.items()}
         found.append((said.split("; ") if said else [], {inside, *regions}))
     return found
@@ -92,7 +93,8 @@ def test_ulysse(name: str, form: str, ulysse_net: MissionNet, tmp_path: Path) ->
 @given(
     missions(max_objectives=3, max_depth=1, events=1, awkward_names=True)
     | missions(max_objectives=3, max_depth=1, max_sections=6, events=1, facts=2)
-    | missions(max_objectives=3, max_depth=1, max_sections=6, faults=1, lasting=True, crashes=True),
+    | missions(max_objectives=3, max_depth=1, max_sections=6, faults=1, lasting=True, crashes=True)
+    | missions(max_objectives=2, max_depth=1, max_sections=5, late=True, lasting=True, facts=1),
     st.integers(0, 2**32),
     st.booleans(),
 )

@@ -77,6 +77,7 @@ class Seen:
         waiting: The alternative of each activity that waits.
         refused: Activities without a possible alternative.
         out: Hardware out of service.
+        unnoticed: What of it the robot does not know.
         facts: The value of every fact.
         outcome: ``success``, ``failure``, ``abort`` or ``None``.
     """
@@ -88,6 +89,7 @@ class Seen:
     waiting: frozenset[tuple[str, str]]
     refused: frozenset[str]
     out: frozenset[str]
+    unnoticed: frozenset[str]
     facts: frozenset[tuple[str, str]]
     outcome: str | None
 
@@ -366,6 +368,7 @@ class Interpreter:
             frozenset(by_doing[Doing.TRIES] | by_doing[Doing.ASKS]),
             frozenset(name for name, _ in by_doing[Doing.REFUSED]),
             state.out,
+            state.unnoticed,
             frozenset((fact, value) for fact, value in state.facts),
             state.outcome,
         )

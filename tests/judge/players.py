@@ -65,7 +65,11 @@ def named(text: str) -> Happening:
 
 
 def seen_of(
-    said: Situation | Inside, out: Iterable[str], facts: Mapping[str, str], outcome: str | None
+    said: Situation | Inside,
+    out: Iterable[str],
+    unnoticed: Iterable[str],
+    facts: Mapping[str, str],
+    outcome: str | None,
 ) -> Seen:
     """What a situation or a controller's state says."""
     return Seen(
@@ -76,6 +80,7 @@ def seen_of(
         frozenset(said.waiting.items()),
         frozenset(said.refused),
         frozenset(out),
+        frozenset(unnoticed),
         frozenset(facts.items()),
         outcome,
     )
@@ -97,7 +102,7 @@ class OfGraph:
 
     def seen(self, at: int) -> Seen:
         said = situation(self.mission_net, self.graph.marking(at))
-        return seen_of(said, said.out_of_service, said.facts, said.outcome)
+        return seen_of(said, said.out_of_service, said.unnoticed, said.facts, said.outcome)
 
     def possible(self, at: int) -> set[Happening]:
         return set(self.onward(at))
@@ -124,7 +129,7 @@ class OfSimulator:
     def seen(self, at: int) -> Seen:
         self.simulation.marking = at
         said = self.simulation.situation
-        return seen_of(said, said.out_of_service, said.facts, said.outcome)
+        return seen_of(said, said.out_of_service, said.unnoticed, said.facts, said.outcome)
 
     def possible(self, at: int) -> set[Happening]:
         self.simulation.marking = at
@@ -149,9 +154,8 @@ class OfController:
 
     def seen(self, at: str) -> Seen:
         self.runtime.restore(at)
-        return seen_of(
-            self.runtime.state, self.runtime.out_of_service, self.runtime.facts, self.runtime.outcome
-        )
+        it = self.runtime
+        return seen_of(it.state, it.out_of_service, it.unnoticed, it.facts, it.outcome)
 
     def possible(self, at: str) -> set[Happening]:
         self.runtime.restore(at)
@@ -178,16 +182,16 @@ def graphs(mission_net: MissionNet, max_states: int) -> Iterator[tuple[str, Play
     """
     for engine in ENGINES:
         if engine == "local" and mission_net.mission.late:
-            continue  # composition refuses what is detected late, as controllers do
+            continue  # composition refuses what is detected late
         yield engine, OfGraph(mission_net, engine, max_states)
 
 
 def controllers(mission_net: MissionNet, max_states: int) -> Iterator[tuple[str, Player[Any]]]:
     """The simulator, and every form of controller, minimised and not; the modular one if there is one."""
     yield "simulator", OfSimulator(mission_net)
-    if mission_net.mission.late:
-        return
     for form in FORMS:
+        if form == "hierarchical" and mission_net.mission.late:
+            continue  # it is made of composition
         controller = generate(mission_net, form, max_states=max_states)
         yield f"{form} controller", OfController(mission_net, controller)
         yield f"{form} controller, minimised", OfController(mission_net, minimise(controller))

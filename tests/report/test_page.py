@@ -156,6 +156,34 @@ def test_undo_and_keyboard(browser: Any, ulysse_findings: Findings, tmp_path: Pa
     assert wrong == []
 
 
+LATE = """<mission name="photo" xmlns="urn:mcpn:mission:1">
+  <robot name="drone">
+    <hardware name="camera" detected="late"/>
+    <activity name="look">
+      <alternative name="by_eye" consumes="camera"/>
+      <alternative name="by_ear"/>
+    </activity>
+  </robot>
+  <objective name="search" activities="look" retries="1"/>
+</mission>
+"""
+
+
+def test_a_loss_that_is_detected_late(browser: Any, tmp_path: Path) -> None:
+    """Before the mission, while it runs, and after it: what is not known to be lost is not repaired."""
+    (tmp_path / "mission.xml").write_text(LATE)
+    found = findings(compose(read_mission(tmp_path / "mission.xml")))
+    assert found.controller is not None
+    tab, wrong = opened(browser, page(found), tmp_path)
+    runtime, boxes = Controller.from_document(found.controller), boxes_of(tab)
+    first, second = "OBJ_search_try1_EV_FAIL", "OBJ_search_try2_EV_OK"
+    for event in ("camera_EV_OOS", "MISSION_EV_START", first, "camera_EV_RD", second, "camera_EV_OOS"):
+        runtime.handle(event)
+        click(tab, event)
+        compare(tab, runtime, boxes)
+    assert wrong == []
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_random_events(browser: Any, ulysse_findings: Findings, seed: int, tmp_path: Path) -> None:
     tab, wrong = opened(browser, page(ulysse_findings), tmp_path)

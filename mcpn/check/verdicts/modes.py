@@ -48,6 +48,7 @@ class Situation:
             producer waits.
         refused: Activities that have no possible alternative.
         out_of_service: Hardware out of service.
+        unnoticed: What of it the robot does not know yet.
         facts: The value of each fact; in the net of a section of those that it changes or reads.
         outcome: ``success``, ``failure``, ``abort``, or ``None`` while the mission runs; in the net of a
             section also the exit by which an event has left it.
@@ -62,6 +63,7 @@ class Situation:
     out_of_service: tuple[str, ...] = ()
     outcome: str | None = None
     facts: Mode = field(default_factory=dict)
+    unnoticed: tuple[str, ...] = ()
 
 
 def situation(mission_net: MissionNet, marking: tuple[int, ...]) -> Situation:
@@ -88,6 +90,11 @@ def said_by(mission_net: MissionNet, marked: Iterable[int]) -> Situation:
         out_of_service=tuple(said.get("oos", ())),
         outcome=next(iter(ends), None),
         facts=dict(name.split("=", 1) for name in said.get("fact", ())),
+        unnoticed=tuple(
+            name
+            for name in said.get("oos", ())
+            if ("known", name) in mission_net.by_role and name not in said.get("known", ())
+        ),
     )
 
 

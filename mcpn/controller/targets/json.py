@@ -43,6 +43,8 @@ One object with these keys:
 - where some hardware is out of service at the start, ``out_of_service``, its names; where some is never
   repaired, ``unrepairable``; where activities or alternatives may crash, ``crashing``, those of ``hardware``
   that stand for them: ``X_EV_OOS`` of these can be taken only by an edge or a rule;
+- where some hardware is detected late, ``late``: by its name the text that is true from its loss until the
+  robot knows of it. It is one of the ``facts`` of types, though of no fact;
 - ``objectives`` and ``activities`` carry the parameters for the control laws, untouched; an objective that
   ends when its time is over has ``timeout``, in seconds;
 - ``requirements``, where the mission has some: what it must satisfy, each with ``name``, ``formula``,
@@ -52,9 +54,10 @@ One object with these keys:
 
 How it is run. Keep the set of hardware out of service, at first that of ``out_of_service``: ``X_EV_OOS`` adds
 ``X``, ``X_EV_RD``, of what is not ``unrepairable``, takes it away, before the start, in every section and
-after the end alike. ``MISSION_EV_START`` enters the initial section. A section is entered by the entry of the
-hardware out of service. An edge whose ``to`` is an outcome leaves the section: its actions are given first,
-then the next section is entered with the actions of its entry. An event that a state has no edge for,
+after the end alike. ``X_EV_OOS`` of what is detected ``late`` makes its text true, and while that is true no
+``X_EV_RD`` can be taken. ``MISSION_EV_START`` enters the initial section. A section is entered by the entry
+of the hardware out of service. An edge whose ``to`` is an outcome leaves the section: its actions are given
+first, then the next section is entered with the actions of its entry. An event that a state has no edge for,
 hardware of other sections aside, cannot be taken there. Keep the set of the handlers that have happened, too:
 an edge can be taken where its ``open`` have not happened and its ``happened`` have, and then adds its
 ``open`` to the set; at most one edge of a state and an event can. In the modular form a section is entered in
@@ -75,6 +78,7 @@ from mcpn.check.verdicts.modes import Situation
 from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import SectionMachine
 from mcpn.controller.modular import AnyController, ModularController, Rules
+from mcpn.mission.expansion.faults import unnoticed
 from mcpn.mission.flatten import requirements_of
 from mcpn.mission.robot import Parameter
 from mcpn.mission.world.conditions import all_flags, flags
@@ -143,14 +147,15 @@ def _version(controller: AnyController, *, facts: bool) -> int:
 
 
 def _hardware(mission_net: MissionNet) -> dict[str, Any]:
-    """Hardware not in service at the start, or never repaired, and what may crash, where there is some."""
+    """Hardware out of service at the start, never repaired or detected late, and what may crash, if any."""
     hardware = mission_net.mission.hardware
-    found = {
+    found: dict[str, Any] = {
         "out_of_service": [h.name for h in hardware if h.initial == "oos"],
         "unrepairable": [h.name for h in hardware if not h.repairable],
         "crashing": [crash.name for crash in mission_net.mission.crashes],
+        "late": {h.name: unnoticed(h.name) for h in mission_net.mission.late},
     }
-    return {key: names for key, names in found.items() if names}
+    return {key: said for key, said in found.items() if said}
 
 
 def _world(world: FactUsage) -> dict[str, Any]:

@@ -152,6 +152,14 @@ def refuse_late(late: Iterable[Hardware], who: str, instead: str = "") -> None:
         raise LimitError(f"{h.source}: {message}" if h.source else message)
 
 
+def unnoticed(hardware: str) -> str:
+    """What may be true of hardware that is detected late: it is out of service, and the robot does not know.
+
+    Controllers carry it from section to section beside the flags of facts, whose names have no space.
+    """
+    return f"{hardware} unnoticed"
+
+
 def detection_errors(
     activity: Activity, hardware: Mapping[str, Hardware], known: Collection[str], hints: Hints
 ) -> Iterator[Problem]:

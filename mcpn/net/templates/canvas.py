@@ -22,6 +22,7 @@ Role: TypeAlias = tuple[
         "want",
         "refused",
         "oos",
+        "known",
         "objective",
         "pending",
         "done",
@@ -46,6 +47,7 @@ Role: TypeAlias = tuple[
 for the release, and holds nothing (:meth:`~mcpn.mission.static.usage.Usage.waits_for_release`);
 ``("refused", "diving")``: no alternative of the activity is possible;
 ``("oos", "GPS_sensor")``: the hardware resource is out of service;
+``("known", "camera")``: it is detected late, and known to be out of service;
 ``("objective", "diving")``: the objective runs;
 ``("pending", "diving")``: the objective is about to be entered, an activity of it is not idle yet;
 ``("done", "filming")``: the branch of a parallel block has ended (two places, ok and fail);

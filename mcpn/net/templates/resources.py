@@ -64,6 +64,7 @@ def _draw_late(canvas: Canvas, resource: Hardware) -> None:
     pen = canvas.of("hardware", r, resource.source)
     free, busy = pen.place("free", initial=ready), pen.place("busy")
     out, failing = pen.place("OOS", initial=1 - ready), pen.place("failing")
+    canvas.role(out, ("known", r))
     watched = _watched(canvas, pen, resource)
     available, take = pen.place("available", initial=ready), pen.place("take")
     answer, release, error = pen.place("answer"), pen.place("release"), pen.place("error")

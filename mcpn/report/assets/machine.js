@@ -96,6 +96,11 @@
   };
   const first = { phase: "before", section: null, at: 0, out: new Set(machine.out_of_service || []), happened: new Set() };
   const lasting = new Set(machine.unrepairable || []), crashing = new Set(machine.crashing || []);
+  // By hardware that is detected late, what is true from its loss until that is known.
+  const unnoticed = new Map(Object.entries(machine.late || {}));
+  /** Whether hardware that the section does not use may fail, or be repaired where it is out of service. */
+  const changes = (state, name) => state.out.has(name)
+    ? !lasting.has(name) && !state.happened.has(unnoticed.get(name)) : !crashing.has(name);
   const truth = (state) => numbers(onceOf(state.section), state.happened);
   /** What has happened, and is true of facts, after a step of a section. */
   function happened(state, section, step) {
@@ -150,8 +155,9 @@
       return [entered, actions.concat(more)];
     }
     if (hardware) {
-      const never = fails ? crashing.has(hardware) : lasting.has(hardware);
-      return state.out.has(hardware) === fails || never ? null : [next, []];
+      if (state.out.has(hardware) === fails || !changes(state, hardware)) return null;
+      const lost = fails && unnoticed.get(hardware);
+      return [lost ? { ...next, happened: new Set([...next.happened, lost]) } : next, []];
     }
     if (event in changing) {
       const now = changed(state, event);
@@ -169,7 +175,7 @@
     }
     for (const name of machine.hardware) {
       const out = state.out.has(name);
-      if (!covered.has(name) && !(out ? lasting : crashing).has(name)) found.add(name + (out ? "_EV_RD" : "_EV_OOS"));
+      if (!covered.has(name) && changes(state, name)) found.add(name + (out ? "_EV_RD" : "_EV_OOS"));
     }
     for (const event of Object.keys(changing)) {
       if (!state.section?.events.includes(event) && changed(state, event)) found.add(event);
