@@ -107,7 +107,9 @@ class Demands:
         if self.probability[first.hardware] < 1:
             yield from self.ends(section, at, rest)
         step = section.move(at[0], first.event, at[1])
-        assert step is not None, "what is in service may always fail"
+        if step is None:  # it is lost already, and that not known yet
+            yield from self.ends(section, at, rest) if self.probability[first.hardware] == 1 else ()
+            return
         assert not isinstance(step[0], str), "hardware that fails ends no section"
         lost = step[0], (at[1] | step[2]) - step[3]
         yield from self.ends(section, lost, self.following(first, rest, section.state(step[0]), step[1]))

@@ -152,6 +152,7 @@ def one_run(
             asked = world.demands.started(node.place.inside, actions)
         else:
             asked = world.demands.following(failed, asked, node.place.inside, actions)
+        asked = tuple(of for of in asked if of.hardware not in node.place.gone)  # lost, and not known to be
         for action in actions:
             if action.verb == "arm" and action.objective is not None and action.seconds is not None:
                 timers[action.objective] = now + action.seconds / 3600

@@ -2,7 +2,9 @@
 
 The model is that of the numbers of risk (:mod:`mcpn.check.causes.risk`), played instead of solved, and played
 on the controller instead of the net: exponential durations, failures and repairs; hardware that fails as an
-alternative starts; an objective whose present run cannot succeed any more fails at once. Timers, which
+alternative starts; an objective whose present run cannot succeed any more fails at once. The world knows of
+each loss: one that is detected late is drawn as any other, and told to the controller, which changes no mode;
+its detection is drawn at its rate; and an objective that uses what is lost ends in failure. Timers, which
 numbers of risk do not know, run out in virtual time. Each place of the controller and what each event does
 there are asked of the runtime once.
 """
@@ -18,7 +20,7 @@ from mcpn.bench.places import ControllerPlace, Places
 from mcpn.mission.flatten import ElementarySection
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
-from mcpn.runtime.tables import Action, Tables, TableSection
+from mcpn.runtime.tables import Action, Inside, Tables, TableSection
 
 
 @dataclass(eq=False)
@@ -65,6 +67,9 @@ class World:
         for hardware in mission.hardware:
             self._rates[Event(What.OUT_OF_SERVICE, hardware.name)] = hardware.failure_rate or 0.0
             self._rates[Event(What.REPAIRED, hardware.name)] = hardware.repair_rate or 0.0
+        for activity in mission.activities:
+            for name in activity.detects:
+                self._rates[Event(What.DETECTED, name)] = activity.detection_rate or 0.0
         for declared in mission.events:
             self._rates[Event(What.DECLARED, declared.name)] = declared.rate or 0.0
         self._stopping: dict[str, set[Event]] = {name: set() for name in self._objectives}
@@ -109,7 +114,10 @@ class World:
                 rates[text] = rate * (1.0 - objective.failure_probability)
                 rates[str(Event(What.FAILURE, event.element))] = rate * objective.failure_probability
             elif event.what is What.FAILURE:
-                if event.element in inside.objectives and not self._can_succeed(event.element, place):
+                success = str(Event(What.SUCCESS, event.element))
+                if success not in possible and self._seems_well(event.element, inside):
+                    rates[text] = 1.0 / self._mean(self._objectives[event.element])
+                elif event.element in inside.objectives and not self._can_succeed(event.element, place):
                     at_once.append(text)
             elif event in self._rates:
                 rates[text] = self._rates[event]
@@ -130,6 +138,12 @@ class World:
         assert mean is not None, "whoever makes a world asks for durations first"
         return mean
 
+    def _seems_well(self, objective: str, inside: Inside) -> bool:
+        """Whether all activities of an objective run, so that it succeeds, unless it uses what is lost."""
+        return objective in inside.objectives and inside.mode.keys() >= {
+            *self._objectives[objective].activities
+        }
+
     # --- can the present run of an objective still succeed? ---
 
     def _can_succeed(self, objective: str, place: ControllerPlace) -> bool:
@@ -148,7 +162,7 @@ class World:
         while queue:
             state, happened = queue.popleft()
             possible = section.possible(state, happened)
-            if success in possible:
+            if success in possible or self._seems_well(objective, section.state(state)):
                 return True
             for text in possible:
                 if not self._goes_on(objective, self._event(text)):

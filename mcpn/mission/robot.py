@@ -197,6 +197,11 @@ class Activity(Element):
         bool, "true: it evaluates its alternatives again when a better one is possible again."
     ] = False
     detects: Annotated[Resources, "Hardware detected late of which it finds out the loss while it runs."] = ()
+    detection_rate: Annotated[
+        Rate,
+        "How often per hour it finds out each of these losses while it runs, for numbers of risk; without it "
+        "it finds none there.",
+    ] = None
     requires: Annotated[When, "What facts must be for any of its alternatives to be possible."] = ()
     faulty: Annotated[
         bool,

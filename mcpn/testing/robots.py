@@ -147,6 +147,7 @@ class RobotDrawing(WorldDrawing):
             ways.append(replace(way, requires=self.required(), **self.crashing()))
         if len(ways) == 1 and self.chance():
             ways = [Alternative(name=name, consumes=ways[0].consumes)]  # the short form
+        detects = self.detected()
         return Activity(
             name=name,
             produces=produces,
@@ -154,7 +155,8 @@ class RobotDrawing(WorldDrawing):
             alternatives=tuple(ways),
             parameters=self.parameters(),
             description=self.description(),
-            detects=self.detected(),
+            detects=detects,
+            detection_rate=self.value(0, 1e6) if detects else None,
             **self.crashing(),
         )
 

@@ -50,12 +50,14 @@ GLIDER = ROOT / "experiments" / "glider" / "mission.xml"
 WATCH = ROOT / "tests" / "controller" / "watch.xml"
 UNTIMED = missions(disjoint_branches=True, protocols=False, timeouts=0, hardware=3, objectives=3, sections=5)
 """Numbers of risk know no timeouts."""
+LATE = missions(hardware=2, objectives=2, sections=4, producers=1, timeouts=0, late=True)
 NEVER = 1 - 1e-7
 """Confidence of intervals that tests ask for: a false alarm in ten million comparisons."""
 
 
 def world(mission_net: MissionNet, duration: float | None = None) -> World:
-    return World(mission_net, Tables(document(generate(mission_net), mission_net)), duration)
+    made = generate(mission_net, "flat" if mission_net.mission.late else "hierarchical")
+    return World(mission_net, Tables(document(made, mission_net)), duration)
 
 
 @fewer(0.2)
@@ -64,6 +66,7 @@ def world(mission_net: MissionNet, duration: float | None = None) -> World:
         UNTIMED.flatmap(with_numbers),
         UNTIMED.flatmap(lambda of: with_numbers(of, demands=True)),
         interrupted_missions(),
+        LATE.flatmap(lambda of: with_numbers(of, demands=True)),
     )
 )
 def test_frequencies_are_those_of_risk(mission: Mission) -> None:

@@ -80,6 +80,7 @@ class Dense:
         self.objectives = {o.name: o for o in found.graph.walk()}
         self.hardware = {h.name: h for h in found.mission.hardware if h.faulty}
         self.events = {e.name: e.rate or 0.0 for e in found.mission.events}
+        self.finding = {k: a.detection_rate or 0.0 for a in found.mission.activities for k in a.detects}
         markings = [graph.marking(s) for s in range(graph.states)]
         role = found.roles
         self.runs = [
@@ -89,6 +90,9 @@ class Dense:
         self.active = [
             {role[p][1] for p, n in enumerate(m) if n and p in role and role[p][0] == "active"}
             for m in markings
+        ]
+        self.gone = [
+            {role[p][1] for p, n in enumerate(m) if n and p in role and role[p][0] == "oos"} for m in markings
         ]
         self.succeeded = {s for s, m in enumerate(markings) if m[found.success]}
         self.failed = {s for s, m in enumerate(markings) if m[found.failure]}
@@ -119,6 +123,13 @@ class Dense:
                     self.edges.append(Edge(source, target, event, ended, started))
 
         self.may_succeed = {(e.source, e.event.element) for e in self.edges if e.event.what is What.SUCCESS}
+        # All that the objective needs runs, and yet it cannot succeed: somebody uses what is lost unnoticed.
+        self.misused = {
+            (state, name)
+            for state, running in enumerate(self.runs)
+            for name in running
+            if {*self.objectives[name].activities} <= {said.partition(".")[0] for said in self.active[state]}
+        } - self.may_succeed
 
     def ended(self, marking: tuple[int, ...], label: int, running: Collection[str]) -> frozenset[str]:
         """Objectives that run whose token an event takes, or what follows the event at once."""
@@ -162,7 +173,7 @@ class Dense:
                 ways = [way.name for way in known[activity].alternatives]
                 number = ways.index(alternative)
                 for k in known[activity].alternatives[number].consumes:
-                    if k in asked:
+                    if k in asked and k not in self.gone[target]:
                         rank = [*hardware].index(k), [*order].index(activity), number
                         found.append((rank, said, k))
         return tuple(sorted(found))
@@ -269,12 +280,14 @@ class Jumps:
             return rates[event.element][0]
         if event.what is What.REPAIRED:
             return rates[event.element][1]
+        if event.what is What.DETECTED:
+            return self.of.finding[event.element]
         return 0.0 if event.what is What.TIMEOUT else self.of.events[event.element]
 
     def possible(self, name: str, rates: Rates) -> set[int]:
-        """States in which an objective runs whose present run may still end in success."""
+        """States in which an objective runs whose present run may still succeed, for all the robot knows."""
         before: dict[int, list[int]] = {}
-        stack = []
+        stack = [state for state, misusing in self.of.misused if misusing == name]
         for edge in self.of.edges:
             if edge.event == Event(What.SUCCESS, name):
                 stack.append(edge.source)
@@ -304,6 +317,8 @@ class Jumps:
         failing = objective.failure_probability
         if what is What.SUCCESS:
             return (1 - failing) / objective.duration
+        if (edge.source, name) in self.of.misused:
+            return 1 / objective.duration
         return failing / objective.duration if (edge.source, name) in self.of.may_succeed else 0.0
 
     def mode(self, state: int) -> tuple[frozenset[str], frozenset[str]]:
@@ -380,6 +395,9 @@ def with_numbers(draw: st.DrawFn, mission: Mission, *, demands: bool = False) ->
         ways = tuple(rated(way) for way in activity.alternatives)
         return replace(rated(activity), alternatives=ways)
 
+    def finding(of: Activity) -> Activity:
+        return replace(of, detection_rate=draw(st.sampled_from([None, 0.5, 2.0]))) if of.detects else of
+
     def rated(of: Crashing) -> Crashing:
         if not of.faulty:
             return of
@@ -400,7 +418,7 @@ def with_numbers(draw: st.DrawFn, mission: Mission, *, demands: bool = False) ->
             values = draw(st.tuples(st.sampled_from([0.2, 1.0]), st.sampled_from([0.0, 0.5])))
             back = values[1] if fault.repairable else None
             faults.append(replace(fault, failure_rate=values[0], repair_rate=back))
-        activities = tuple(crashing(activity) for activity in of.activities)
+        activities = tuple(finding(crashing(activity)) for activity in of.activities)
         events = tuple(map(often, of.events))
         robots.append(
             replace(of, hardware=tuple(parts), faults=tuple(faults), events=events, activities=activities)
@@ -478,6 +496,8 @@ def any_missions(draw: st.DrawFn) -> Mission:
             missions(aborting),
             missions(small, faults=1, sections=4),
             missions(small, lasting=True, sections=4),
+            missions(small, late=True, sections=4),
+            missions(small, late=True, lasting=True, aborts=1, own_hardware=True, shared_activities=False),
             missions(small, hardware=1, crashes=True, sections=4),
             missions(aborting, hardware=1, crashes=True, sections=4, own_hardware=True),
             missions(small, sections=4, own_hardware=True, alternatives=3, shared_activities=False),

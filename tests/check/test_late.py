@@ -6,12 +6,12 @@ import json
 from pathlib import Path
 
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, event, given
 from hypothesis import strategies as st
 
 from mcpn.check.causes.effects import Severity
 from mcpn.check.causes.fmeca import fmeca
-from mcpn.check.causes.risk import risk
+from mcpn.check.causes.risk import Risk, risk
 from mcpn.check.engines import Engine
 from mcpn.check.verdicts.mission import check
 from mcpn.controller.generate import Form, generate
@@ -30,9 +30,11 @@ from mcpn.space.stable.alternatives import direct
 from mcpn.study import Study
 from mcpn.testing import missions
 from tests.check.asked import Asked
+from tests.check.dense import Dense, with_numbers
 from tests.check.oracle import fragile_missions
 from tests.check.test_cutsets import confirm
 from tests.check.test_fmeca import assert_severities
+from tests.check.test_risk_interrupted import assert_same
 from tests.commands import mcpn
 from tests.draws import fewer
 
@@ -46,7 +48,7 @@ PHOTO = """<mission name="photo" xmlns="urn:mcpn:mission:1">
       <alternative name="by_eye" consumes="camera"/>
       <alternative name="by_ear" consumes="sonar"/>
     </activity>
-    <activity name="self_test" consumes="" detects="camera"/>
+    <activity name="self_test" consumes="" detects="camera" {rate}/>
   </robot>
   {first}<objective name="search" activities="look" duration="1" retries="{tries}"/>
 </mission>
@@ -59,8 +61,8 @@ def path(tmp_path: Path) -> Path:
     return tmp_path / "photo.xml"
 
 
-def photo(path: Path, first: str = "", tries: int = 0) -> Mission:
-    path.write_text(PHOTO.format(first=first, tries=tries))
+def photo(path: Path, first: str = "", tries: int = 0, rate: str = "") -> Mission:
+    path.write_text(PHOTO.format(first=first, tries=tries, rate=rate))
     return read_mission(path)
 
 
@@ -221,16 +223,58 @@ def test_controllers_of_sections_say_that_they_do_not_know_it(path: Path, form: 
         generate(net, form)
 
 
-def test_numbers_and_composition_say_so_too(path: Path) -> None:
+def test_composition_says_so_too(path: Path) -> None:
     net = compose(photo(path))
-    with pytest.raises(
-        LimitError, match=r"photo.xml:3: camera is detected late, which numbers of risk do not"
-    ):
-        risk(Asked(net).prospects)
     with pytest.raises(
         LimitError, match=r"photo.xml:3: camera is .* composition does .*use --engine symbolic"
     ):
         Asked(net, "local")
+
+
+@pytest.mark.parametrize("engine", KNOWING)
+def test_numbers_by_hand(path: Path, engine: Engine) -> None:
+    """The camera fails once per hour, and each objective takes one."""
+
+    def found(of: Mission) -> Risk:
+        return risk(Asked(compose(of), engine).prospects)
+
+    once = found(photo(path))
+    # It must outlive an exponential duration; else the objective takes its time all the same, and fails.
+    assert once.success == pytest.approx(1 / 2)
+    assert once.failure == pytest.approx(1 / 2)
+    assert once.importance == pytest.approx({"camera": 1.0, "sonar": 0.0})
+    assert once.degraded_modes == 0
+    twice = found(photo(path, "", 1))
+    assert twice.success == pytest.approx(1)
+    assert twice.degraded_modes == pytest.approx(1 / 2)
+    unrated = found(photo(path, TEST))
+    # Lost in the test or in the search, whose time begins when that of the test is over.
+    assert unrated.success == pytest.approx(1 / 4)
+    assert unrated.unrated == ("camera_EV_DETECTED",)
+    rated = found(photo(path, TEST, rate='detection_rate="3"'))
+    known = 1 / 2 * 3 / (3 + 1)
+    assert rated.success == pytest.approx(1 / 2 * 1 / 2 + known)
+    assert rated.unrated == ()
+    assert rated.degraded_modes == pytest.approx(known)
+
+
+@fewer(0.5)
+@given(
+    st.one_of(
+        fragile_missions(max_objectives=2, max_sections=4, max_hardware=2, late=True),
+        missions(hardware=2, producers=1, events=1, sections=5, late=True, aborts=2),
+        missions(hardware=2, producers=1, sections=5, late=True, lasting=True, faults=1),
+        missions(hardware=1, producers=1, sections=5, late=True, crashes=True),
+    ),
+    st.sampled_from(KNOWING),
+    st.data(),
+)
+def test_numbers_are_those_of_a_dense_solve(of: Mission, engine: Engine, data: st.DataObject) -> None:
+    assume(of.late and small(of))
+    mission_net = compose(data.draw(with_numbers(of, demands=data.draw(st.booleans()))))
+    dense = Dense(mission_net, direct(mission_net.net))
+    event(f"it may be misused: {bool(dense.misused)}, found: {any(dense.finding.values())}")
+    assert_same(risk(Asked(mission_net, engine).prospects), dense.numbers())
 
 
 def test_the_command_line_tells_what_refuses_it(path: Path, tmp_path: Path) -> None:

@@ -650,6 +650,19 @@ BROKEN: dict[str, tuple[str, int, str]] = {
         7,
         "G is detected late and shared",
     ),
+    "detection_rate of what detects nothing": (
+        robot("<activity name='b' consumes='H' detection_rate='1'/>"),
+        7,
+        "activity b has a detection_rate, but detects nothing",
+    ),
+    "detection_rate below 0": (
+        robot(
+            "<hardware name='G' detected='late'/>"
+            "<activity name='b' consumes='H' detects='G' detection_rate='-1'/>"
+        ),
+        7,
+        "detection_rate",
+    ),
     "activity that detects what is known": (
         robot("<activity name='b' consumes='H' detects='H'/>"),
         7,

@@ -149,6 +149,7 @@ def test_a_broken_attribute_has_its_line(
 RANGES = {
     "failure_rate": (0.0, 1e300),
     "repair_rate": (0.0, 1e300),
+    "detection_rate": (0.0, 1e300),
     "rate": (0.0, 1e300),
     "duration": (5e-324, 1e300),
     "failure_probability": (0.0, 1.0),

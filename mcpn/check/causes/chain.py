@@ -54,9 +54,11 @@ class ListedChain:
             Where hardware may fail on demand, the state before it, which is left at once.
         split: The edges, split by what fails on demand; ``None`` where nothing does.
         starting: The edges from states before the entry that are left at once.
+        misused: By objective, states in which it would succeed but for hardware that is lost unnoticed.
         failing: By edge, the number of the resource that fails; -1 for other edges.
         repaired: The same of one that is repaired.
-        interrupting: By edge of a declared event its rate, 0 where the mission gives none; 0 for other edges.
+        interrupting: By edge of a declared event or a detection its rate, 0 where the mission gives none; 0
+            for other edges.
         ending: Edges with which some objective ends.
         inside: Edges between its own states, or from these to its exits.
         returning: Edges that leave it and enter it again.
@@ -79,12 +81,7 @@ class ListedChain:
         for number, place in enumerate(prospects.mission_net.exits.values()):
             exit_of[self.graph.marked(place)] = number
         for kind, name in carried:
-            if kind == "fact":
-                place, reverse = prospects.mission_net.true_of_fact(name)
-            else:
-                role: Role = ("oos", name) if kind == "hardware" else ("happened", name)
-                place, reverse = prospects.mission_net.by_role[role][0], False
-            status = 2 * status + (self.graph.marked(place) != reverse)
+            status = 2 * status + self._so(kind, name)
         self.columns = len(self.exits) * self.statuses
         self.column = exit_of * self.statuses + status
         self.ended: Mask = np.asarray(exit_of >= 0, np.bool_)
@@ -104,6 +101,10 @@ class ListedChain:
         self.interrupting: Floats = np.zeros(self.graph.edges)
         for event in prospects.mission_net.mission.events:
             self.interrupting[self.carrying(What.DECLARED, event.name)] = event.rate or 0.0
+        for activity in prospects.mission_net.mission.activities:
+            for hardware in activity.detects:
+                self.interrupting[self.carrying(What.DETECTED, hardware)] = activity.detection_rate or 0.0
+        self.misused = {name: self.misusing(name) for name in prospects.objectives}
         ends = product((What.SUCCESS, What.FAILURE), prospects.sections)
         self.ending = self.of(chain.from_iterable(prospects.carrying(*end) for end in ends))
         entering = self.carrying(What.START)
@@ -120,6 +121,32 @@ class ListedChain:
             returning &= self.inside & (first >= 0)
             self.returning = np.asarray(returning, np.bool_)
             self.graph = replace(self.graph, targets=np.where(returning, first, targets))
+
+    def _so(self, kind: str, name: str) -> Mask:
+        """States in which something carried is so: out of service, lost unnoticed, has happened, is true."""
+        net, marked = self.prospects.mission_net, self.graph.marked
+        if kind == "fact":
+            place, reverse = net.true_of_fact(name)
+            return np.asarray(marked(place) != reverse, np.bool_)
+        role: Role = ("happened", name) if kind == "once" else ("oos", name)
+        so = marked(net.by_role[role][0])
+        return so & ~marked(net.by_role["known", name][0]) if kind == "unnoticed" else so
+
+    def misusing(self, objective: str) -> Mask:
+        """States in which an objective would succeed but that somebody uses hardware which is lost.
+
+        The robot does not know it: the objective goes on, and what ends it then is a failure.
+        """
+        net, found = self.prospects.mission_net, np.zeros(self.graph.states, np.bool_)
+        fine = net.saying("fine")
+        for t in self.prospects.carrying(What.SUCCESS, objective) if fine else ():
+            transition, apart = self.graph.net.transitions[t], np.ones(self.graph.states, np.bool_)
+            needed = [place for place, _ in (*transition.consume, *transition.read)]
+            for place in needed:
+                apart &= place in fine or self.graph.marked(place)
+            for place in needed:
+                found |= apart & ~self.graph.marked(place)
+        return found
 
     def _hardware_of(self, what: What, carried: Sequence[Element]) -> Ints:
         number = np.full(len(self.graph.net.transitions), -1, np.int64)
@@ -220,12 +247,14 @@ class Chain:
         for (name, goal), (rate, failure) in zip(objectives, ending, strict=True):
             if goal.running:
                 well, badly = listed.carrying(What.SUCCESS, name), listed.carrying(What.FAILURE, name)
-                running, won = goal.running.mask, goal.won.mask
+                running, won, misused = goal.running.mask, goal.won.mask, listed.misused[name]
                 self.rates[well] = rate * (1.0 - failure)
                 self.rates[badly & won[sources]] = rate * failure
+                self.rates[badly & misused[sources]] = rate
                 # What ends the present run may lead back into the objective: that is another run.
                 going_on = running[sources] & running[targets] & may_happen & ~listed.ending_run(goal)
-                failed |= badly & (running & ~self.graph.reaching(won, going_on))[sources]
+                hopeful = self.graph.reaching(won | misused, going_on)
+                failed |= badly & (running & ~hopeful)[sources]
         return failed
 
     # --- what is possible ---

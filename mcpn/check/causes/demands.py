@@ -99,6 +99,7 @@ class _Splitting:
             if needed:
                 self.consuming[place], self.rank[place] = needed, (0, number)
         self.demanded = demanded
+        self.out = {name: mission_net.by_role["oos", name][0] for name in demanded}
         self.activity = {place: name.partition(".")[0] for place, name in active.items()}
         self.running = {
             place: parts.alone(section).used
@@ -127,6 +128,7 @@ class _Splitting:
             for p in places
             if p in produced
             for k in self.consuming[p]
+            if not after[self.out[k]]  # it may be lost already, where that is detected late
         )
         return tuple(sorted(found))
 

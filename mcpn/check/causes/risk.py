@@ -3,6 +3,9 @@
 The model, all durations exponential and independent, hours the unit of time:
 
 - the mission starts at time 0 with all hardware in service but for that declared out of service;
+- the loss of hardware that is detected late is found out at the ``detection_rate`` of the activity that
+  detects it, as long as this runs; nobody repairs it before it is known. An objective goes on that uses it
+  though it is lost: where it would succeed but for that it ends at rate ``1/d`` in failure;
 - hardware in service fails at its ``failure_rate``, hardware out of service is repaired at its
   ``repair_rate``; a rate that is not given is 0; what may crash fails only while it runs;
 - hardware fails with its ``demand_probability`` at once when an alternative that consumes it starts
@@ -32,11 +35,11 @@ from mcpn.check.causes.prospects import Prospects
 from mcpn.check.causes.section_chains import ChainSection, Outlook, Sections
 from mcpn.check.spaces import spaces_of
 from mcpn.errors import InputError, LimitError
-from mcpn.mission.expansion.faults import refuse_late
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.static.warnings import of_objectives
 from mcpn.mission.world.conditions import all_flags
 from mcpn.net.compose import MissionNet
+from mcpn.net.events import Event, What
 from mcpn.net.mortal import crashed_before
 from mcpn.net.sections import Element, LocalPart
 from mcpn.space.arrays import ArraySet, ArraySpace
@@ -58,7 +61,8 @@ class Risk:
             ever.
         importance: Birnbaum importance by hardware: how much more probable success is if the resource never
             fails than if it is out of service from the start and never repaired.
-        unrated: Declared events that interrupt something and have no rate: in the numbers they never happen.
+        unrated: Declared events that interrupt something, and detections, that have no rate: in the numbers
+            they never happen.
         abort: Probability of mission abort; ``None`` of a mission that cannot abort.
         safety_importance: The same importance for success or abort; ``None`` of a mission that cannot abort.
     """
@@ -88,7 +92,6 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
         LimitError: There are too many states to be listed, or too much hardware to be remembered; or an
             event may end a block and enter it again, or lead to the beginning of a branch in it.
     """
-    refuse_late(prospects.mission_net.mission.late, "numbers of risk do")
     _refuse_unknown(prospects)
     limit = MAX_MARKINGS if max_states is None else max_states
     model = _sections(prospects, limit)
@@ -157,6 +160,10 @@ def _unrated(mission_net: MissionNet) -> Iterator[str]:
     for event in mission_net.mission.events:
         if event.name in handled and event.rate is None:
             yield event.name
+    for name in mission_net.usage.started:
+        activity = mission_net.usage.activities[name]
+        if activity.detection_rate is None:
+            yield from (str(Event(What.DETECTED, hardware)) for hardware in activity.detects)
 
 
 def _refuse_unknown(prospects: Prospects[Any]) -> None:
@@ -190,13 +197,14 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
         elif not isinstance(space, ArraySpace):
             prospects = Prospects(net, ArraySpace(written_out(space, "risk", max_states)))
         routes = {"success": SUCCEED, "failure": FAIL, "abort": ABORT}
+        status = (*hardware, *(("unnoticed", h.name) for h in net.mission.late))
         whole = ChainSection(
-            ListedChain(prospects, hardware, (), demanded(hardware)),
-            hardware,
+            ListedChain(prospects, status, (), demanded(status)),
+            status,
             tuple(prospects.sections.values()),
             routes,
         )
-        return Sections({"": whole}, "", hardware, out)
+        return Sections({"": whole}, "", status, out)
     known: dict[SectionType, Prospects[ArraySet]] = {}
     listed = cache(ListedChain)
     sections = {}

@@ -163,7 +163,7 @@ def unnoticed(hardware: str) -> str:
 def detection_errors(
     activity: Activity, hardware: Mapping[str, Hardware], known: Collection[str], hints: Hints
 ) -> Iterator[Problem]:
-    """Names in ``detects`` of an activity that are not valid.
+    """What is wrong with the losses that an activity detects.
 
     Args:
         activity: The activity.
@@ -171,6 +171,8 @@ def detection_errors(
         known: The names of all resources.
         hints: Finds what unknown names may have been meant as.
     """
+    if activity.detection_rate is not None and not activity.detects:
+        yield Problem(activity.source, f"activity {activity.name} has a detection_rate, but detects nothing")
     for name in dict.fromkeys(activity.detects):
         said = f"activity {activity.name} detects {name}"
         if name in hardware and hardware[name].detected != "late":

@@ -23,6 +23,7 @@ Role: TypeAlias = tuple[
         "refused",
         "oos",
         "known",
+        "fine",
         "objective",
         "pending",
         "done",
@@ -48,6 +49,7 @@ for the release, and holds nothing (:meth:`~mcpn.mission.static.usage.Usage.wait
 ``("refused", "diving")``: no alternative of the activity is possible;
 ``("oos", "GPS_sensor")``: the hardware resource is out of service;
 ``("known", "camera")``: it is detected late, and known to be out of service;
+``("fine", "camera")``: it is detected late, and nobody uses it while it is lost;
 ``("objective", "diving")``: the objective runs;
 ``("pending", "diving")``: the objective is about to be entered, an activity of it is not idle yet;
 ``("done", "filming")``: the branch of a parallel block has ended (two places, ok and fail);

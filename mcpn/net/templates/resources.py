@@ -71,6 +71,7 @@ def _draw_late(canvas: Canvas, resource: Hardware) -> None:
     well, gone = pen.place("well", initial=ready), pen.place("gone", initial=1 - ready)
     canvas.role(gone, ("oos", r))
     fine, misused = pen.place("fine", initial=1), pen.place("misused")
+    canvas.role(fine, ("fine", r))
     trusted, suspected = pen.place("trusted", initial=1), pen.place("suspected")
     fails, seen, returns = (Event(w, r) for w in (What.OUT_OF_SERVICE, What.DETECTED, What.REPAIRED))
     pen.transition("EV_OOS_f", [well], [gone], read=[free], event=fails)
