@@ -123,14 +123,17 @@ class ListedChain:
             self.graph = replace(self.graph, targets=np.where(returning, first, targets))
 
     def _so(self, kind: str, name: str) -> Mask:
-        """States in which something carried is so: out of service, lost unnoticed, has happened, is true."""
+        """States in which something carried is so: out of service, known to be, has happened, or is true."""
         net, marked = self.prospects.mission_net, self.graph.marked
         if kind == "fact":
             place, reverse = net.true_of_fact(name)
             return np.asarray(marked(place) != reverse, np.bool_)
-        role: Role = ("happened", name) if kind == "once" else ("oos", name)
-        so = marked(net.by_role[role][0])
-        return so & ~marked(net.by_role["known", name][0]) if kind == "unnoticed" else so
+        roles: dict[str, Role] = {
+            "hardware": ("oos", name),
+            "known": ("known", name),
+            "once": ("happened", name),
+        }
+        return marked(net.by_role[roles[kind]][0])
 
     def misusing(self, objective: str) -> Mask:
         """States in which an objective would succeed but that somebody uses hardware which is lost.

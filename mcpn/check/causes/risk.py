@@ -180,6 +180,7 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
     space, net = prospects.space, prospects.mission_net
     hardware = tuple(("hardware", name) for name in prospects.hardware)
     out = [("hardware", h.name) for h in net.mission.hardware if h.initial == "oos"]
+    out += [("known", h.name) for h in net.mission.late if h.initial == "oos"]
     demands = _demands(net)
 
     def demanded(*each: Sequence[Element]) -> tuple[int, ...]:
@@ -190,14 +191,16 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
             if any(kind == "hardware" and name in demands for kind, name in elements)
         )
 
-    if not isinstance(space, CompositeSpace):
+    if not isinstance(space, CompositeSpace) or net.mission.late:
         if net.mission.crashes:  # importance asks what it means that they had crashed before the start
             net = crashed_before(net)
+            prospects = Prospects(net, spaces_of(net).unproved(max_states))
+        elif isinstance(space, CompositeSpace):  # beside a section, what is detected late has three states
             prospects = Prospects(net, spaces_of(net).unproved(max_states))
         elif not isinstance(space, ArraySpace):
             prospects = Prospects(net, ArraySpace(written_out(space, "risk", max_states)))
         routes = {"success": SUCCEED, "failure": FAIL, "abort": ABORT}
-        status = (*hardware, *(("unnoticed", h.name) for h in net.mission.late))
+        status = (*hardware, *(("known", h.name) for h in net.mission.late))
         whole = ChainSection(
             ListedChain(prospects, status, (), demanded(status)),
             status,

@@ -128,10 +128,9 @@ class Sections:
 
     def start(self, lost: Element | None = None, kept: Element | None = None) -> int:
         """The entry where the mission begins; one resource may be out of service there, or in service."""
-        out = set(self.out)
-        if lost is not None and lost not in out:
-            out |= {lost, ("unnoticed", lost[1])}  # of what is detected late, as it is lost
-        out -= {kept}
+        out = self.out.union(() if lost is None else (lost,))
+        if kept is not None:
+            out -= {kept, ("known", kept[1])}  # lost, what is detected late is not known to be
         return self.first[self.entry] + sum(_bit(of, self.used[self.entry]) for of in out)
 
     def after(self, name: str) -> Ints:
