@@ -128,12 +128,8 @@ class ListedChain:
         if kind == "fact":
             place, reverse = net.true_of_fact(name)
             return np.asarray(marked(place) != reverse, np.bool_)
-        roles: dict[str, Role] = {
-            "hardware": ("oos", name),
-            "known": ("known", name),
-            "once": ("happened", name),
-        }
-        return marked(net.by_role[roles[kind]][0])
+        known: Role = ("known", name) if kind == "known" else ("happened", name)
+        return marked(net.by_role[("oos", name) if kind == "hardware" else known][0])
 
     def misusing(self, objective: str) -> Mask:
         """States in which an objective would succeed but that somebody uses hardware which is lost.
