@@ -225,8 +225,7 @@ def variants(mission_net: MissionNet, max_states: int) -> tuple[dict[str, AnyCon
     forms: tuple[Form, ...] = get_args(Form)
     for form in forms:
         try:
-            asked = form == "flat" and not mission_net.mission.late  # which composition refuses
-            if asked and composite_space(mission_net).everything.count() > max_states:
+            if form == "flat" and composite_space(mission_net).everything.count() > max_states:
                 raise LimitError("the composite has counted its states")
             controller = generate(mission_net, form, max_states=max_states)
         except (SemanticsError, LimitError) as error:

@@ -50,8 +50,7 @@ def test_the_tables_are_those_of_the_model() -> None:
 def test_the_missions_of_the_page_hold(text: str, tmp_path: Path) -> None:
     (tmp_path / "m.xml").write_text(text)
     mission = read_mission(tmp_path / "m.xml")
-    # Composition refuses what is detected late.
-    found = check(compose(mission), engine="symbolic" if mission.late else "local")
+    found = check(compose(mission), engine="local")
     assert found.passed
     assert find_warnings(found.mission_net.mission) == []
 

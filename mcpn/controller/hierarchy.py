@@ -35,9 +35,10 @@ from mcpn.mission.world.conditions import all_flags, flags
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 from mcpn.net.forgetful import ALWAYS, Guard
-from mcpn.net.sections import LocalPart, Renaming
+from mcpn.net.sections import LocalPart
 from mcpn.notebook import Drawn
 from mcpn.space.local.composite import CompositeSpace
+from mcpn.space.local.renaming import Renaming
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.stable.alternatives import AlternativesGraph
 
@@ -263,10 +264,10 @@ def section_machine(
     Raises:
         LimitError: It has more than :data:`MOST_ENTRIES` states of its hardware.
     """
-    refuse_entries(part.faulty, part.flags)
+    refuse_entries(part.faulty, part.entry_flags)
     facts = {fact.name: fact for fact in part.facts}
-    late = [h.name for h in local.mission.late if h.name in part.faulty]
-    return replace(cut(controller(local, alternatives), part.faulty, guards, facts, late), once=part.once)
+    machine = controller(local, alternatives)
+    return replace(cut(machine, part.faulty, guards, facts, part.used.late), once=part.once)
 
 
 def cut(
@@ -378,6 +379,7 @@ _KIND_OF_ELEMENT = {
     What.FAILURE: "objectives",
     What.TIMEOUT: "objectives",
     What.OUT_OF_SERVICE: "hardware",
+    What.DETECTED: "hardware",
     What.REPAIRED: "hardware",
 }
 

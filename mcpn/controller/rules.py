@@ -18,6 +18,7 @@ from mcpn.controller.reduce import Cube, levels_of, reduced
 from mcpn.controller.run import Left, Runner
 from mcpn.controller.sizes import each_step, standing
 from mcpn.errors import LimitError
+from mcpn.mission.expansion.faults import refuse_late
 from mcpn.net.events import Event
 from mcpn.net.sections import Element
 from mcpn.space.diagrams.encoding import Encoding
@@ -36,8 +37,9 @@ def modular_controller(composite: CompositeSpace) -> ModularController:
         composite: The mission's composite.
 
     Raises:
-        LimitError: A section has no big steps.
+        LimitError: A section has no big steps, or hardware is detected late.
     """
+    refuse_late(composite.mission_net.mission.late, "modular controllers do")
     types = {type_: _Maker(type_, name).rules() for type_, name in standing(composite).items()}
     return ModularController(
         composite.mission_net.mission.name,

@@ -31,7 +31,7 @@ def refuse_entries(hardware: Sequence[str], flags: Sequence[str] = (), section: 
     bits = len(hardware) + len(flags)
     if 1 << bits > MOST_ENTRIES:
         where = "" if section is None else f"section {section}: "
-        facts = f" and {len(flags)} flags of facts" if flags else ""
+        facts = f" and {len(flags)} flags of facts and of late detection" if flags else ""
         raise LimitError(
             f"{where}{len(hardware)} hardware resources that may fail{facts} have 2^{bits} states, "
             f"the limit on the entries of a machine is {MOST_ENTRIES:,}"
@@ -66,7 +66,7 @@ def too_large(names: Mapping[SectionType, str], limit: int) -> LimitError | None
     try:
         for type_, name in names.items():
             type_.refuse_list(name, limit, WHY)
-            refuse_entries(type_.part.faulty, type_.part.flags, name)
+            refuse_entries(type_.part.faulty, type_.part.entry_flags, name)
     except LimitError as error:
         return error
     return None

@@ -113,14 +113,21 @@ class MissionNet(Drawn):
 
         Status places (of hardware, handlers that happen once and facts) hold what sections hand on. Between
         two sections, and when the mission has ended, no other place should differ (the premise of
-        composition).
+        composition). Of hardware, only places that say that it is out of service, or lost, may be marked then
+        that are not marked while it is in service.
         """
-        excepted = {"hardware", "mission", "once", "fact"}
-        return [
-            place.name
-            for place, tokens in zip(self.net.places, marking, strict=True)
-            if tokens != place.initial and not (place.provenance and place.provenance.kind in excepted)
-        ]
+        excepted, found = {"mission", "once", "fact"}, list[str]()
+        out = {place for place, (said, _) in self.roles.items() if said in ("oos", "known", "dead")}
+        every = zip(self.net.places, self.in_service, marking, strict=True)
+        for number, (place, before, tokens) in enumerate(every):
+            kind = place.provenance.kind if place.provenance else None
+            if kind == "hardware":
+                differs = tokens > before and number not in out
+            else:
+                differs = tokens != before and kind not in excepted
+            if differs:
+                found.append(place.name)
+        return found
 
 
 def compose(mission: Mission, templates: TemplateSet | None = None) -> MissionNet:

@@ -8,7 +8,8 @@ places *dead*.
 The resource that stands for a crash of an activity (:class:`mcpn.mission.expansion.faults.Crash`) fails only
 while the activity runs. Two analyses need it to fail at other moments: a part of a mission may be entered
 after the crash (:func:`crashed_before`), and what its loss leads to is asked of any moment, as of hardware
-(:func:`crashing_anytime`).
+(:func:`crashing_anytime`). In the same way a part may be entered after the robot has learned of a loss that
+is detected late (:func:`noticed_before`).
 """
 
 from __future__ import annotations
@@ -73,6 +74,31 @@ def crashed_before(mission_net: MissionNet) -> MissionNet:
     begin = ((mission_net.beginning, 1),)
     earlier = [replace(t, read=begin, provenance=origin) for t in _crashes_while_idle(mission_net)]
     return _with(mission_net, [*mission_net.net.transitions, *earlier]) if earlier else mission_net
+
+
+def noticed_before(mission_net: MissionNet) -> MissionNet:
+    """The net of a part of a mission, before which the robot may have learned of losses detected late.
+
+    Args:
+        mission_net: The net.
+
+    Returns:
+        The net with a transition more for each resource that is detected late, after all others; the net
+        itself where it has none.
+    """
+    known, mission = mission_net.saying("known"), mission_net.mission
+    if not known:
+        return mission_net
+    names, begin = names_of(mission_net.usage), mission_net.beginning
+    origin = Provenance("mission", mission.name, mission.source)
+    earlier = []
+    for out, name in known.items():
+        consume = tuple((place, 1) for place in mission_net.by_role["presumed", name])
+        read = tuple((place, 1) for place in (begin, *mission_net.by_role["oos", name]))
+        noticed = Event(What.DETECTED, name)
+        transition_name = names.of("hardware", name, "noticed")
+        earlier.append(Transition(transition_name, consume, ((out, 1),), read, noticed, provenance=origin))
+    return _with(mission_net, [*mission_net.net.transitions, *earlier])
 
 
 def crashing_anytime(mission_net: MissionNet) -> MissionNet:

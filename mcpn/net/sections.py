@@ -14,9 +14,9 @@ from functools import cached_property
 from typing import TypeAlias
 
 from mcpn.errors import InputError
-from mcpn.mission.expansion.faults import Crash
+from mcpn.mission.expansion.faults import Crash, unnoticed
 from mcpn.mission.flatten import ElementarySection, Interruption, ObjectivesGraph, ParallelSection, Section
-from mcpn.mission.graph import TIMED_OUT, names_in
+from mcpn.mission.graph import TIMED_OUT
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Activity, Fact, Hardware, Software
 from mcpn.mission.static.usage import Usage
@@ -24,7 +24,7 @@ from mcpn.mission.world.conditions import all_flags
 from mcpn.mission.world.decisions import FactCase
 from mcpn.mission.world.fact_usage import touched_by
 from mcpn.net.compose import MissionNet, Parts, compose_parts
-from mcpn.net.mortal import crashed_before
+from mcpn.net.mortal import crashed_before, noticed_before
 from mcpn.net.templates import TemplateSet
 
 Element: TypeAlias = tuple[str, str]
@@ -63,7 +63,7 @@ class Used:
             for s in activity.produces:
                 software.setdefault(s, declared[s])
             consumed = [k for alternative in activity.alternatives for k in alternative.consumes]
-            for k in consumed:
+            for k in (*consumed, *activity.detects):
                 if k in usage.hardware:
                     hardware.setdefault(k, usage.hardware[k])
             stack.extend(usage.producer[k] for k in reversed(consumed) if k in usage.producer)
@@ -77,6 +77,11 @@ class Used:
     def faulty(self) -> tuple[str, ...]:
         """Hardware that can fail, in the order of :attr:`hardware`."""
         return tuple(h.name for h in self.hardware if h.faulty)
+
+    @cached_property
+    def late(self) -> tuple[str, ...]:
+        """Hardware whose loss is detected late, in the order of :attr:`hardware`."""
+        return tuple(h.name for h in self.hardware if h.detected == "late")
 
     @cached_property
     def type(self) -> Hashable:
@@ -97,9 +102,12 @@ class Used:
                 usage.may_wait(activity.name),
                 usage.sharing.serves(activity.name),
                 usage.switching.switches_back(activity.name),
+                tuple(number[k] for k in activity.detects),
             )
             for activity in self.activities
         )
+        # The ends of objectives read what is detected late in document order.
+        late = tuple(number[h.name] for h in usage.mission.late if h.name in {*self.late})
 
         def shared(resource: str) -> tuple[int, ...] | None:
             if resource not in usage.sharing.consumers:
@@ -119,6 +127,7 @@ class Used:
             ),
             tuple(shared(s.name) for s in self.software),
             activities,
+            late,
         )
 
 
@@ -174,15 +183,29 @@ class LocalPart:
         """What may be true of these facts (:func:`mcpn.mission.world.conditions.flags`), fact by fact."""
         return tuple(flag for fact in self.facts for flag in all_flags(fact))
 
+    @property
+    def entry_flags(self) -> tuple[str, ...]:
+        """What may be true at its entry of facts, and of hardware that is detected late."""
+        return (*self.flags, *map(unnoticed, self.used.late))
+
     @cached_property
     def carried(self) -> tuple[Element, ...]:
-        """What has a status that sections hand on: hardware that can fail, what happens once, then facts."""
-        kinds = (("hardware", self.faulty), ("once", self.once), ("fact", self.flags))
+        """What has a status that sections hand on.
+
+        Hardware that can fail, what happens once, facts, and for hardware that is detected late whether it is
+        known to be out of service.
+        """
+        kinds = (
+            ("hardware", self.faulty),
+            ("once", self.once),
+            ("fact", self.flags),
+            ("known", self.used.late),
+        )
         return tuple((kind, name) for kind, names in kinds for name in names)
 
     def net(self, templates: TemplateSet | None = None) -> MissionNet:
-        """The local net, before which what may crash may have crashed."""
-        return crashed_before(compose_parts(self.usage, self.parts, templates))
+        """The local net, before which software may have crashed and losses may have been noticed."""
+        return noticed_before(crashed_before(compose_parts(self.usage, self.parts, templates)))
 
     @cached_property
     def type(self) -> Hashable:
@@ -338,60 +361,3 @@ def _routed(section: Section, kept: set[str]) -> Section:
     if isinstance(routed, ParallelSection) and routed.abort is not None and routed.abort not in kept:
         return replace(routed, abort=ABORT)
     return routed
-
-
-class Renaming:
-    """From the names in one section to those in another of the same type.
-
-    Args:
-        old: The section that the names are of.
-        new: The other section.
-
-    Attributes:
-        activities: By name in the old section.
-        alternatives: As ``activity.alternative``.
-        hardware: By name.
-        once: Handlers that happen once, by where they are written.
-        facts: What may be true of facts (:attr:`LocalPart.flags`).
-        objectives: By name, blocks and branches with them.
-        elements: All of them, with software and parallel blocks, each with its kind.
-    """
-
-    def __init__(self, old: LocalPart, new: LocalPart) -> None:
-        both = list(zip(old.used.activities, new.used.activities, strict=True))
-        self.activities = {theirs.name: mine.name for theirs, mine in both}
-        self.alternatives = {
-            f"{theirs.name}.{a.name}": f"{mine.name}.{b.name}"
-            for theirs, mine in both
-            for a, b in zip(theirs.alternatives, mine.alternatives, strict=True)
-        }
-        self.hardware = {a.name: b.name for a, b in zip(old.used.hardware, new.used.hardware, strict=True)}
-        self.once = dict(zip(old.once, new.once, strict=True))
-        self.facts = dict(zip(old.flags, new.flags, strict=True))
-        sections = zip(old.graph.sections, new.graph.sections, strict=True)
-        self.objectives = {
-            its: own for pair in sections for its, own in zip(*map(names_in, pair), strict=True)
-        }
-        software = zip(old.used.software, new.used.software, strict=True)
-        by_kind = {
-            "hardware": self.hardware,
-            "once": self.once,
-            "fact": {a.name: b.name for a, b in zip(old.facts, new.facts, strict=True)},
-            "software": {a.name: b.name for a, b in software},
-            "activity": self.activities,
-            "alternative": self.alternatives,
-        }
-        self.elements: dict[Element, Element] = {
-            (kind, name): (kind, mine) for kind, names in by_kind.items() for name, mine in names.items()
-        } | renamed_sections(old, new)
-
-
-def renamed_sections(old: LocalPart, new: LocalPart) -> dict[Element, Element]:
-    """From the objectives and blocks of a part to those of another of the same type."""
-    both = zip(old.graph.all_sections(), new.graph.all_sections(), strict=True)
-    return {(kind_of(theirs), theirs.name): (kind_of(mine), mine.name) for theirs, mine in both}
-
-
-def kind_of(section: Section) -> str:
-    """What the provenances of a section's places call it."""
-    return "objective" if isinstance(section, ElementarySection) else "parallel"

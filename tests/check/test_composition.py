@@ -66,7 +66,7 @@ def test_ulysse(ulysse_net: MissionNet) -> None:
     check_equal(ulysse_net, check(ulysse_net), check(ulysse_net, engine="local"))
 
 
-@given(missions())
+@given(missions() | missions(late=True))
 def test_verdicts_are_those_of_the_whole(mission: Mission) -> None:
     mission_net = compose(mission)
     try:

@@ -345,7 +345,8 @@ def small(mission: Mission, max_states: int) -> MissionNet | None:
     | fragile_missions(max_objectives=2, max_sections=5, max_hardware=3, events=2)
     | fragile_missions(max_objectives=2, max_sections=5, max_hardware=2, faults=2)
     | fragile_missions(max_objectives=2, max_sections=5, max_hardware=3, lasting=True)
-    | missions(max_objectives=2, max_sections=5, max_hardware=3, lasting=True),
+    | missions(max_objectives=2, max_sections=5, max_hardware=3, lasting=True)
+    | fragile_missions(max_objectives=2, max_sections=5, max_hardware=2, late=True, lasting=True, events=1),
     st.sampled_from(ENGINES),
 )
 def test_cut_sets_are_those_of_brute_force(mission: Mission, engine: Engine) -> None:
@@ -381,6 +382,8 @@ def test_engines_agree_on_causes_of_missions_that_abort(mission: Mission) -> Non
     | fragile_missions(max_hardware=2, max_sections=4, faults=1)
     | fragile_missions(max_hardware=3, max_sections=5, lasting=True)
     | missions(max_hardware=2, max_sections=4, events=2, pauses=8)
+    | missions(max_hardware=2, max_sections=5, late=True)
+    | fragile_missions(max_hardware=2, max_sections=5, late=True, lasting=True)
 )
 def test_engines_agree_on_all_causes(mission: Mission) -> None:
     agree_on_all_causes(mission)

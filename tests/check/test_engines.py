@@ -144,7 +144,7 @@ def replayed(mission_net: MissionNet, run: Run, name: str) -> None:
 
 
 @fewer(0.3)
-@given(missions())
+@given(missions() | missions(late=True))
 def test_three_engines_on_generated_missions(mission: Mission) -> None:
     try:
         compare(compose(mission))
@@ -159,6 +159,7 @@ def test_three_engines_on_generated_missions(mission: Mission) -> None:
     | missions(max_objectives=3, max_hardware=2)
     | missions(max_objectives=3, max_hardware=3, lasting=True)
     | missions(max_objectives=3, max_hardware=2, crashes=True)
+    | missions(max_objectives=3, max_hardware=2, late=True)
 )
 def test_stable_states_alone_tell_what_all_markings_tell(mission: Mission) -> None:
     try:

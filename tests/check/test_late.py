@@ -38,7 +38,8 @@ from tests.check.test_risk_interrupted import assert_same
 from tests.commands import mcpn
 from tests.draws import fewer
 
-KNOWING: tuple[Engine, ...] = ("explicit", "symbolic")
+KNOWING: tuple[Engine, ...] = ("explicit", "symbolic", "local")
+FORMS: tuple[Form, ...] = ("flat", "hierarchical")
 
 PHOTO = """<mission name="photo" xmlns="urn:mcpn:mission:1">
   <robot name="drone">
@@ -171,9 +172,10 @@ def test_it_is_written_as_it_was_read(path: Path, tmp_path: Path) -> None:
     assert 'detects="camera"' in other.read_text()
 
 
-def test_a_controller_by_hand(path: Path) -> None:
+@pytest.mark.parametrize("form", FORMS)
+def test_a_controller_by_hand(path: Path, form: Form) -> None:
     mission_net = compose(photo(path, "", 1))
-    said = document(generate(mission_net, "flat"), mission_net)
+    said = document(generate(mission_net, form), mission_net)
     assert said["late"] == {"camera": "camera unnoticed"}
     runtime = Runtime.from_document(said)
     runtime.handle("camera_EV_OOS")  # before the mission
@@ -203,9 +205,10 @@ def test_a_controller_by_hand(path: Path) -> None:
         runtime.restore(json.dumps(wrong))
 
 
-def test_one_event_tells_no_loss_and_its_detection(path: Path) -> None:
+@pytest.mark.parametrize("form", FORMS)
+def test_one_event_tells_no_loss_and_its_detection(path: Path, form: Form) -> None:
     mission_net = compose(photo(path, TEST))
-    runtime = Runtime.from_document(document(generate(mission_net, "flat"), mission_net))
+    runtime = Runtime.from_document(document(generate(mission_net, form), mission_net))
     runtime.handle("MISSION_EV_START")
     with pytest.raises(Refused):
         runtime.handle("camera_EV_DETECTED")
@@ -216,19 +219,12 @@ def test_one_event_tells_no_loss_and_its_detection(path: Path) -> None:
     assert runtime.mode == {"look": "by_ear"}
 
 
-@pytest.mark.parametrize("form", ["hierarchical", "modular"])
-def test_controllers_of_sections_say_that_they_do_not_know_it(path: Path, form: Form) -> None:
+def test_modular_controllers_say_that_they_do_not_know_it(path: Path) -> None:
     net = compose(photo(path))
-    with pytest.raises(LimitError, match=r"photo.xml:3: camera is detected late, which composition does not"):
-        generate(net, form)
+    with pytest.raises(LimitError, match=r"photo.xml:3: camera is detected late, which modular controllers"):
+        generate(net, "modular")
 
 
-def test_composition_says_so_too(path: Path) -> None:
-    net = compose(photo(path))
-    with pytest.raises(
-        LimitError, match=r"photo.xml:3: camera is .* composition does .*use --engine symbolic"
-    ):
-        Asked(net, "local")
 
 
 @pytest.mark.parametrize("engine", KNOWING)

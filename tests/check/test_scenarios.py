@@ -55,7 +55,8 @@ def test_ulysse_survives_one_failure_at_most(ulysse_net: MissionNet, engine: Eng
 @fewer(0.4)
 @given(
     fragile_missions(max_hardware=3, max_objectives=2, max_sections=5)
-    | fragile_missions(max_hardware=3, max_objectives=2, max_sections=5, events=2),
+    | fragile_missions(max_hardware=3, max_objectives=2, max_sections=5, events=2)
+    | fragile_missions(max_hardware=2, max_objectives=2, max_sections=4, late=True),
     st.sampled_from(ENGINES),
 )
 def test_runs_show_what_they_say(mission: Mission, engine: Engine) -> None:

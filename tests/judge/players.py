@@ -181,8 +181,6 @@ def graphs(mission_net: MissionNet, max_states: int) -> Iterator[tuple[str, Play
         LimitError: There are too many states.
     """
     for engine in ENGINES:
-        if engine == "local" and mission_net.mission.late:
-            continue  # composition refuses what is detected late
         yield engine, OfGraph(mission_net, engine, max_states)
 
 
@@ -190,8 +188,6 @@ def controllers(mission_net: MissionNet, max_states: int) -> Iterator[tuple[str,
     """The simulator, and every form of controller, minimised and not; the modular one if there is one."""
     yield "simulator", OfSimulator(mission_net)
     for form in FORMS:
-        if form == "hierarchical" and mission_net.mission.late:
-            continue  # it is made of composition
         controller = generate(mission_net, form, max_states=max_states)
         yield f"{form} controller", OfController(mission_net, controller)
         yield f"{form} controller, minimised", OfController(mission_net, minimise(controller))

@@ -279,7 +279,10 @@ def test_spaces_of_markings_agree_with_plain_search(mission: Mission, data: st.D
 
 
 @fewer(0.4)
-@given(missions(max_hardware=3, max_producers=2), st.data())
+@given(
+    missions(max_hardware=3, max_producers=2) | missions(max_hardware=2, max_producers=1, late=True),
+    st.data(),
+)
 def test_spaces_of_alternatives_agree_with_plain_search(mission: Mission, data: st.DataObject) -> None:
     mission_net = composed(mission)
     try:
@@ -300,7 +303,11 @@ def test_spaces_of_ulysse_have_its_sizes(ulysse_net: MissionNet, kind: str) -> N
 
 
 @fewer(0.4)
-@given(missions(max_hardware=2, max_producers=2, max_sections=4), st.data())
+@given(
+    missions(max_hardware=2, max_producers=2, max_sections=4)
+    | missions(max_hardware=2, max_producers=1, max_sections=4, late=True, lasting=True),
+    st.data(),
+)
 def test_spaces_of_mortal_hardware_agree_with_plain_search(mission: Mission, data: st.DataObject) -> None:
     mission_net = composed(mission)
     try:

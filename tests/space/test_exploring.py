@@ -47,7 +47,7 @@ def told(mission_net: MissionNet, *, may_die: bool) -> tuple[Any, ...] | type[Ex
 
 
 @fewer(0.5)
-@given(missions() | missions(events=2, sections=8) | stacked_missions())
+@given(missions() | missions(events=2, sections=8) | missions(late=True, sections=6) | stacked_missions())
 def test_a_section_is_the_same_in_big_steps_and_by_all_markings(of: Mission) -> None:
     mission_net = composed(of)
     for may_die in (False, True):

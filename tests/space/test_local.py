@@ -34,8 +34,10 @@ from mcpn.space.stable.confluence import prove_confluent
 from mcpn.space.stable.listing import written_out
 from mcpn.testing import missions
 from mcpn.testing.stacks import stacked_missions
+from tests.check.test_properties import play
 from tests.draws import composed, fewer
 from tests.shares import returns_early
+from tests.small import activity, mission, robot
 
 
 def check_equal(found: AlternativesGraph, expected: AlternativesGraph) -> None:
@@ -88,6 +90,8 @@ def test_rounds_and_tries_are_of_one_type() -> None:
     missions()
     | missions(events=2, sections=8)
     | missions(lasting=True, crashes=True, sections=6)
+    | missions(late=True, sections=6)
+    | missions(late=True, lasting=True, crashes=True, faults=1, timeouts=1, facts=2, sections=6)
     | stacked_missions()
 )
 def test_the_composite_is_the_whole(mission: Mission) -> None:
@@ -114,7 +118,7 @@ def test_the_composite_is_the_whole(mission: Mission) -> None:
 
 
 @fewer(0.3)
-@given(missions() | stacked_missions(), booleans())
+@given(missions() | missions(late=True) | stacked_missions(), booleans())
 def test_sections_lie_in_the_whole_where_their_own_nets_have_the_same_names(
     mission: Mission, may_die: bool
 ) -> None:
@@ -143,7 +147,7 @@ def test_sections_lie_in_the_whole_where_their_own_nets_have_the_same_names(
 
 
 @fewer(0.5)
-@given(missions())
+@given(missions() | missions(late=True))
 def test_junctions_are_confluent_where_their_sections_are(mission: Mission) -> None:
     """The argument of papers/composition.md against a proof on the net of both sections."""
     mission_net = composed(mission)
@@ -222,6 +226,49 @@ class Wearing(PaperTemplates):
             pen = canvas.of("hardware", resource.name, resource.source)
             new, busy = pen.place("new", initial=1), "thruster_actuator_busy"
             pen.transition("worn", [new], [], read=[busy], event=Event.parse("THRUSTER_EV_WORN"))
+
+
+class Distrustful(PaperTemplates):
+    """A user's templates in which hardware, once suspected, is so for good."""
+
+    def hardware(self, canvas: Canvas, resource: Hardware) -> None:
+        draw = canvas.transition
+
+        def drawn(transition: str, **arcs: Any) -> None:
+            if transition == "h_8s":
+                arcs["consume"].remove("h_suspected")
+                arcs["produce"].remove("h_trusted")
+                arcs["read"] = ["h_suspected"]
+            draw(transition, **arcs)
+
+        canvas.transition = drawn  # type: ignore[method-assign, assignment]
+        super().hardware(canvas, resource)
+        canvas.transition = draw  # type: ignore[method-assign]
+
+
+def test_a_section_that_still_suspects_hardware_is_refused() -> None:
+    late = Hardware(name="h", detected="late")
+    of = mission(robot((late,), activity("use", ("h",))), Objective(name="o", activities=("use",), retries=1))
+    composite_space(compose(of))
+    net = compose(of, Distrustful())
+    with pytest.raises(PremiseError) as caught:
+        composite_space(net, templates=Distrustful())
+    assert caught.value.place in ("h_trusted", "h_suspected")
+    # What is asked of the whole net where the mission has ended says the same.
+    ended = play(net, ["MISSION_EV_START", "h_EV_OOS", "OBJ_o_try1_EV_FAIL", "OBJ_o_try2_EV_FAIL"])
+    assert ended[net.failure]
+    assert net.not_idle(ended) == ["h_suspected"]
+
+
+def test_late_hardware_is_asked_in_document_order_whoever_uses_it_first() -> None:
+    """Sections that differ in names alone but for that order are not of one type."""
+    late = tuple(Hardware(name=name, detected="late") for name in ("a", "b"))
+    ways = ("x", ("a", "b")), ("y", ("b", "a"))
+    of = robot(late, *(activity(name, *((h,) for h in way)) for name, way in ways))
+    both = mission(of, *(Objective(name=name.upper(), activities=(name,), retries=1) for name, _ in ways))
+    composite = composite_space(compose(both))
+    assert len(types(composite)) == 2
+    check_equal(written_out(composite, "local", 10_000), direct(composite.net))
 
 
 @pytest.mark.parametrize(

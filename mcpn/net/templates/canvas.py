@@ -37,6 +37,7 @@ Role: TypeAlias = tuple[
         "happened",
         "fact",
         "ready",
+        "presumed",
     ],
     str,
 ]
@@ -50,6 +51,7 @@ for the release, and holds nothing (:meth:`~mcpn.mission.static.usage.Usage.wait
 ``("oos", "GPS_sensor")``: the hardware resource is out of service;
 ``("known", "camera")``: it is detected late, and known to be out of service;
 ``("fine", "camera")``: it is detected late, and nobody uses it while it is lost;
+``("presumed", "camera")``: it is detected late, free, and taken to be in service (some places of it);
 ``("objective", "diving")``: the objective runs;
 ``("pending", "diving")``: the objective is about to be entered, an activity of it is not idle yet;
 ``("done", "filming")``: the branch of a parallel block has ended (two places, ok and fail);

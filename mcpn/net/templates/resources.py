@@ -70,6 +70,8 @@ def _draw_late(canvas: Canvas, resource: Hardware) -> None:
     answer, release, error = pen.place("answer"), pen.place("release"), pen.place("error")
     well, gone = pen.place("well", initial=ready), pen.place("gone", initial=1 - ready)
     canvas.role(gone, ("oos", r))
+    for place in (free, available, *watched):
+        canvas.role(place, ("presumed", r))
     fine, misused = pen.place("fine", initial=1), pen.place("misused")
     canvas.role(fine, ("fine", r))
     trusted, suspected = pen.place("trusted", initial=1), pen.place("suspected")

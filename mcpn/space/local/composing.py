@@ -15,7 +15,6 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from mcpn.errors import LimitError, WorkersError
-from mcpn.mission.expansion.faults import refuse_late
 from mcpn.net.compose import MissionNet
 from mcpn.net.forgetful import forgetful
 from mcpn.net.mortal import crashing_anytime, mortal
@@ -74,7 +73,6 @@ def composite_space(
         :mod:`mcpn.net.sections`: the nets that are explored instead.
     """
     usage = mission_net.usage
-    refuse_late(mission_net.mission.late, "composition does", ": use --engine symbolic or explicit")
     if usage.contentions and not may_die:
         step(Doing.FINDING_CLASH)
         error = nearest_fault(mission_net.net)  # a clash near the start is found at once

@@ -123,6 +123,7 @@ class Glued:
         """The state before the mission: all hardware is in service that is so at the start."""
         out = [h.name for h in self.mission_net.mission.hardware if h.initial == "oos"]
         slots = [self.layout.slots["hardware", name][0] for name in out]
+        slots += self.layout.slots_of([("known", name) for name in out if name in self.layout.late])
         return CompositeSet(self, {BEGIN: self.stages[BEGIN].entered(self.layout.store.singleton(slots))})
 
     @cached_property

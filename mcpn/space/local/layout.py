@@ -2,8 +2,9 @@
 
 The first levels hold the places of the local net of one section; all sections use the same levels. The last
 levels, the *slots*, hold the status that sections hand on: for each hardware resource of the mission whether
-it is out of service (and lost for good, where hardware may die), and for each handler that happens once
-whether it has happened. A section keeps the status of its own hardware and handlers in places of its local
+it is out of service (and lost for good, where hardware may die), for each handler that happens once whether
+it has happened, for each fact what is true of it, and for hardware that is detected late whether it is known
+to be out of service. A section keeps the status of its own hardware and handlers in places of its local
 net. Its diagrams leave the slots of these unconstrained, so that sections of one type have equal diagrams
 whatever their hardware is called.
 """
@@ -24,7 +25,7 @@ from mcpn.space.diagrams.symbolic import DEFAULT_MEMORY
 from mcpn.space.memoized import memoized
 from mcpn.space.run import Completion
 
-Said: TypeAlias = Literal["oos", "dead", "happened", "fact"]
+Said: TypeAlias = Literal["oos", "dead", "happened", "fact", "known"]
 
 HARDWARE: tuple[Said, ...] = ("oos", "dead")
 """What the slots of a resource say, as the roles of places that say so; the second implies the first."""
@@ -34,6 +35,9 @@ ONCE: tuple[Said, ...] = ("happened",)
 
 FACT: tuple[Said, ...] = ("fact",)
 """What the slot of a truth value of a fact says (:func:`mcpn.mission.world.conditions.flags`)."""
+
+KNOWN: tuple[Said, ...] = ("known",)
+"""What the slot of hardware that is detected late says besides: that its loss is known."""
 
 CHANGES = {What.OUT_OF_SERVICE: (0, 1), What.REPAIRED: (1, 0), What.LOST: (1, 2)}
 """By event of hardware, its status before and after: how many of its slots are marked."""
@@ -60,6 +64,7 @@ class Layout:
         hardware: All hardware of the mission that can fail, in document order.
         once: All its handlers that happen once.
         flags: What may be true of its facts.
+        late: All hardware of the mission that is detected late.
         said: By kind of element, what its slots say.
         slots: By element, its slots.
     """
@@ -75,10 +80,18 @@ class Layout:
             "hardware": tuple(role for role in HARDWARE if mission_net.saying(role)),
             "once": ONCE,
             "fact": FACT,
+            "known": KNOWN,
         }
         self.first_slot = end = places
         self.slots: dict[Element, range] = {}
-        for kind, names in (("hardware", self.hardware), ("once", self.once), ("fact", self.flags)):
+        self.late = tuple(h.name for h in mission_net.mission.late)
+        every = (
+            ("hardware", self.hardware),
+            ("once", self.once),
+            ("fact", self.flags),
+            ("known", self.late),
+        )
+        for kind, names in every:
             for name in names:
                 begin, end = end, end + len(self.said[kind])
                 self.slots[kind, name] = range(begin, end)
@@ -114,15 +127,19 @@ class Layout:
     def toggles(self) -> dict[int, Toggle]:
         """What each resource does while nobody uses it, by the transition of the whole net."""
         by_transition: dict[int, Toggle] = {}
-        for t, name, before, after in _idle_events(self.mission_net):
-            element = "hardware", name
-            slots, event = self.slots[element], self.store.event
-            lost, gained = slots[after:before], slots[before:after]
-            beside = slots[: min(before, after)], slots[max(before, after) :]
-            events = event(lost, gained, *beside), event(gained, lost, *beside)
-            by_transition[t] = Toggle(
-                t, frozenset([element]), *events, self.store.condition(slots[:before], slots[before:])
-            )
+        for t, what, name in _idle_events(self.mission_net):
+            elements = frozenset(of for of in (("hardware", name), ("known", name)) if of in self.slots)
+            slots, known = self.slots["hardware", name], self.slots.get(("known", name), range(0))
+            before, after = CHANGES[what]
+            lost, gained = [*slots[after:before]], [*slots[before:after]]
+            marked, unmarked = [*slots[: min(before, after)]], [*slots[max(before, after) :]]
+            if what is What.REPAIRED:
+                lost += known  # nobody repairs what is not known to be out of service
+            elif what is What.OUT_OF_SERVICE:
+                unmarked += known
+            event, condition = self.store.event, self.store.condition
+            events = event(lost, gained, marked, unmarked), event(gained, lost, marked, unmarked)
+            by_transition[t] = Toggle(t, elements, *events, condition([*lost, *marked], [*gained, *unmarked]))
         return by_transition | {toggle.transition: toggle for toggle in self._events_of_facts()}
 
     def _events_of_facts(self) -> Iterator[Toggle]:
@@ -169,14 +186,14 @@ class Layout:
         ]
 
 
-def _idle_events(mission_net: MissionNet) -> Iterator[tuple[int, str, int, int]]:
-    """The events of hardware that nobody uses: transition, resource, its status before and after."""
+def _idle_events(mission_net: MissionNet) -> Iterator[tuple[int, What, str]]:
+    """The events of hardware that nobody uses: transition, what happens, the resource."""
     initial = mission_net.in_service
     for t, transition in enumerate(mission_net.net.transitions):
-        if transition.event is not None and transition.event.what in CHANGES:
-            before, after = CHANGES[transition.event.what]
-            if before or all(initial[p] for p, _ in transition.consume):
-                yield t, transition.event.element, before, after
+        if transition.event is not None and (what := transition.event.what) in CHANGES:
+            needed = (*transition.consume, *transition.read)
+            if what is not What.OUT_OF_SERVICE or all(initial[p] for p, _ in needed):
+                yield t, what, transition.event.element
 
 
 def _crashed_places(mission_net: MissionNet) -> Iterator[tuple[str, tuple[int, ...]]]:
@@ -197,8 +214,8 @@ def idle_places(mission_net: MissionNet) -> dict[int, tuple[Element, int, bool]]
     facts = mission_net.usage.world.facts
     initial = mission_net.in_service
     completion, marking = Completion(net), list(initial)
-    for t, name, before, _ in _idle_events(mission_net):
-        if before == 0:
+    for t, what, name in _idle_events(mission_net):
+        if what is What.OUT_OF_SERVICE:
             net.fire_in_place(marking, t)
             fired = [net.transitions[u] for u in (t, *completion.settle(marking, [t]))]
             for place in {p for one in fired for p, _ in (*one.consume, *one.produce)}:
@@ -214,6 +231,8 @@ def idle_places(mission_net: MissionNet) -> dict[int, tuple[Element, int, bool]]
         ("alive", "hardware", 1, True),
         ("happened", "once", 0, False),
         ("open", "once", 0, True),
+        ("known", "known", 0, False),
+        ("presumed", "known", 0, True),
     ):
         for place, name in mission_net.saying(role).items():
             places[place] = (kind, name), number, reverse

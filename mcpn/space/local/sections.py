@@ -14,12 +14,13 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 from mcpn.net.mortal import mortal
 from mcpn.net.petri import NetBuilder, Provenance
-from mcpn.net.sections import Element, LocalPart, Renaming, Used, renamed_sections, routes_of
+from mcpn.net.sections import Element, LocalPart, Used, routes_of
 from mcpn.net.templates import TemplateSet
 from mcpn.space.diagrams.encoding import Levels
 from mcpn.space.images import Bit
 from mcpn.space.local.exploring import explore_local
 from mcpn.space.local.layout import Layout, Toggle
+from mcpn.space.local.renaming import Renaming, renamed_sections
 from mcpn.space.local.section_type import ALL, Allowed, Exit, SectionType
 from mcpn.space.memoized import memoized
 
