@@ -225,8 +225,6 @@ def test_modular_controllers_say_that_they_do_not_know_it(path: Path) -> None:
         generate(net, "modular")
 
 
-
-
 @pytest.mark.parametrize("engine", KNOWING)
 def test_numbers_by_hand(path: Path, engine: Engine) -> None:
     """The camera fails once per hour, and each objective takes one."""
@@ -275,10 +273,11 @@ def test_numbers_are_those_of_a_dense_solve(of: Mission, engine: Engine, data: s
 
 def test_the_command_line_tells_what_refuses_it(path: Path, tmp_path: Path) -> None:
     photo(path, TEST)
-    done = mcpn("controller", str(path), "-o", str(tmp_path / "out"))
+    done = mcpn("controller", str(path), "--form", "modular", "-o", str(tmp_path / "out"))
     assert done.returncode == 2
     assert "camera is detected late" in done.stderr
     assert not (tmp_path / "out").exists()
-    assert mcpn("controller", str(path), "--flat", "-o", str(tmp_path / "out")).returncode == 0
+    for form in FORMS:
+        assert mcpn("controller", str(path), "--form", form, "-o", str(tmp_path / form)).returncode == 0
     for command in (["check"], ["causes"], ["report", "-o", str(tmp_path / "page.html")]):
         assert mcpn(command[0], str(path), *command[1:]).returncode == 0, command
