@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -319,3 +320,15 @@ def test_nets_that_forget_have_every_stable_state(mission: Mission) -> None:
                 if (own := inner.get(net.net.transitions[t].name)) is not None:
                     asked = guards[own].open if own in guards else ()
                     assert then == happened.union(asked)
+
+
+def test_a_handler_that_could_happen_again_is_not_forgotten(tmp_path: Path) -> None:
+    """No template draws a net that takes back that a handler has happened."""
+    net = drawn(tmp_path, IN_EACH)
+    assert forgetful(net)[1]
+    (place,) = net.saying("happened")
+    number = next(t for t, of in enumerate(net.net.transitions) if of.internal)
+    changed = replace(net.net.transitions[number], consume=((place, 1),))
+    transitions = (*net.net.transitions[:number], changed, *net.net.transitions[number + 1 :])
+    with pytest.raises(SemanticsError, match=f"{changed.name} takes the token of .*has happened"):
+        forgetful(replace(net, net=replace(net.net, transitions=transitions)))

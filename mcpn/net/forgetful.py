@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
+from mcpn.errors import SemanticsError
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import What
 from mcpn.net.petri import PetriNet, Transition
@@ -46,6 +47,9 @@ def forgetful(
         those of the given net, projected to the other places, and those that are reached where a handler
         happens several times. Transitions of one event that a marking enables together have guards that
         exclude each other.
+
+    Raises:
+        SemanticsError: A transition takes back that a handler has happened; no template of mcpn draws one.
     """
     forgotten = {
         place: name
@@ -64,6 +68,9 @@ def forgetful(
 
     transitions, guards = list[Transition](), dict[int, Guard]()
     for t in net.transitions:
+        if kept_up := [p for p, _ in t.consume if p in forgotten and p not in open_places]:
+            message = f"{t.name} takes the token of {net.places[kept_up[0]].name}, which says for ever that a"
+            raise SemanticsError(f"{message} handler has happened: that cannot be kept beside the net")
         taken, read = ([forgotten[p] for p, _ in arcs if p in forgotten] for arcs in (t.consume, t.read))
         if taken and t.event is not None and t.event.what is What.EARLIER:
             continue
@@ -71,7 +78,6 @@ def forgetful(
             guards[len(transitions)] = Guard(tuple(taken), tuple(read))
         consume, produce, reads = projected(t.consume), projected(t.produce), projected(t.read)
         transitions.append(replace(t, consume=consume, produce=produce, read=reads))
-    assert all(place in open_places for t in net.transitions for place, _ in t.consume if place in forgotten)
     units = (tuple(number[p] for p in unit if p in number) for unit in net.units)
     places = tuple(net.places[place] for place in kept)
     without = PetriNet(

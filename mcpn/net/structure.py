@@ -159,21 +159,8 @@ def complements(net: PetriNet) -> tuple[tuple[int, int], ...]:
     )
 
 
-def is_one_token_unit(net: PetriNet, places: Iterable[int]) -> bool:
-    """Whether exactly one of the places is marked in every reachable marking, with one token, by structure.
-
-    Args:
-        net: The net.
-        places: Indices; repeats count once.
-
-    Returns:
-        Whether the initial tokens sum up to 1 and every transition puts as many tokens in these places as it
-        takes from them. ``False`` says only that the structure does not show it.
-    """
-    return _holds_one_token(incidence(net), net.initial, set(places))
-
-
 def _holds_one_token(rows: tuple[Sparse, ...], initial: Marking, group: set[int]) -> bool:
+    """Whether the group is an invariant with one initial token: then one of its places is always marked."""
     balance: Sparse = {}
     for place in group:
         for transition, change in rows[place].items():

@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from mcpn.check.ltl.formulas import Next, Release, Until
+from mcpn.check.ltl.formulas import Happens, Next, Release, Until, atom_of
 from mcpn.errors import LimitError
 from mcpn.space.components import strongly_connected
 from mcpn.space.search.goal import FALSE, TRUE, And, Formula, Or
@@ -45,6 +45,33 @@ class AutomatonEdge:
     literals: Literals
     marks: frozenset[int]
     target: int
+
+    @property
+    def reads(self) -> tuple[Formula, ...]:
+        """The literals about the state; the others are about the step."""
+        return tuple(literal for literal in self.literals if not isinstance(atom_of(literal), Happens))
+
+    def fires(self, transitions: int) -> tuple[frozenset[int] | None, bool]:
+        """The steps along which the edge may be taken, by its literals.
+
+        Args:
+            transitions: How many the net has.
+
+        Returns:
+            What may fire along it, ``None`` for anything; and whether it may be taken where nothing fires: in
+            a state without successors, which repeats.
+        """
+        fired: frozenset[int] | None = None
+        rests = True
+        for literal in self.literals:
+            if isinstance(atom := atom_of(literal), Happens):
+                may = frozenset(atom.transitions)
+                if atom is literal:
+                    rests = False
+                else:
+                    may = frozenset(range(transitions)) - may
+                fired = may if fired is None else fired & may
+        return fired, rests
 
 
 @dataclass(frozen=True)

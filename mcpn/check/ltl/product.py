@@ -15,13 +15,12 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial, reduce
-from operator import or_
+from operator import and_, or_
 from typing import Generic
 
 from mcpn.check.ltl.automaton import Automaton, AutomatonEdge
-from mcpn.check.ltl.formulas import Happens
 from mcpn.space.algebra import S, Space
-from mcpn.space.search.goal import Formula, Not
+from mcpn.space.search.goal import Formula
 
 
 @dataclass(frozen=True)
@@ -84,23 +83,11 @@ class Product(Generic[S]):
 
     def _edge(self, source: int, states: Callable[[Formula], S]) -> Callable[[AutomatonEdge], ProductEdge[S]]:
         def made(edge: AutomatonEdge) -> ProductEdge[S]:
-            here, fired, rests = self.space.everything, None, True
-            for literal in edge.literals:
-                match literal:
-                    case Happens(transitions):
-                        rests = False
-                        fired = frozenset(transitions) & (self._any if fired is None else fired)
-                    case Not((Happens(transitions),)):
-                        fired = (self._any if fired is None else fired) - frozenset(transitions)
-                    case _:
-                        here = here & states(literal)
+            fired, rests = edge.fires(len(self.space.net.transitions))
+            here = reduce(and_, map(states, edge.reads), self.space.everything)
             return ProductEdge(source, edge.target, edge.marks, here, fired, rests)
 
         return made
-
-    @property
-    def _any(self) -> frozenset[int]:
-        return frozenset(range(len(self.space.net.transitions)))
 
     # --- steps and closures ---
 

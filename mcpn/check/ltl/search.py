@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias, cast
 
 from mcpn.check.ltl.automaton import Automaton, AutomatonEdge
-from mcpn.check.ltl.formulas import Happens, atom_of
 from mcpn.net.petri import PetriNet
-from mcpn.space.search.goal import Formula, Goal, Not, as_goal, encode
+from mcpn.space.search.goal import Formula, Goal, as_goal, encode
 from mcpn.space.search.searches import MAX_BYTES, Searches
 
 MOST_MARKS = 64
@@ -51,13 +50,12 @@ class PathSearch:
         self._net, self._searches = net, Searches(net)
         self._goals: dict[Formula, Goal] = {}
         self.fits = self._searches.fits and automaton.marks <= MOST_MARKS
-        for literal in dict.fromkeys(f for of in automaton.edges for edge in of for f in edge.literals):
-            if not isinstance(atom_of(literal), Happens):
-                goal = as_goal(literal, net)
-                if goal is None:
-                    self.fits = False
-                    return
-                self._goals[literal] = goal
+        for literal in dict.fromkeys(f for of in automaton.edges for edge in of for f in edge.reads):
+            goal = as_goal(literal, net)
+            if goal is None:
+                self.fits = False
+                return
+            self._goals[literal] = goal
         self._encoded, self._roots = encode(list(self._goals.values()), len(net.places))
         self._numbers = {literal: number for number, literal in enumerate(self._goals)}
         self._edges = [list(map(self._edge, of)) for of in automaton.edges]
@@ -80,17 +78,9 @@ class PathSearch:
         return FoundPath(cast(Outcome, outcome), tuple(run), cycle)
 
     def _edge(self, edge: AutomatonEdge) -> tuple[Sequence[int], int, int, Sequence[int] | None, bool]:
-        fired: frozenset[int] | None = None
-        every, rests = frozenset(range(len(self._net.transitions))), True
-        for literal in edge.literals:
-            match literal:
-                case Happens(transitions):
-                    rests = False
-                    fired = frozenset(transitions) & (every if fired is None else fired)
-                case Not((Happens(transitions),)):
-                    fired = (every if fired is None else fired) - frozenset(transitions)
+        fired, rests = edge.fires(len(self._net.transitions))
         return (
-            [self._numbers[literal] for literal in edge.literals if literal in self._numbers],
+            [self._numbers[literal] for literal in edge.reads],
             sum(1 << mark for mark in edge.marks),
             edge.target,
             None if fired is None else sorted(fired),

@@ -151,7 +151,7 @@ def replay(net: PetriNet, run: Sequence[int]) -> tuple[int, ...]:
     for number, t in enumerate(run):
         if not net.covers(marking, t):
             raise ValueError(f"step {number}: {net.transitions[t].name} is not enabled")
-        _fire(net, marking, t)
+        net.fire_in_place(marking, t)
     return tuple(marking)
 
 
@@ -173,13 +173,12 @@ def shortened(net: PetriNet, run: Sequence[int]) -> Run:
     kept: list[int] = []
     keys = [key]
     for t in run:
-        for side, sign in ((net.transitions[t].consume, -1), (net.transitions[t].produce, 1)):
-            for place, weight in side:
-                marking[place] += sign * weight
-                if marking[place] == net.initial[place]:
-                    differing.pop(place, None)
-                else:
-                    differing[place] = marking[place]
+        net.fire_in_place(marking, t)
+        for place, _ in (*net.transitions[t].consume, *net.transitions[t].produce):
+            if marking[place] == net.initial[place]:
+                differing.pop(place, None)
+            else:
+                differing[place] = marking[place]
         kept.append(t)
         key = frozenset(differing.items())
         if key in seen:
@@ -191,10 +190,3 @@ def shortened(net: PetriNet, run: Sequence[int]) -> Run:
             seen[key] = len(kept)
             keys.append(key)
     return tuple(kept)
-
-
-def _fire(net: PetriNet, marking: list[int], t: int) -> None:
-    for place, weight in net.transitions[t].consume:
-        marking[place] -= weight
-    for place, weight in net.transitions[t].produce:
-        marking[place] += weight
