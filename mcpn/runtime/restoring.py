@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from mcpn.runtime.file_schema import ENDS
 from mcpn.runtime.tables import Action, Inside, Laws, Tables, TableSection
 
-SNAPSHOT, SNAPSHOT_VERSION = "mcpn-controller-snapshot", 1
+SNAPSHOT, SNAPSHOT_VERSION = "mcpn-controller-snapshot", 2
 BEFORE, RUNNING = "before", "running"
 
 
@@ -35,7 +37,7 @@ class Saved:
         Args:
             digest: The controller's.
         """
-        return json.dumps(
+        return snapshot_text(
             {
                 "format": SNAPSHOT,
                 "version": SNAPSHOT_VERSION,
@@ -51,6 +53,17 @@ class Saved:
         )
 
 
+def snapshot_text(document: Mapping[str, Any]) -> str:
+    """The text of a snapshot, with the digest of all else in it at its end.
+
+    Args:
+        document: What it says; a digest in it is left out.
+    """
+    text = json.dumps({key: value for key, value in document.items() if key != "digest"})
+    digest = hashlib.sha256(text.encode()).hexdigest()
+    return f'{text[:-1]}, "digest": "{digest}"}}'
+
+
 def read_snapshot(text: str, tables: Tables) -> Saved:
     """Reads a snapshot of a controller.
 
@@ -63,6 +76,8 @@ def read_snapshot(text: str, tables: Tables) -> Saved:
             raise SnapshotError("no snapshot of a version that is known here")
         if document["controller"] != tables.digest:
             raise SnapshotError("the snapshot is of another controller")
+        if text.strip() != snapshot_text(document):
+            raise SnapshotError("the snapshot has been changed since it was written: its digest is another")
         phase, name, state = document["phase"], document["section"], document["state"]
         gone, count = set(document["out_of_service"]), document["count"]
         happened = set(document.get("happened", ()))

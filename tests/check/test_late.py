@@ -26,6 +26,7 @@ from mcpn.net.events import Event
 from mcpn.net.templates.compact import CompactTemplates
 from mcpn.runtime import Controller as Runtime
 from mcpn.runtime import Refused, SnapshotError
+from mcpn.runtime.restoring import snapshot_text
 from mcpn.space.stable.alternatives import direct
 from mcpn.study import Study
 from mcpn.testing import missions
@@ -202,7 +203,7 @@ def test_a_controller_by_hand(path: Path, form: Form) -> None:
     assert runtime.mode == {"look": "by_eye"}
     wrong = json.loads(saved) | {"out_of_service": []}
     with pytest.raises(SnapshotError):
-        runtime.restore(json.dumps(wrong))
+        runtime.restore(snapshot_text(wrong))
 
 
 @pytest.mark.parametrize("form", FORMS)

@@ -18,6 +18,7 @@ from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import Controller as Runtime
 from mcpn.runtime import ControllerFileError, Refused, SnapshotError
 from mcpn.runtime.machines import RuleTables
+from mcpn.runtime.restoring import snapshot_text
 from mcpn.testing import missions
 from tests.draws import composed, fewer
 from tests.judge import drawn
@@ -186,11 +187,11 @@ def test_a_snapshot_holds_what_its_bits_say(of_ulysse: dict[str, Any]) -> None:
     assert isinstance(section.machine, RuleTables)
     for state in (-1, 1 << section.machine.bits, "0", None, True, 1.0):
         with pytest.raises(SnapshotError):
-            runtime.restore(json.dumps(whole | {"state": state}))
+            runtime.restore(snapshot_text(whole | {"state": state}))
     for hardware in section.hardware:
         with pytest.raises(SnapshotError):
-            runtime.restore(json.dumps(whole | {"out_of_service": [hardware]}))
-    runtime.restore(json.dumps(whole))
+            runtime.restore(snapshot_text(whole | {"out_of_service": [hardware]}))
+    runtime.restore(snapshot_text(whole))
 
 
 def test_the_bound_is_of_the_rules_that_one_event_may_look_at(ulysse_net: MissionNet) -> None:

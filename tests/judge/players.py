@@ -20,6 +20,7 @@ from mcpn.errors import LimitError
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event
 from mcpn.runtime import Controller as Runtime
+from mcpn.runtime.restoring import snapshot_text
 from mcpn.runtime.tables import Inside
 from mcpn.space.stable.alternatives import AlternativesGraph
 from mcpn.space.stable.listing import written_out
@@ -150,7 +151,7 @@ class OfController:
         self.start = self.here()
 
     def here(self) -> str:
-        return json.dumps(json.loads(self.runtime.snapshot()) | {"count": 0})
+        return snapshot_text(json.loads(self.runtime.snapshot()) | {"count": 0})
 
     def seen(self, at: str) -> Seen:
         self.runtime.restore(at)

@@ -15,6 +15,7 @@ from mcpn.controller.targets.json import document, write_json
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import Controller, ControllerFileError, SnapshotError
+from mcpn.runtime.restoring import snapshot_text
 from tests.runtime.damage import bytes_changed, runs, signed, text_of, value_changed
 
 WATCH = Path(__file__).parents[1] / "controller" / "watch.xml"
@@ -120,7 +121,7 @@ def test_a_fact_has_one_value_in_files_and_snapshots(
     snapshot = json.loads(controller.snapshot())
     for bits in range(1 << len(every)):
         true = frozenset(flag for i, flag in enumerate(every) if bits >> i & 1)
-        text = json.dumps({**snapshot, "happened": sorted(true)})
+        text = snapshot_text({**snapshot, "happened": sorted(true)})
         if true in of_values.values():
             controller.restore(text)
             assert of_values[controller.facts["light"]] == true
