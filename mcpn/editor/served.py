@@ -148,7 +148,7 @@ class ServedMission(Content):
 
     def suppose(self, lost: list[str], ways: dict[str, list[str]]) -> dict[str, Any]:
         """The mission as it is beside what it would be, as a JSON object, or why that is not known."""
-        return self._asked(lambda study: {"rows": compared(study, lost, ways, self.engine, self.max_states)})
+        return self._asked(lambda study: compared(study, lost, ways, self.engine, self.max_states))
 
     def _asked(self, question: Callable[[Study], dict[str, Any]]) -> dict[str, Any]:
         study = self.shown.study

@@ -8,8 +8,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from mcpn.errors import InputError, Problem
+from mcpn.mission.flatten import requirements_of
 from mcpn.mission.language.forms import form_of
 from mcpn.mission.near import did_you_mean
+from mcpn.mission.static.copies import Copies
 from mcpn.mission.validate import valid
 from mcpn.report.findings import Findings
 from mcpn.report.pages.story import StoryLine, story, verdict_of_all
@@ -26,7 +28,7 @@ if TYPE_CHECKING:
 def supposed(mission: Mission, lost: Sequence[str], ways: Mapping[str, Sequence[str]]) -> Mission:
     """A mission as it would be; its files stay as they are.
 
-    Requirements that speak of an alternative which is taken away are left out.
+    Requirements that speak of an alternative which is taken away are left out; :func:`compared` names them.
 
     Args:
         mission: The mission.
@@ -112,7 +114,7 @@ def compared(
     ways: Mapping[str, Sequence[str]],
     engine: Asked = "auto",
     max_states: int | None = None,
-) -> list[dict[str, Any]]:
+) -> dict[str, Any]:
     """What is found of a mission as it is and as it would be, question by question.
 
     Args:
@@ -123,24 +125,30 @@ def compared(
         max_states: Limit on states that are listed.
 
     Returns:
-        For each question of a page's first screen, and for the modes of each objective whose modes are
-        others: what is ``asked``, and what is ``said`` of both, each a state and a sentence.
+        ``rows``: for each question of a page's first screen, and for the modes of each objective whose modes
+        are others, what is ``asked``, and what is ``said`` of both, each a state and a sentence.
+        ``left_out``: the requirements that are not asked of the mission as it would be, since they speak of
+        an alternative that is taken away; those of rounds, tries and so on together.
 
     Raises:
         InputError: As of :func:`supposed`; or a formula speaks of what the mission would have no more.
         LimitError: A limit was hit.
     """
-    other = Study(supposed(study.mission_net.mission, lost, ways))
+    mission = study.mission_net.mission
+    other = Study(supposed(mission, lost, ways))
+    required, still = requirements_of(mission), requirements_of(other.mission_net.mission)
+    left_out = Copies(mission).told((name for name in required if name not in still), required)
     asked: dict[str, list[tuple[str, str]]] = {}
     for number, of in enumerate((study, other)):
         for line in _told(of, engine, max_states):
             said = asked.setdefault(line.asked, [("note", "")] * 2)
             said[number] = (line.state, line.said)
-    return [
+    rows = [
         {"asked": question, "said": said}
         for question, said in asked.items()
         if not question.startswith(MODES) or said[0] != said[1]
     ]
+    return {"rows": rows, "left_out": left_out}
 
 
 MODES = "Modes of "

@@ -23,7 +23,7 @@ __all__ = ["ulysse_served"]  # a fixture
 
 
 def said(lost: list[str], ways: dict[str, list[str]]) -> dict[str, Any]:
-    return {row["asked"]: row["said"] for row in compared(open_study(ULYSSE), lost, ways)}
+    return {row["asked"]: row["said"] for row in compared(open_study(ULYSSE), lost, ways)["rows"]}
 
 
 def test_losses_are_verified_as_cut_sets_foretell() -> None:
@@ -63,6 +63,16 @@ def test_an_alternative_that_is_taken_away_is_one_that_is_not_written() -> None:
     assert not any(question.startswith("Modes of") for question in said([], {}))
 
 
+def test_requirements_that_are_left_out_are_named() -> None:
+    study = open_study(ULYSSE)
+    required = [answer.asked.name for answer in study.verdicts().requirements]
+    found = compared(study, [], {"localisation": ["gps_localisation"]})["left_out"]
+    speaking = [answer.asked.name for answer in study.verdicts().requirements if "imu" in answer.asked.text]
+    assert found == speaking
+    assert set(found) < set(required)
+    assert compared(study, ["GPS_sensor"], {})["left_out"] == []
+
+
 @given(missions())
 def test_a_mission_that_is_supposed_as_it_is_is_itself(mission: Mission) -> None:
     ways = {a.name: [w.name for w in a.alternatives] for robot in mission.robots for a in robot.activities}
@@ -96,6 +106,7 @@ def test_a_page_shows_what_would_be(browser: Any, ulysse_served: Any) -> None:
     tab.get_by_role("button", name="Verify it so").click()
     row = tab.locator("#supposed tr.other", has_text="What defeats it?")
     row.wait_for()
+    tab.locator("#supposed p", has_text="goes_on_without_GPS.").wait_for()
     assert "GPS_sensor and IMU_sensor together" in row.locator("td").first.inner_text()
     assert "together" not in row.locator("td").last.inner_text()
     tab.get_by_role("button", name="As it is").click()

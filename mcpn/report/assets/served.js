@@ -69,6 +69,9 @@
       const same = answer.rows.every(({ said: both }) => both[0][1] === both[1][1]);
       told.replaceChildren(said(same ? "Nothing that this page says first would be other." :
         "What would be other has a mark.", "reading"), wide);
+      if (answer.left_out.length) {
+        told.append(said(`Not asked so, for they speak of an alternative that is taken away: ${answer.left_out.join(", ")}.`, "reading"));
+      }
     });
     byId("ask")?.addEventListener("submit", async (asked) => {
       asked.preventDefault();
