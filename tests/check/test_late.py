@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import assume, event, given
 from hypothesis import strategies as st
+from scipy.linalg import expm
 
 from mcpn.check.causes.effects import Severity
 from mcpn.check.causes.fmeca import fmeca
+from mcpn.check.causes.passages import Beside
 from mcpn.check.causes.risk import Risk, risk
 from mcpn.check.engines import Engine
 from mcpn.check.verdicts.mission import check
@@ -19,6 +23,7 @@ from mcpn.controller.simulator import Simulation, resources
 from mcpn.controller.targets.json import document
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
+from mcpn.mission.robot import Hardware
 from mcpn.mission.writer import written
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
@@ -253,6 +258,39 @@ def test_numbers_by_hand(path: Path, engine: Engine) -> None:
     assert rated.degraded_modes == pytest.approx(known)
 
 
+def with_equal_rates(of: Mission) -> Mission:
+    """Hardware that is repaired as often as it fails: a difference of exponents that divides is 0."""
+
+    def equal(h: Hardware) -> Hardware:
+        return replace(h, repair_rate=h.failure_rate) if h.faulty and h.repairable else h
+
+    return replace(of, robots=tuple(replace(r, hardware=tuple(map(equal, r.hardware))) for r in of.robots))
+
+
+RATES = st.sampled_from([0.0, 0.2, 0.5, 3.0])
+
+
+@given(
+    RATES, RATES | st.none(), st.sampled_from([0.0, 1e-12, 1e-6, 1e-4]), st.floats(0.0, 4.0), st.booleans()
+)
+def test_what_is_beside_a_section(
+    fails: float, back: float | None, apart: float, hours: float, late: bool
+) -> None:
+    """Sums of exponentials are the exponential of the generator, also of rates that are (nearly) equal."""
+    back = fails * (1 + apart) if back is None else back
+    beside = Beside(fails, back, late)
+    generator = np.array([[-fails, fails], [back, -back]])
+    statuses = [0, 1]
+    if late:
+        generator = np.array([[-fails, fails, 0.0], [0.0, 0.0, 0.0], [back, 0.0, -back]])
+        statuses = [0, 2, 3]  # of two bits: well, lost, known to be
+    after = beside.columns * np.exp(-beside.exponents * hours) @ beside.rows
+    expected = expm(hours * generator)
+    assert after[np.ix_(statuses, statuses)] == pytest.approx(expected, abs=1e-10)
+    possible = beside.possible[np.ix_(statuses, statuses)]
+    assert ((expm(generator) > 0) == (possible > 0)).all()
+
+
 @fewer(0.5)
 @given(
     st.one_of(
@@ -262,11 +300,15 @@ def test_numbers_by_hand(path: Path, engine: Engine) -> None:
         missions(hardware=1, producers=1, sections=5, late=True, crashes=True),
     ),
     st.sampled_from(KNOWING),
+    st.booleans(),
     st.data(),
 )
-def test_numbers_are_those_of_a_dense_solve(of: Mission, engine: Engine, data: st.DataObject) -> None:
+def test_numbers_are_those_of_a_dense_solve(
+    of: Mission, engine: Engine, equal: bool, data: st.DataObject
+) -> None:
     assume(of.late and small(of))
-    mission_net = compose(data.draw(with_numbers(of, demands=data.draw(st.booleans()))))
+    rated = data.draw(with_numbers(of, demands=data.draw(st.booleans())))
+    mission_net = compose(with_equal_rates(rated) if equal else rated)
     dense = Dense(mission_net, direct(mission_net.net))
     event(f"it may be misused: {bool(dense.misused)}, found: {any(dense.finding.values())}")
     assert_same(risk(Asked(mission_net, engine).prospects), dense.numbers())

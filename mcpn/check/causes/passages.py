@@ -4,11 +4,21 @@ Sections that lead to each other are a linear system in the values at their entr
 three ways, whichever is expected to cost least: by block elimination, where equal blocks are computed once
 (:mod:`mcpn.check.causes.elimination`); or reduced to the *heads*, the entries that sections lead back to, one
 sweep through the loop giving the operator on their values, which is solved directly or by iteration.
+
+A resource beside a section is a small chain of its own, while the section takes a random time ``T``. The
+probabilities of its statuses after the time ``T`` are sums of exponentials ``exp(-s T)``, each with a row
+of the values at the end that it looks at and a column of the statuses at the beginning that it counts for.
+For several resources the exponents add up, and rows and columns multiply (Kronecker).
+
+Hardware in service fails, and out of service is repaired: ``s`` is 0 or the sum of both rates. Hardware
+that is detected late has one status more. Beside a section nobody finds out that it is lost, and nobody
+repairs it until it is known: ``known`` leads to ``well`` at the repair rate, ``well`` to ``lost`` at the
+failure rate, and there it stays.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -23,6 +33,92 @@ from mcpn.space.markings.graph import Ints, Mask
 MOST_BYTES = 1 << 30
 """Of the matrices between sections; where they would take more, they are not made."""
 
+CLOSE = 1e-5
+"""Relative difference of two rates below which they are taken to be equal where it would be a divisor."""
+
+STEP = 1e-3
+"""Relative step of the five-point formula for a derivative."""
+
+STENCIL = ((-2, 1 / 12), (-1, -8 / 12), (1, 8 / 12), (2, -1 / 12))
+
+
+@dataclass(frozen=True)
+class Beside:
+    """A resource beside a section; also a handler that happens once, or a fact.
+
+    Args:
+        fails: Failures per hour in service.
+        back: Repairs per hour out of service, of what is known to be.
+        late: Whether it is detected late: its statuses are then those of two bits, out of service and known
+            to be, of which one never is.
+    """
+
+    fails: float
+    back: float
+    late: bool = False
+
+    @property
+    def bits(self) -> int:
+        """Bits of its status."""
+        return 2 if self.late else 1
+
+    @property
+    def exponents(self) -> Floats:
+        """The exponents ``s``."""
+        return np.array([s for s, _, _ in self._terms])
+
+    @property
+    def rows(self) -> Floats:
+        """By exponent, how much the value at each status at the end counts."""
+        return np.array([row for _, row, _ in self._terms])
+
+    @property
+    def columns(self) -> Floats:
+        """By status at the beginning, how much each exponent counts."""
+        return np.array([column for _, _, column in self._terms]).T
+
+    @cached_property
+    def _terms(self) -> list[tuple[float, tuple[float, ...], tuple[float, ...]]]:
+        if self.late:
+            return list(self._late())
+        # The share of time out of service, and the difference that the status makes.
+        out = self.fails / ((self.fails + self.back) or 1.0)
+        return [(0.0, (1.0 - out, out), (1.0, 1.0)), (self.fails + self.back, (1.0, -1.0), (out, out - 1.0))]
+
+    def _late(self) -> Iterator[tuple[float, tuple[float, ...], tuple[float, ...]]]:
+        """Statuses in order: well, what never is, lost, known. In the end it is lost but for the rest."""
+        fails, back = self.fails, self.back
+        yield 0.0, (0.0, 0.0, 1.0, 0.0), (1.0, 0.0, 1.0, 1.0)
+        well, known = (1.0, 0.0, -1.0, 0.0), (0.0, 0.0, -1.0, 1.0)
+        yield fails, well, (1.0, 0.0, 0.0, 0.0)
+        yield back, known, (0.0, 0.0, 0.0, 1.0)
+        # From known to well: back * (exp(-fails T) - exp(-back T)) / (back - fails), or its limit.
+        if not back:
+            return
+        if abs(back - fails) > CLOSE * max(back, fails):
+            share = back / (back - fails)
+            yield fails, well, (0.0, 0.0, 0.0, share)
+            yield back, well, (0.0, 0.0, 0.0, -share)
+            return
+        middle = (fails + back) / 2
+        for steps, weight in STENCIL:
+            yield middle * (1 + steps * STEP), well, (0.0, 0.0, 0.0, -weight * back / (middle * STEP))
+
+    @property
+    def possible(self) -> Floats:
+        """By status at the beginning and at the end, 1 where it is possible after some time."""
+        fails, back = float(self.fails > 0), float(self.back > 0)
+        if not self.late:
+            return np.array([[1.0, fails], [back, 1.0]])
+        return np.array(
+            [
+                [1.0, 0.0, fails, 0.0],
+                [0.0, 0.0, 0.0, 0.0],
+                [0.0, 0.0, 1.0, 0.0],
+                [back, 0.0, back * fails, 1.0],
+            ]
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class WayThrough:
@@ -30,29 +126,35 @@ class WayThrough:
 
     Args:
         chain: The section's.
-        beside: Failures and repairs per hour of other hardware that it or later ones use.
+        beside: Other resources that it or later ones use.
     """
 
     chain: Chain
-    beside: Sequence[tuple[float, float]]
+    beside: tuple[Beside, ...]
 
-    def _each_beside(self, values: Floats, maps: Iterable[Sequence[Sequence[float]]]) -> Floats:
-        """Applies a 2 by 2 matrix for each resource beside the section: their Kronecker product."""
-        found = values
-        for number, matrix in enumerate(maps):
-            found = np.asarray(matrix) @ found.reshape(1 << number, 2, -1)
-        return found.reshape(values.shape)
+    @property
+    def bits(self) -> int:
+        """Bits of the status of all that is beside."""
+        return sum(of.bits for of in self.beside)
+
+    def _each_beside(self, values: Floats, maps: Iterable[Floats]) -> Floats:
+        """Applies a matrix for each resource beside the section, their Kronecker product."""
+        found, before = values, 1
+        for matrix in maps:
+            found = matrix @ found.reshape(before, matrix.shape[1], -1)
+            before *= len(matrix)
+        return found.reshape(before, *values.shape[1:])
 
     @cached_property
     def _kernels(self) -> tuple[Floats, Ints]:
-        """The chain's kernels at the rates at which products of functions of the hardware beside decay.
+        """The chain's kernels at the rates at which products of exponentials of what is beside decay.
 
         Returns:
             The kernels, and by product the number of its kernel.
         """
         found = np.zeros(1)
-        for fails, back in self.beside:
-            found = np.add.outer(found, (0.0, fails + back)).reshape(-1)
+        for of in self.beside:
+            found = np.add.outer(found, of.exponents).reshape(-1)
         decays, numbers = np.unique(found, return_inverse=True)
         return self.chain.kernels(decays), numbers
 
@@ -68,11 +170,8 @@ class WayThrough:
         if not self.beside:
             return self.chain.expected(values[0])
         kernels, numbers = self._kernels
-        # The share of time out of service, and the difference that the status makes.
-        shares = [fails / ((fails + back) or 1.0) for fails, back in self.beside]
-        products = self._each_beside(values, (((1.0 - out, out), (1.0, -1.0)) for out in shares))
-        after = (((1.0, out), (1.0, out - 1.0)) for out in shares)
-        found = self._each_beside(kernels[numbers] @ products, after)
+        products = self._each_beside(values, (of.rows for of in self.beside))
+        found = self._each_beside(kernels[numbers] @ products, (of.columns for of in self.beside))
         return found.reshape(-1, values.shape[-1])
 
     def may_come_to(self, flags: Mask) -> Mask:
@@ -81,13 +180,13 @@ class WayThrough:
             return self.chain.may_come_to(flags[0])
         at_once, later = (pairs.T.astype(np.float64) for pairs in self.chain.possible)
         before = flags.astype(np.float64)
-        after = self._each_beside(before, (((1, fails > 0), (back > 0, 1)) for fails, back in self.beside))
+        after = self._each_beside(before, (of.possible for of in self.beside))
         return np.asarray(before @ at_once + after @ later > 0, np.bool_).reshape(-1)
 
     @property
     def work(self) -> int:
         """Multiplications of :meth:`back` for each place of the free axis."""
-        return self.chain.listed.statuses * self.chain.listed.columns << len(self.beside)
+        return self.chain.listed.statuses * self.chain.listed.columns << self.bits
 
 
 class LoopSection(NamedTuple):

@@ -178,7 +178,9 @@ def _refuse_unknown(prospects: Prospects[Any]) -> None:
 def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
     """The sections of a composite; of any other space the whole mission as one, listed."""
     space, net = prospects.space, prospects.mission_net
-    hardware = tuple(("hardware", name) for name in prospects.hardware)
+    late = {h.name for h in net.mission.late}
+    kinds = ((("hardware", "known") if name in late else ("hardware",), name) for name in prospects.hardware)
+    hardware = tuple((kind, name) for of, name in kinds for kind in of)
     out = [("hardware", h.name) for h in net.mission.hardware if h.initial == "oos"]
     out += [("known", h.name) for h in net.mission.late if h.initial == "oos"]
     demands = _demands(net)
@@ -191,23 +193,20 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
             if any(kind == "hardware" and name in demands for kind, name in elements)
         )
 
-    if not isinstance(space, CompositeSpace) or net.mission.late:
+    if not isinstance(space, CompositeSpace):
         if net.mission.crashes:  # importance asks what it means that they had crashed before the start
             net = crashed_before(net)
-            prospects = Prospects(net, spaces_of(net).unproved(max_states))
-        elif isinstance(space, CompositeSpace):  # beside a section, what is detected late has three states
             prospects = Prospects(net, spaces_of(net).unproved(max_states))
         elif not isinstance(space, ArraySpace):
             prospects = Prospects(net, ArraySpace(written_out(space, "risk", max_states)))
         routes = {"success": SUCCEED, "failure": FAIL, "abort": ABORT}
-        status = (*hardware, *(("known", h.name) for h in net.mission.late))
         whole = ChainSection(
-            ListedChain(prospects, status, (), demanded(status)),
-            status,
+            ListedChain(prospects, hardware, (), demanded(hardware)),
+            hardware,
             tuple(prospects.sections.values()),
             routes,
         )
-        return Sections({"": whole}, "", status, out)
+        return Sections({"": whole}, "", hardware, out)
     known: dict[SectionType, Prospects[ArraySet]] = {}
     listed = cache(ListedChain)
     sections = {}

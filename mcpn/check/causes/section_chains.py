@@ -1,12 +1,13 @@
 """Numbers of risk as a chain of sections over the status of the hardware; the whole mission may be one.
 
-A section depends on its own hardware only; all other hardware fails and is repaired independently, while the
-section takes a random time ``T``. Each other resource is a Markov chain of two states. A function of its
-status is a sum of two eigenfunctions, whose expected values decay as ``exp(-s t)``: the constant (``s = 0``),
-and one with ``s`` = failure rate + repair rate. For a product of eigenfunctions of several resources the
-rates ``s`` add up. So the expected value of such a product at the section's exit is the Laplace transform
-``E[exp(-s T)]`` of the section's own chain (:meth:`mcpn.check.causes.chain.Chain.kernels`). This is exact,
-and the product of the section's states with the status of other hardware is never built.
+A section depends on its own hardware only; all other hardware fails and is repaired independently, while
+the section takes a random time ``T``. Each other resource is a small Markov chain
+(:class:`mcpn.check.causes.passages.Beside`), whose probabilities after ``T`` are sums of ``exp(-s T)``: of
+hardware ``s`` is 0, or failure rate + repair rate. For several resources the exponents add up. So the
+expected value of such a product at the section's exit is the Laplace transform ``E[exp(-s T)]`` of the
+section's own chain (:meth:`mcpn.check.causes.chain.Chain.kernels`). This is exact, and the product of the
+section's states with the status of other hardware is never built. Hardware that is detected late has two
+bits, one after the other: out of service, and known to be.
 
 The sections are worked backward from the mission's ends. The value at an entry is a function of the status of
 the hardware that this section and later ones use; other hardware does not matter any more. A handler that
@@ -27,7 +28,7 @@ import numpy as np
 
 from mcpn.check.causes.chain import Chain, ListedChain, totals
 from mcpn.check.causes.linear_systems import Floats
-from mcpn.check.causes.passages import LoopSection, SectionLoop, WayThrough
+from mcpn.check.causes.passages import Beside, LoopSection, SectionLoop, WayThrough
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import ElementarySection
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
@@ -158,6 +159,7 @@ def _bit(element: Element | None, of: Sequence[Element]) -> int:
 def _counted(elements: Collection[Element]) -> str:
     kinds = Counter(kind for kind, _ in elements)
     found = [f"{kinds['hardware']} hardware resources that may fail"]
+    found += [f"{kinds['known']} of them that are detected late"] if kinds["known"] else []
     found += [f"{kinds['once']} handlers that happen once"] if kinds["once"] else []
     found += [f"{kinds['fact']} truth values of facts"] if kinds["fact"] else []
     return " and ".join(found)
@@ -180,15 +182,14 @@ class Outlook:
         demands: Mapping[Element, float],
         like: Outlook | None = None,
     ) -> None:
-        self.model = model
+        self.model, self._rates = model, rates
         self._chains: dict[Any, Chain] = dict(like._chains) if like else {}
         self._passages: dict[str, WayThrough] = {}
         passage = cache(WayThrough)
         for name, section in model.sections.items():
             own = tuple(rates.get(of, (0.0, 0.0)) for of in section.carried)
             others = model.used[name][: len(model.used[name]) - len(own)]
-            known = ((of, *rates.get(of, (0.0, 0.0))) for of in others)
-            beside = tuple((0.0 if of in model.idle else fails, back) for of, fails, back in known)
+            beside = tuple(self._beside(of, others) for of in others if of[0] != "known")
             ending = tuple(
                 (1.0 / o.duration if o.duration else 0.0, o.failure_probability) for o in section.objectives
             )
@@ -197,6 +198,11 @@ class Outlook:
             if key not in self._chains:
                 self._chains[key] = Chain(*key)
             self._passages[name] = passage(self._chains[key], beside)
+
+    def _beside(self, of: Element, others: Collection[Element]) -> Beside:
+        """What a resource does beside a section."""
+        fails, back = self._rates.get(of, (0.0, 0.0))
+        return Beside(0.0 if of in self.model.idle else fails, back, ("known", of[1]) in others)
 
     def passage(self, name: str) -> WayThrough:
         """The way through a section: one for all that are alike under the rates."""
@@ -225,7 +231,7 @@ class Outlook:
 
     def _by_entry(self, said: Callable[[Chain], Floats | Mask]) -> Floats:
         """Values of chains, which are by status of a section's own hardware, by entry; 0 at the ends."""
-        parts = [np.tile(said(p.chain), 1 << len(p.beside)) for p in self._passages.values()]
+        parts = [np.tile(said(p.chain), 1 << p.bits) for p in self._passages.values()]
         return np.concatenate([np.zeros(len(ENDS)), *parts])
 
     def _reaching(self, goal: Mask) -> Mask:
