@@ -204,7 +204,7 @@ def wanted_of_qt(
         active = [at, *(f"{i}.{'out' if h in gone else 'ready'}" for h, i in regions.items())]
         active += [f"{i}.{'happened' if h in runtime.happened else 'open'}" for h, i in once.items()]
         true = {said for name, value in runtime.facts.items() for said in tables.facts[name][value]}
-        true |= {tables.unnoticed[name] for name in runtime.unnoticed}
+        true |= {known for h, known in tables.late.items() if h in runtime.out_of_service - runtime.unnoticed}
         active += [f"{i}.{'on' if name in true else 'off'}" for name, i in facts.items()]
         actions = next(lines).split("|")[0].partition(":")[2].strip()
         found.append(f"{actions} | {' '.join(sorted(active))}")

@@ -28,7 +28,7 @@ from mcpn.check.verdicts.modes import Situation
 from mcpn.controller.actions import PlannedAction
 from mcpn.controller.machine import Machine, controller, event_at
 from mcpn.controller.sizes import refuse_entries
-from mcpn.mission.expansion.faults import unnoticed
+from mcpn.mission.expansion.faults import noticed
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Fact
 from mcpn.mission.world.conditions import all_flags, flags
@@ -347,8 +347,8 @@ class _Flags:
     def __init__(self, machine: Machine, facts: Mapping[str, Fact], late: Collection[str]) -> None:
         self._states = machine.states
         self._flags = {name: flags(fact) for name, fact in facts.items()}
-        self._any = bool(facts or late)
-        every = [flag for fact in facts.values() for flag in all_flags(fact)] + [unnoticed(h) for h in late]
+        self._late, self._any = frozenset(late), bool(facts or late)
+        every = [flag for fact in facts.values() for flag in all_flags(fact)] + [noticed(h) for h in late]
         before = {flag for number in machine.waiting for flag in self.of(number)} if every else set[str]()
         self.at_entries = tuple(flag for flag in every if flag in before)
         self.names = (*self.at_entries, *(flag for flag in every if flag not in before))
@@ -359,7 +359,8 @@ class _Flags:
             return frozenset()
         state, known = self._states[number], self._flags
         said = {flag for name, value in state.facts.items() if name in known for flag in known[name][value]}
-        return frozenset(said.union(map(unnoticed, state.unnoticed)))
+        known_out = self._late.intersection(state.out_of_service).difference(state.unnoticed)
+        return frozenset(said.union(map(noticed, known_out)))
 
     def changes(self, before: int, after: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """The flags that become true from one state to another, and those that become false."""

@@ -18,7 +18,6 @@ from mcpn.controller.reduce import Cube, levels_of, reduced
 from mcpn.controller.run import Left, Runner
 from mcpn.controller.sizes import each_step, standing
 from mcpn.errors import LimitError
-from mcpn.mission.expansion.faults import refuse_late
 from mcpn.net.events import Event
 from mcpn.net.sections import Element
 from mcpn.space.diagrams.encoding import Encoding
@@ -37,9 +36,8 @@ def modular_controller(composite: CompositeSpace) -> ModularController:
         composite: The mission's composite.
 
     Raises:
-        LimitError: A section has no big steps, or hardware is detected late.
+        LimitError: A section has no big steps.
     """
-    refuse_late(composite.mission_net.mission.late, "modular controllers do")
     types = {type_: _Maker(type_, name).rules() for type_, name in standing(composite).items()}
     return ModularController(
         composite.mission_net.mission.name,
@@ -181,6 +179,7 @@ class _Maker:
         reverse = dict[str, bool]()
         saying = {("hardware", name): place for place, name in self.net.saying("oos").items()}
         saying |= {("once", name): place for place, name in self.net.saying("happened").items()}
+        saying |= {("known", name): place for place, name in self.net.saying("known").items()}
         for flag in part.flags:
             saying["fact", flag], reverse[flag] = self.net.true_of_fact(flag)
         carried = [literal(saying[of]) ^ reverse.get(of[1], False) for of in part.carried]
@@ -206,7 +205,7 @@ class _Maker:
         return Rules(
             part.faulty,
             part.once,
-            part.flags,
+            part.entry_flags,
             events,
             len(number),
             bits_of(sum(1 << level for level in self.encoding.marked_levels(self.net.net.initial))),

@@ -14,7 +14,7 @@ from functools import cached_property
 from typing import TypeAlias
 
 from mcpn.errors import InputError
-from mcpn.mission.expansion.faults import Crash, unnoticed
+from mcpn.mission.expansion.faults import Crash, noticed
 from mcpn.mission.flatten import ElementarySection, Interruption, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.graph import TIMED_OUT
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
@@ -186,7 +186,7 @@ class LocalPart:
     @property
     def entry_flags(self) -> tuple[str, ...]:
         """What may be true at its entry of facts, and of hardware that is detected late."""
-        return (*self.flags, *map(unnoticed, self.used.late))
+        return (*self.flags, *map(noticed, self.used.late))
 
     @cached_property
     def carried(self) -> tuple[Element, ...]:

@@ -96,7 +96,7 @@ class Controller:
         self._section: TableSection | None = None
         self._state = 0
         self._out_of_service: set[str] = {*tables.out_of_service}
-        self._happened: set[str] = set()
+        self._happened: set[str] = {*tables.true_at_first}
 
     @classmethod
     def load(cls, path: str | Path, *, monitors: Monitors | None = None, **options: Any) -> Controller:
@@ -154,7 +154,10 @@ class Controller:
     def unnoticed(self) -> frozenset[str]:
         """Hardware out of service of which the robot does not know it: detected late, and not yet."""
         with self._lock:
-            return frozenset(name for name, flag in self._tables.unnoticed.items() if flag in self._happened)
+            late = self._tables.late.items()
+            return frozenset(
+                h for h, known in late if h in self._out_of_service and known not in self._happened
+            )
 
     @property
     def happened(self) -> frozenset[str]:

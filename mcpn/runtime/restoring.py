@@ -94,7 +94,7 @@ def read_snapshot(text: str, tables: Tables) -> Saved:
         and (section is not None or state == 0)
         and gone <= set(tables.hardware)
         and happened <= tables.once
-        and all(name in gone for name, flag in tables.unnoticed.items() if flag in happened)
+        and all(name in gone for name, flag in tables.late.items() if flag in happened)
         and all(tables.value(fact, happened) is not None for fact in tables.facts)
         and type(count) is int
         and count >= 0

@@ -255,10 +255,10 @@ class Tables:
         # By fact and value, the flags that are then true; by event, the flags that it makes true and false.
         self.facts: dict[str, dict[str, list[str]]] = document.get("facts", {})
         self.changing: dict[str, dict[str, list[str]]] = document.get("changing", {})
-        # By hardware that is detected late, the flag that says that its loss is not known yet.
-        self.unnoticed: dict[str, str] = document.get("late", {})
+        # By hardware that is detected late, the flag that says that its loss is known.
+        self.late: dict[str, str] = document.get("late", {})
         self.true = {said for values in self.facts.values() for true in values.values() for said in true}
-        self.true |= {*self.unnoticed.values()}
+        self.true |= {*self.late.values()}
         self.once = {handler for section in sections for handler in section.once} | self.true
         self.initial = self.sections[document["initial"]]
         # Failure and repair of all hardware that can fail, by event: they may happen outside sections, too.
@@ -266,6 +266,7 @@ class Tables:
         lasting = set(document.get("unrepairable", ()))
         self.repairs = {f"{name}_EV_RD": name for name in self.hardware if name not in lasting}
         self.out_of_service = frozenset(document.get("out_of_service", ()))
+        self.true_at_first = frozenset(self.late[name] for name in self.out_of_service if name in self.late)
         # What fails only where a section has an edge or a rule for it.
         self.crashing = frozenset(document.get("crashing", ()))
         beside = (*self.changing, *self.failures, *self.repairs)
@@ -298,7 +299,7 @@ class Tables:
             return name not in gone and name not in self.crashing
         if event in self.repairs:
             name = self.repairs[event]
-            return name in gone and self.unnoticed.get(name) not in true
+            return name in gone and (name not in self.late or self.late[name] in true)
         return self.changes(event, true)
 
     def out_after(self, event: str, gone: set[str]) -> set[str]:
@@ -324,8 +325,8 @@ class Tables:
 
     def changed(self, event: str, true: Set[str]) -> set[str]:
         """The flags that are true after an event that the section does not handle itself."""
-        changes, lost = self.changing.get(event, _NOTHING), self.unnoticed.get(self.failures.get(event, ""))
-        return {*true, *changes["true"], *([lost] if lost else [])}.difference(changes["false"])
+        changes, known = self.changing.get(event, _NOTHING), self.late.get(self.repairs.get(event, ""))
+        return {*true, *changes["true"]}.difference(changes["false"], [known])
 
 
 START = "MISSION_EV_START"

@@ -56,8 +56,7 @@ NEVER = 1 - 1e-7
 
 
 def world(mission_net: MissionNet, duration: float | None = None) -> World:
-    made = generate(mission_net, "flat" if mission_net.mission.late else "hierarchical")
-    return World(mission_net, Tables(document(made, mission_net)), duration)
+    return World(mission_net, Tables(document(generate(mission_net), mission_net)), duration)
 
 
 @fewer(0.2)

@@ -45,7 +45,7 @@ from tests.commands import mcpn
 from tests.draws import fewer
 
 KNOWING: tuple[Engine, ...] = ("explicit", "symbolic", "local")
-FORMS: tuple[Form, ...] = ("flat", "hierarchical")
+FORMS: tuple[Form, ...] = ("flat", "hierarchical", "modular")
 
 PHOTO = """<mission name="photo" xmlns="urn:mcpn:mission:1">
   <robot name="drone">
@@ -182,7 +182,7 @@ def test_it_is_written_as_it_was_read(path: Path, tmp_path: Path) -> None:
 def test_a_controller_by_hand(path: Path, form: Form) -> None:
     mission_net = compose(photo(path, "", 1))
     said = document(generate(mission_net, form), mission_net)
-    assert said["late"] == {"camera": "camera unnoticed"}
+    assert said["late"] == {"camera": "camera known"}
     runtime = Runtime.from_document(said)
     runtime.handle("camera_EV_OOS")  # before the mission
     assert runtime.out_of_service == runtime.unnoticed == {"camera"}
@@ -223,12 +223,6 @@ def test_one_event_tells_no_loss_and_its_detection(path: Path, form: Form) -> No
     assert runtime.unnoticed == frozenset()
     runtime.handle("OBJ_test_EV_OK")
     assert runtime.mode == {"look": "by_ear"}
-
-
-def test_modular_controllers_say_that_they_do_not_know_it(path: Path) -> None:
-    net = compose(photo(path))
-    with pytest.raises(LimitError, match=r"photo.xml:3: camera is detected late, which modular controllers"):
-        generate(net, "modular")
 
 
 @pytest.mark.parametrize("engine", KNOWING)
@@ -314,12 +308,8 @@ def test_numbers_are_those_of_a_dense_solve(
     assert_same(risk(Asked(mission_net, engine).prospects), dense.numbers())
 
 
-def test_the_command_line_tells_what_refuses_it(path: Path, tmp_path: Path) -> None:
+def test_the_commands_know_it(path: Path, tmp_path: Path) -> None:
     photo(path, TEST)
-    done = mcpn("controller", str(path), "--form", "modular", "-o", str(tmp_path / "out"))
-    assert done.returncode == 2
-    assert "camera is detected late" in done.stderr
-    assert not (tmp_path / "out").exists()
     for form in FORMS:
         assert mcpn("controller", str(path), "--form", form, "-o", str(tmp_path / form)).returncode == 0
     for command in (["check"], ["causes"], ["report", "-o", str(tmp_path / "page.html")]):

@@ -56,7 +56,8 @@ def expected(controller: TableController, traced: Traced, events: list[str]) -> 
         regions |= {f"{i}.{'happened' if name in happened else 'open'}" for name, i in once.items()}
         values = traced.controller.facts.items()
         true = {said for name, value in values for said in traced.tables.facts[name][value]}
-        true |= {traced.tables.unnoticed[name] for name in traced.controller.unnoticed}
+        known_out = gone - traced.controller.unnoticed
+        true |= {known for name, known in traced.tables.late.items() if name in known_out}
         regions |= {f"{i}.{'on' if name in true else 'off'}" for name, i in facts.items()}
         found.append((said.split("; ") if said else [], {inside, *regions}))
     return found

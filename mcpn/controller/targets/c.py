@@ -249,10 +249,10 @@ def _of_sections(n: MachineNumbers | RuleNumbers) -> list[Array]:
                 "changing_once", [i for row in changes for i in row], "2 i: is true then; 2 i + 1: is no more"
             ),
         ]
-    if n.unnoticed:
-        flags = [n.unnoticed.get(i, len(n.once)) for i in range(len(n.faulty))]
-        meaning = f"what says that its loss is not known yet, or {len(n.once)} where it is known at once"
-        arrays.append(Array("hardware_unnoticed", flags, meaning))
+    if n.known:
+        flags = [n.known.get(i, len(n.once)) for i in range(len(n.faulty))]
+        meaning = f"what says that its loss is known, or {len(n.once)} where it is known at once"
+        arrays.append(Array("hardware_known", flags, meaning))
     if n.timers:
         times = [round(1000 * n.timeouts.get(name, 0.0)) for name in n.objectives]
         arrays.append(Array("objective_milliseconds", times, "how long an objective may run; 0: any time"))

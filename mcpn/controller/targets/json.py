@@ -43,8 +43,8 @@ One object with these keys:
 - where some hardware is out of service at the start, ``out_of_service``, its names; where some is never
   repaired, ``unrepairable``; where activities or alternatives may crash, ``crashing``, those of ``hardware``
   that stand for them: ``X_EV_OOS`` of these can be taken only by an edge or a rule;
-- where some hardware is detected late, ``late``: by its name the text that is true from its loss until the
-  robot knows of it. It is one of the ``facts`` of types, though of no fact;
+- where some hardware is detected late, ``late``: by its name the text that is true while it is out of service
+  and the robot knows it. It is one of the ``facts`` of types, though of no fact;
 - ``objectives`` and ``activities`` carry the parameters for the control laws, untouched; an objective that
   ends when its time is over has ``timeout``, in seconds;
 - ``requirements``, where the mission has some: what it must satisfy, each with ``name``, ``formula``,
@@ -54,19 +54,19 @@ One object with these keys:
 
 How it is run. Keep the set of hardware out of service, at first that of ``out_of_service``: ``X_EV_OOS`` adds
 ``X``, ``X_EV_RD``, of what is not ``unrepairable``, takes it away, before the start, in every section and
-after the end alike. ``X_EV_OOS`` of what is detected ``late`` makes its text true, and while that is true no
-``X_EV_RD`` can be taken. ``MISSION_EV_START`` enters the initial section. A section is entered by the entry
-of the hardware out of service. An edge whose ``to`` is an outcome leaves the section: its actions are given
-first, then the next section is entered with the actions of its entry. An event that a state has no edge for,
-hardware of other sections aside, cannot be taken there. Keep the set of the handlers that have happened, too:
-an edge can be taken where its ``open`` have not happened and its ``happened`` have, and then adds its
-``open`` to the set; at most one edge of a state and an event can. In the modular form a section is entered in
-the state ``idle``, changed by ``status`` as hardware and handlers are, by an entry that fits; an event takes
-a rule of it that fits, and what the state then says of ``once`` has happened. Keep what is true of facts:
-nothing at first; an entry or edge adds its ``gained`` and takes its ``lost`` away, after a rule the state
-says it; an event of ``changing`` that the section has not may be taken at any time where it changes
-something. An action ``arm`` starts the timer of an objective, ``disarm`` ends it; when it has run for the
-objective's ``timeout``, give the event ``OBJ_x_EV_TIMEOUT``.
+after the end alike. Of what is detected ``late`` ``X_EV_RD`` can be taken only while its text is true, and
+ends that. ``MISSION_EV_START`` enters the initial section. A section is entered by the entry of the hardware
+out of service. An edge whose ``to`` is an outcome leaves the section: its actions are given first, then the
+next section is entered with the actions of its entry. An event that a state has no edge for, hardware of
+other sections aside, cannot be taken there. Keep the set of the handlers that have happened, too: an edge can
+be taken where its ``open`` have not happened and its ``happened`` have, and then adds its ``open`` to the
+set; at most one edge of a state and an event can. In the modular form a section is entered in the state
+``idle``, changed by ``status`` as hardware and handlers are, by an entry that fits; an event takes a rule of
+it that fits, and what the state then says of ``once`` has happened. Keep what is true of facts: at first the
+texts of what is ``late`` and ``out_of_service``; an entry or edge adds its ``gained`` and takes its ``lost``
+away, after a rule the state says it; an event of ``changing`` that the section has not may be taken at any
+time where it changes something. An action ``arm`` starts the timer of an objective, ``disarm`` ends it; when
+it has run for the objective's ``timeout``, give the event ``OBJ_x_EV_TIMEOUT``.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ from mcpn.check.verdicts.modes import Situation
 from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import SectionMachine
 from mcpn.controller.modular import AnyController, ModularController, Rules
-from mcpn.mission.expansion.faults import unnoticed
+from mcpn.mission.expansion.faults import noticed
 from mcpn.mission.flatten import requirements_of
 from mcpn.mission.robot import Parameter
 from mcpn.mission.world.conditions import all_flags, flags
@@ -153,7 +153,7 @@ def _hardware(mission_net: MissionNet) -> dict[str, Any]:
         "out_of_service": [h.name for h in hardware if h.initial == "oos"],
         "unrepairable": [h.name for h in hardware if not h.repairable],
         "crashing": [crash.name for crash in mission_net.mission.crashes],
-        "late": {h.name: unnoticed(h.name) for h in mission_net.mission.late},
+        "late": {h.name: noticed(h.name) for h in mission_net.mission.late},
     }
     return {key: said for key, said in found.items() if said}
 

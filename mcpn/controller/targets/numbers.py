@@ -18,7 +18,7 @@ from typing import Generic, TypeVar
 from mcpn.controller.actions import PlannedAction, Verb
 from mcpn.controller.hierarchy import KINDS, PlacedMachine, SectionMachine
 from mcpn.controller.modular import AnyController, Rules
-from mcpn.mission.expansion.faults import unnoticed
+from mcpn.mission.expansion.faults import noticed
 from mcpn.mission.graph import ElementarySection, ObjectivesGraph
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Parameter
@@ -90,11 +90,13 @@ class Numbers(Generic[Type]):
         self.handlers = sorted({section.names["once"].get(h, h) for section, h in self._handlers()})
         world = self.mission_net.usage.world
         self.flags = sorted(flag for fact in world.facts.values() for flag in all_flags(fact))
-        self.flags += [unnoticed(h.name) for h in mission.late]
+        self.flags += [noticed(h.name) for h in mission.late]
         """What may be true of facts, where it was not at the start, and of hardware detected late."""
         self.once = [*self.handlers, *self.flags]
-        self.unnoticed = {self.faulty.index(h.name): self.once.index(unnoticed(h.name)) for h in mission.late}
-        """Of what can fail and is detected late, the number of its flag."""
+        self.known = {self.faulty.index(h.name): self.once.index(noticed(h.name)) for h in mission.late}
+        """Of what can fail and is detected late, the number of what says that its loss is known."""
+        self.known_out = [self.known[number] for number in self.out if number in self.known]
+        """Those of them that are true at the start."""
         """Handlers that happen once, and what may be true of facts."""
         self.sections = [section.name for section in controller.sections]
         texts = {str(e) for section in controller.sections for e in section.events} | {str(START)}

@@ -11,8 +11,8 @@ condition, and the region goes on with the same event in the same state of the s
 
 What may be true of a fact has a region, *off* and *on*: it changes with the event of a move that changes it,
 in the same state of the section, or with the entry that does; with an event that changes facts whatever runs,
-unless a section runs that has this event itself. So has hardware that is detected late: *on* from its loss
-until the robot knows of it, and while it is *on* its hardware is not repaired.
+unless a section runs that has this event itself. So has hardware that is detected late: *on* while it is out
+of service and the robot knows it; it is repaired only then.
 
 An objective with a timeout has a region, *off* and *on*: what arms and disarms its timer raises an event, and
 *on* sends the event that its time is over after a delay, and cancels that when it is left.
@@ -33,7 +33,7 @@ from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import Entry, Move, PlacedMachine, TableController
 from mcpn.controller.targets.json import laws
 from mcpn.controller.targets.names import comment, identifiers
-from mcpn.mission.expansion.faults import unnoticed
+from mcpn.mission.expansion.faults import noticed
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.world.conditions import all_flags, flags
 from mcpn.net.compose import MissionNet
@@ -78,7 +78,7 @@ class Regions:
         once = (s.names["once"].get(h, h) for s in controller.sections for h in controller.types[s.type].once)
         self.once = identifiers(dict.fromkeys(once), prefix="once_")
         every = [flag for fact in mission_net.usage.world.facts.values() for flag in all_flags(fact)]
-        self.late = {unnoticed(h.name): h.name for h in mission_net.mission.late}
+        self.late = {noticed(h.name): h.name for h in mission_net.mission.late}
         self.facts = identifiers([*sorted(every), *self.late], prefix="fact_")
         timed = [s.name for s in mission_net.graph.walk() if s.timeout is not None]
         self.timers = identifiers(timed, prefix="timer_")
@@ -145,7 +145,7 @@ class _Document(Regions):
                 elif state == "ready" or name not in self.lasting:
                     event, guarded = event_name(Event(what, name)), dict[str, str]()
                     if state == "out" and name in self.late.values():
-                        guarded["cond"] = f"In('{self.facts[unnoticed(name)]}.off')"
+                        guarded["cond"] = f"In('{self.facts[noticed(name)]}.on')"
                     _add(status, "transition", event=event, **guarded, target=f"{identifier}.{other}")
         for name, identifier in self.once.items():
             region = _add(whole, "state", id=identifier, initial=f"{identifier}.open")
@@ -165,14 +165,15 @@ class _Document(Regions):
 
     def fact(self, whole: etree._Element, name: str, identifier: str) -> None:
         """The region of what may be true of a fact, or of hardware that is detected late."""
-        region = _add(whole, "state", id=identifier, initial=f"{identifier}.off")
+        first = "on" if self.late.get(name) in self.out else "off"
+        region = _add(whole, "state", id=identifier, initial=f"{identifier}.{first}")
         region.append(_comment(name))
         for state, other in (("off", "on"), ("on", "off")):
             status = _add(region, "state", id=f"{identifier}.{state}")
-            if name in self.late and state == "off":
-                lost, ready = Event(What.OUT_OF_SERVICE, self.late[name]), self.hardware[self.late[name]]
-                said = {"event": event_name(lost), "cond": f"In('{ready}.ready')"}
-                _add(status, "transition", **said, target=f"{identifier}.{other}")
+            if name in self.late and state == "on":
+                if self.late[name] not in self.lasting:
+                    repaired = event_name(Event(What.REPAIRED, self.late[name]))
+                    _add(status, "transition", event=repaired, target=f"{identifier}.{other}")
                 continue
             for said in self.turning.get((name, other), ()):
                 _add(status, "transition", **said, target=f"{identifier}.{other}")

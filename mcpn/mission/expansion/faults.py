@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from mcpn.errors import LimitError, Problem
+from mcpn.errors import Problem
 from mcpn.mission.near import Hints
 from mcpn.mission.robot import Activity, Alternative, Fault, Hardware, Robot
 
@@ -136,28 +136,12 @@ def failure_errors(robots: Sequence[Robot], hints: Hints) -> Iterator[Problem]:
                 yield Problem(fault.source, message + hints.known(name, hardware))
 
 
-def refuse_late(late: Iterable[Hardware], who: str, instead: str = "") -> None:
-    """Refuses hardware that is detected late, where an analysis cannot handle it.
-
-    Args:
-        late: Hardware that is detected late.
-        who: The analysis, with its verb: "controllers do".
-        instead: What may be used instead, after a comma or a colon.
-
-    Raises:
-        LimitError: There is such hardware.
-    """
-    for h in late:
-        message = f"{h.name} is detected late, which {who} not know yet{instead}"
-        raise LimitError(f"{h.source}: {message}" if h.source else message)
-
-
-def unnoticed(hardware: str) -> str:
-    """What may be true of hardware that is detected late: it is out of service, and the robot does not know.
+def noticed(hardware: str) -> str:
+    """What may be true of hardware that is detected late: it is out of service, and the robot knows it.
 
     Controllers carry it from section to section beside the flags of facts, whose names have no space.
     """
-    return f"{hardware} unnoticed"
+    return f"{hardware} known"
 
 
 def detection_errors(

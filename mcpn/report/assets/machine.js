@@ -96,11 +96,12 @@
   };
   const first = { phase: "before", section: null, at: 0, out: new Set(machine.out_of_service || []), happened: new Set() };
   const lasting = new Set(machine.unrepairable || []), crashing = new Set(machine.crashing || []);
-  // By hardware that is detected late, what is true from its loss until that is known.
-  const unnoticed = new Map(Object.entries(machine.late || {}));
+  // By hardware that is detected late, what is true while it is out of service and that is known.
+  const late = new Map(Object.entries(machine.late || {}));
+  for (const [name, known] of late) if (first.out.has(name)) first.happened.add(known);
   /** Whether hardware that the section does not use may fail, or be repaired where it is out of service. */
   const changes = (state, name) => state.out.has(name)
-    ? !lasting.has(name) && !state.happened.has(unnoticed.get(name)) : !crashing.has(name);
+    ? !lasting.has(name) && (!late.has(name) || state.happened.has(late.get(name))) : !crashing.has(name);
   const truth = (state) => numbers(onceOf(state.section), state.happened);
   /** What has happened, and is true of facts, after a step of a section. */
   function happened(state, section, step) {
@@ -156,8 +157,9 @@
     }
     if (hardware) {
       if (state.out.has(hardware) === fails || !changes(state, hardware)) return null;
-      const lost = fails && unnoticed.get(hardware);
-      return [lost ? { ...next, happened: new Set([...next.happened, lost]) } : next, []];
+      const now = new Set(next.happened);
+      if (!fails) now.delete(late.get(hardware));
+      return [{ ...next, happened: now }, []];
     }
     if (event in changing) {
       const now = changed(state, event);

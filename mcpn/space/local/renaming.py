@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mcpn.mission.expansion.faults import unnoticed
+from mcpn.mission.expansion.faults import noticed
 from mcpn.mission.flatten import ElementarySection, Section
 from mcpn.mission.graph import names_in
 from mcpn.net.sections import Element, LocalPart
@@ -37,7 +37,7 @@ class Renaming:
         self.once = dict(zip(old.once, new.once, strict=True))
         self.facts = dict(zip(old.flags, new.flags, strict=True))
         late = zip(old.used.late, new.used.late, strict=True)
-        self.facts |= {unnoticed(theirs): unnoticed(mine) for theirs, mine in late}
+        self.facts |= {noticed(theirs): noticed(mine) for theirs, mine in late}
         sections = zip(old.graph.sections, new.graph.sections, strict=True)
         self.objectives = {
             its: own for pair in sections for its, own in zip(*map(names_in, pair), strict=True)
