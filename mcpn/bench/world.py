@@ -17,7 +17,8 @@ from itertools import accumulate
 
 from mcpn.bench.demands import Demands
 from mcpn.bench.places import ControllerPlace, Places
-from mcpn.mission.flatten import ElementarySection
+from mcpn.mission.expansion.routes import Interrupted
+from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
 from mcpn.runtime.tables import Action, Inside, Tables, TableSection
@@ -74,9 +75,16 @@ class World:
             self._rates[Event(What.DECLARED, declared.name)] = declared.rate or 0.0
         self._stopping: dict[str, set[Event]] = {name: set() for name in self._objectives}
         for section in mission_net.graph.all_sections():
-            events = {Event(What.DECLARED, handler.event) for handler in section.interruptions}
-            for inner in section.walk():
-                self._stopping[inner.name] |= events
+            parts: list[tuple[Interrupted, ObjectivesGraph]]
+            if isinstance(section, ParallelSection):
+                parts = [(section, branch.graph) for branch in section.branches]
+                parts += [(shelter, shelter.graph) for shelter in section.shelters]
+            else:
+                parts = [(section, ObjectivesGraph((section,), section.name))]
+            for of, inside in parts:
+                events = {Event(What.DECLARED, handler.event) for handler in of.interruptions}
+                for inner in inside.walk():
+                    self._stopping[inner.name] |= events
         self._first = {a.name: a.alternatives[0].name for a in mission.activities}
         self._parsed: dict[str, Event] = {}
         self._nodes: dict[ControllerPlace, BenchNode] = {}

@@ -12,6 +12,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Generic, NamedTuple, TypeAlias
 
 from mcpn.errors import LimitError
+from mcpn.mission.expansion.routes import GO_ON
 from mcpn.mission.flatten import Branch, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.graph import TIMED_OUT
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
@@ -22,7 +23,10 @@ from mcpn.space.algebra import S, Space
 
 
 class _Level(NamedTuple):
-    """An objectives graph, and the block and branch that it belongs to; ``None`` for the mission's own."""
+    """An objectives graph, and the block and branch that it belongs to; ``None`` for the mission's own.
+
+    What runs while a block pauses belongs to no branch of it.
+    """
 
     graph: ObjectivesGraph
     block: ParallelSection | None = None
@@ -52,15 +56,15 @@ def _entered_again(graph: ObjectivesGraph, around: tuple[ParallelSection, ...]) 
     for block in graph.sections:
         if not isinstance(block, ParallelSection):
             continue
-        early = {outcome for outcome, _ in block.deciding}
+        early = {outcome for outcome, _ in (*block.deciding, *block.away)}
         routes = {route for outcome in early for route in block.led(outcome)}
         for outer, further in zip((block, *around), (*around, None), strict=True):
             if outer.name in routes:
                 yield outer
             left = further is not None and not routes.isdisjoint((SUCCEED, FAIL, ABORT))
             routes = set() if further is None or not left else _targets(further)
-        for branch in block.branches:
-            yield from _entered_again(branch.graph, (block, *around))
+        for inner in block.graphs:
+            yield from _entered_again(inner, (block, *around))
 
 
 def _targets(block: ParallelSection) -> set[str]:
@@ -76,6 +80,8 @@ def _levels(graph: ObjectivesGraph, around: _Around = ()) -> Iterator[tuple[Sect
         if isinstance(section, ParallelSection):
             for branch in section.branches:
                 yield from _levels(branch.graph, (_Level(branch.graph, section, branch), *levels))
+            for shelter in section.shelters:
+                yield from _levels(shelter.graph, (_Level(shelter.graph, section), *levels))
 
 
 def _moves(levels: _Around, routes: Iterable[str]) -> Iterator[_Move]:
@@ -85,6 +91,11 @@ def _moves(levels: _Around, routes: Iterable[str]) -> Iterator[_Move]:
     for route in dict.fromkeys(routes):
         if route in inside:
             yield len(levels), route
+        elif block is not None and branch is None:
+            if route == GO_ON:
+                yield len(outer), GO_ON
+            else:
+                yield from _moves(tuple(outer), block.led(route))
         elif block is not None and branch is not None:
             ended = _ended(block, branch, route)
             yield from _moves(tuple(outer), (to for outcome in ended for to in block.led(outcome)))
@@ -104,6 +115,8 @@ def _stays_at_entry(levels: _Around, moves: Collection[_Move], block: ParallelSe
     inside = levels[
         : next(i for i, level in enumerate(levels) if level.block and level.block.name == block.name) + 1
     ]
+    if any(name == GO_ON for _, name in moves):
+        return True
     for number, level in enumerate(inside):
         begins = (len(levels) - number, level.graph.entry) in moves
         above = zip(inside[number:], inside[number + 1 :], strict=False)
@@ -205,8 +218,10 @@ class Reentry(Generic[S]):
                 names = {o.name for o in origins if o is not None and o.kind in ("objective", "parallel")}
                 left = list[tuple[_Around, set[_Move]]]()
                 for section, around in (levels[name] for name in names if name in levels):
-                    handled = (i for i in section.interruptions if i.event == event.element)
-                    left.append((around, set(_moves(around, (to for i in handled for to in i.routes)))))
+                    handled = (i for i in section.every_interruption if i.event == event.element)
+                    away = dict(section.away) if isinstance(section, ParallelSection) else {}
+                    routes = (away.get(to, to) for i in handled for to in i.routes)
+                    left.append((around, set(_moves(around, routes))))
                 yield t, left
 
 

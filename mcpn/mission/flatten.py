@@ -17,16 +17,17 @@ from dataclasses import replace
 
 from mcpn.errors import InputError, LimitError
 from mcpn.mission.expansion.leads import Lead, Leads, by_facts
-from mcpn.mission.expansion.pauses import suffix_at
+from mcpn.mission.expansion.pauses import PAUSE, sheltered, suffix_at
 from mcpn.mission.expansion.recovery import entered, following, helping
+from mcpn.mission.expansion.routes import GO_ON, Interruption
 from mcpn.mission.expansion.scope import MAX_NESTING, MAX_OBJECTIVES, Scope, copies, several
 from mcpn.mission.graph import (
     Branch,
     ElementarySection,
-    Interruption,
     ObjectivesGraph,
     ParallelSection,
     Section,
+    Shelter,
 )
 from mcpn.mission.model import (
     ABORT,
@@ -220,23 +221,31 @@ class _Flattening:
         failure: Lead,
         sections: list[Section],
     ) -> None:
-        """Adds copies of siblings, one for each section (from number ``before`` on) of a block that pauses.
+        """Makes copies of siblings, one for each section (from number ``before`` on) of a block that pauses.
 
-        Each copy leads back to its section; handlers whose targets are placeholders (keys of ``runs``) are
-        replaced by handlers that lead to the copies.
+        The copy for an objective is added, and leads back to it; that for a parallel block is put into it
+        (:func:`mcpn.mission.expansion.pauses.sheltered`). Handlers whose targets are placeholders (keys of
+        ``runs``) are replaced by handlers that lead to the copies.
         """
-        scope, _ = around
+        scope, routes = around
         for number in range(before, len(sections)):
             section, entries = sections[number], dict[str, str]()
-            marks = (i.target for i in section.interruptions if i.target in runs)
+            marks = (i.target for i in section.every_interruption if i.target in runs)
             for by in {id(runs[mark]): runs[mark] for mark in marks}.values():
                 here = scope.copy(by, suffix_at(section.name, scope))
                 if here.name(by) in self.copied:
                     message = f"two copies of {by.name} would be called {here.name(by)}"
                     raise InputError.at(by.source, f"{message}: rename one of the blocks that pause")
                 self.copied.add(here.name(by))
-                self.helper(by, here, around, (Lead(section.name), failure), sections)
-                entries |= {mark: self.entry(by, here) for mark, of in runs.items() if of is by}
+                own = {mark for mark, of in runs.items() if of is by}
+                if isinstance(section, ElementarySection):
+                    self.helper(by, here, around, (Lead(section.name), failure), sections)
+                    entries |= dict.fromkeys(own, self.entry(by, here))
+                    continue
+                copy, alone = list[Section](), (replace(scope, handlers=()), routes)
+                self.helper(by, replace(here, handlers=()), alone, (Lead(GO_ON), failure), copy)
+                graph = ObjectivesGraph(tuple(copy), self.entry(by, here)).reachable()
+                section = sheltered(section, Shelter(graph, here.interruptions), own)
             led = (replace(i, target=entries.get(i.target, i.target)) for i in section.interruptions)
             sections[number] = replace(section, interruptions=tuple(led))
 
@@ -271,7 +280,7 @@ class _Flattening:
         """Where a handler leads; for a pause a placeholder, which :meth:`paused` replaces by a copy."""
         if handler.pause is None:
             return routes[handler.goto or ABORT]  # a valid one has one of the two
-        self.pauses[mark := f"pause {len(self.pauses)}"] = handler.pause
+        self.pauses[mark := f"{PAUSE}{len(self.pauses)}"] = handler.pause
         return Lead(mark)
 
     def inside(self, block: Recursive | Parallel | Use, scope: Scope) -> tuple[tuple[Block, ...], Scope]:

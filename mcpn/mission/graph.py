@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
 from mcpn.errors import Source
+from mcpn.mission.expansion.routes import GO_ON, Interrupted, Interruption, Routes
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Parameter
 from mcpn.mission.world.decisions import FactCase, Setting
@@ -21,90 +22,7 @@ TIMED_OUT = "timed out"
 
 
 @dataclass(frozen=True, slots=True)
-class Interruption:
-    """A handler as a section has it: when the declared event happens, the section is stopped and left.
-
-    Args:
-        event: The event's name.
-        target: The next section, or one of the graph's own exits.
-        once: Where the handler is written if it happens once: protocol, block and event, as far as they are
-            there (``go_home.leak``), the same for all copies; ``None`` if it may happen again and again.
-        source: Its line.
-        cases: Where it leads instead if facts are so; the first that fits counts.
-    """
-
-    event: str
-    target: str
-    once: str | None = None
-    source: Source | None = field(default=None, compare=False)
-    cases: tuple[FactCase, ...] = ()
-
-    @property
-    def routes(self) -> tuple[str, ...]:
-        """Where it may lead."""
-        return self.target, *(case.target for case in self.cases)
-
-
-class _Routes:
-    __slots__ = ()
-    success: str
-    failure: str
-    interruptions: tuple[Interruption, ...]
-    cases: tuple[tuple[str, FactCase], ...]
-
-    def handlers(self, event: str) -> Iterator[tuple[Interruption | None, tuple[str, ...]]]:
-        """What interrupts the section on an event: each handler, with those that must have happened before.
-
-        The last is ``None`` where all of them happen once: after these the section goes on.
-        """
-        happened: tuple[str, ...] = ()
-        for interruption in self.interruptions:
-            if interruption.event == event:
-                yield interruption, happened
-                if interruption.once is None:
-                    return
-                happened = (*happened, interruption.once)
-        yield None, happened
-
-    @property
-    def numbered(self) -> Iterator[tuple[int, Interruption]]:
-        """Interruptions, each with its number among those by the same event, from 1."""
-        counts: dict[str, int] = {}
-        for interruption in self.interruptions:
-            number = counts[interruption.event] = counts.get(interruption.event, 0) + 1
-            yield number, interruption
-
-    @property
-    def routes(self) -> tuple[str, ...]:
-        """Where the section may lead: by its outcomes, then on each event that interrupts it."""
-        ends = (route for outcome, _ in self.outcomes for route in self.led(outcome))
-        return *ends, *(route for i in self.interruptions for route in i.routes)
-
-    def led(self, outcome: str) -> tuple[str, ...]:
-        """Where an outcome may lead, the default first."""
-        default = [route for of, route in self.outcomes if of == outcome]
-        return *default, *(case.target for case in self.cases_of(outcome) if default)
-
-    def cases_of(self, outcome: str) -> tuple[FactCase, ...]:
-        """Where an outcome leads instead if facts are so."""
-        return tuple(case for of, case in self.cases if of == outcome)
-
-    @property
-    def all_cases(self) -> Iterator[FactCase]:
-        """The cases, with their conditions on facts, of all outcomes and all interruptions."""
-        for outcome, _ in self.outcomes:
-            yield from self.cases_of(outcome)
-        for interruption in self.interruptions:
-            yield from interruption.cases
-
-    @property
-    def outcomes(self) -> tuple[tuple[str, str], ...]:
-        """How the section may end by itself, each with where that leads."""
-        raise NotImplementedError
-
-
-@dataclass(frozen=True, slots=True)
-class ElementarySection(_Routes):
+class ElementarySection(Routes):
     """An elementary objective with its place in the graph.
 
     Args:
@@ -175,7 +93,21 @@ class Branch:
 
 
 @dataclass(frozen=True, slots=True)
-class ParallelSection(_Routes):
+class Shelter(Interrupted):
+    """What runs while a parallel block pauses: a copy of a sibling of a block that the block is or stands in.
+
+    Args:
+        graph: Its exits are :data:`GO_ON`, after which the block goes on where it was, and those exits of the
+            block that lead away from here.
+        interruptions: Of each event the innermost first, in effect where nothing in the graph handles it.
+    """
+
+    graph: ObjectivesGraph
+    interruptions: tuple[Interruption, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class ParallelSection(Routes):
     """A parallel block with its place in the graph.
 
     Args:
@@ -192,6 +124,8 @@ class ParallelSection(_Routes):
             are awaited, and every mandatory one must.
         hasty: Whether it fails as soon as a mandatory branch has failed.
         cases: With its outcome, where that leads instead if facts are so; the first that fits counts.
+        shelters: What runs while it pauses.
+        away: Outcomes of these by which it does not go on, each with where that leads.
     """
 
     name: str
@@ -205,6 +139,19 @@ class ParallelSection(_Routes):
     needed: int | None = None
     hasty: bool = False
     cases: tuple[tuple[str, FactCase], ...] = ()
+    shelters: tuple[Shelter, ...] = ()
+    away: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def graphs(self) -> Iterator[ObjectivesGraph]:
+        """The graphs of its branches, then of what runs while it pauses."""
+        yield from (branch.graph for branch in self.branches)
+        yield from (shelter.graph for shelter in self.shelters)
+
+    @property
+    def every_interruption(self) -> tuple[Interruption, ...]:
+        """Its interruptions, and those of what runs while it pauses."""
+        return *self.interruptions, *(i for shelter in self.shelters for i in shelter.interruptions)
 
     @property
     def deciding(self) -> Iterator[tuple[str, Branch]]:
@@ -235,15 +182,29 @@ class ParallelSection(_Routes):
     def outcomes(self) -> tuple[tuple[str, str], ...]:
         """How the block may end by itself, each with where that leads; abort only where it can abort."""
         ended = (("success", self.success), ("failure", self.failure))
-        return ended if self.abort is None else (*ended, ("abort", self.abort))
+        return (*ended, *([] if self.abort is None else [("abort", self.abort)]), *self.away)
 
     def walk(self) -> Iterator[ElementarySection]:
         """Every elementary objective in it, at any depth, in document order."""
-        for branch in self.branches:
-            yield from branch.graph.walk()
+        for graph in self.graphs:
+            yield from graph.walk()
 
 
 Section: TypeAlias = ElementarySection | ParallelSection
+
+
+def rerouted(section: Section, to: Callable[[str], str]) -> Section:
+    """A section with other targets."""
+    cases = tuple((of, replace(case, target=to(case.target))) for of, case in section.cases)
+    interruptions = tuple(i.led(to) for i in section.interruptions)
+    success, failure = to(section.success), to(section.failure)
+    if isinstance(section, ElementarySection):
+        late = section.timed_out and to(section.timed_out)
+        led = replace(section, success=success, failure=failure, timed_out=late)
+        return replace(led, cases=cases, interruptions=interruptions)
+    abort, away = section.abort and to(section.abort), tuple((of, to(target)) for of, target in section.away)
+    parallel = replace(section, success=success, failure=failure, abort=abort, away=away)
+    return replace(parallel, cases=cases, interruptions=interruptions)
 
 
 def names_in(section: Section) -> Iterator[str]:
@@ -253,6 +214,9 @@ def names_in(section: Section) -> Iterator[str]:
         for branch in section.branches:
             yield branch.name
             for inner in branch.graph.sections:
+                yield from names_in(inner)
+        for shelter in section.shelters:
+            for inner in shelter.graph.sections:
                 yield from names_in(inner)
 
 
@@ -312,23 +276,23 @@ class ObjectivesGraph(Drawn):
     def never_entered(self) -> Iterator[ElementarySection]:
         """Every elementary objective, at any depth, that stands in a section that no route reaches."""
         for section in self.sections:
-            for branch in section.branches if isinstance(section, ParallelSection) else ():
-                yield from branch.graph.never_entered()
+            for graph in section.graphs if isinstance(section, ParallelSection) else ():
+                yield from graph.never_entered()
         for section in self.unreached:
             if isinstance(section, ElementarySection):
                 yield section
             else:
-                for branch in section.branches:
-                    yield from branch.graph.walk()
-                    yield from branch.graph.never_entered()
+                for graph in section.graphs:
+                    yield from graph.walk()
+                    yield from graph.never_entered()
 
     def all_sections(self) -> Iterator[Section]:
         """Every section at any depth, parallel blocks before what they hold, in document order."""
         for section in self.sections:
             yield section
             if isinstance(section, ParallelSection):
-                for branch in section.branches:
-                    yield from branch.graph.all_sections()
+                for graph in section.graphs:
+                    yield from graph.all_sections()
 
     def reachable(self) -> ObjectivesGraph:
         """The graph of the sections that routes from the entry reach; the others are kept apart."""
@@ -349,7 +313,7 @@ class ObjectivesGraph(Drawn):
 
     def once(self) -> list[str]:
         """Handlers of its sections at any depth that happen once, in the order in which they are met."""
-        met = (i.once for section in self.all_sections() for i in section.interruptions)
+        met = (i.once for section in self.all_sections() for i in section.every_interruption)
         return [handler for handler in dict.fromkeys(met) if handler is not None]
 
     def to_networkx(self) -> nx.MultiDiGraph[str]:
@@ -367,18 +331,23 @@ class ObjectivesGraph(Drawn):
         return graph
 
     def _add_to(self, graph: nx.MultiDiGraph[str], exits: dict[str, str]) -> None:
-        for exit_node in exits.values():
-            graph.add_node(exit_node, kind="exit")
+        graph.add_nodes_from((node for node in exits.values() if node not in graph), kind="exit")
         for section in self.sections:
             if isinstance(section, ElementarySection):
                 graph.add_node(section.name, kind="objective", activities=section.activities)
             else:
                 graph.add_node(section.name, kind="parallel")
+            shelters, away = tuple[Shelter, ...](), dict[str, str]()
+            if isinstance(section, ParallelSection):
+                shelters, away = section.shelters, dict(section.away)
             for outcome, route in section.outcomes:
+                if outcome in away:
+                    continue  # what runs meanwhile leads there
                 for target in (route, *(case.target for case in section.cases_of(outcome))):
                     graph.add_edge(section.name, exits.get(target, target), outcome=outcome)
             for interruption in section.interruptions:
-                for target in interruption.routes:
+                paused = [] if interruption.pauses is None else [shelters[interruption.pauses].graph.entry]
+                for target in (*interruption.routes, *paused):
                     route = exits.get(target, target)
                     graph.add_edge(section.name, route, outcome=f"event {interruption.event}")
             for branch in section.branches if isinstance(section, ParallelSection) else ():
@@ -386,3 +355,6 @@ class ObjectivesGraph(Drawn):
                 inner = {route: f"{branch.name}:{words[route]}" for route in branch.graph.exits}
                 branch.graph._add_to(graph, inner)
                 graph.add_edge(section.name, branch.graph.entry, outcome="branch", mandatory=branch.mandatory)
+            for shelter in shelters:
+                leading = {exit_: exits.get(target, target) for exit_, target in away.items()}
+                shelter.graph._add_to(graph, {GO_ON: section.name, **leading})

@@ -84,7 +84,8 @@ class Handler(Described):
     pause: Annotated[
         Route,
         "In the place of goto: this sibling is run, then the block goes on where it was: the objective that "
-        "ran is entered again. A copy of the sibling for the objective travel is named shelter_at_travel.",
+        "ran is entered again, in a parallel block that of each branch. A copy of the sibling for the "
+        "objective travel is named shelter_at_travel.",
     ] = None
     once: Annotated[
         bool,

@@ -223,7 +223,7 @@ class _Checks:
         for siblings in _families(blocks):
             yield from self.routing(siblings)
             yield from recoveries(siblings, around if siblings is blocks else ())
-            yield from pause_problems(siblings, blocks, self.protocols)
+            yield from pause_problems(siblings, blocks)
         if isinstance(owner, Mission):
             yield from self.handlers(owner.name, owner.handlers, {block.name: None for block in blocks})
             yield from no_siblings(owner.name, owner.handlers, "put its blocks into an objective")

@@ -8,14 +8,15 @@ nets then differ in names only, place by place and transition by transition.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Iterator, Sequence
+from collections.abc import Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypeAlias
 
 from mcpn.errors import InputError
 from mcpn.mission.expansion.faults import Crash, noticed
-from mcpn.mission.flatten import ElementarySection, Interruption, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.expansion.routes import Interrupted, exits_by_facts, exits_on
+from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.graph import TIMED_OUT
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Activity, Fact, Hardware, Software
@@ -166,7 +167,7 @@ class LocalPart:
 
     def once_on(self, events: Collection[str]) -> tuple[str, ...]:
         """Those handlers of :attr:`once` that some events trigger."""
-        on = {i.once: i.event for section in self.graph.all_sections() for i in section.interruptions}
+        on = {i.once: i.event for section in self.graph.all_sections() for i in section.every_interruption}
         return tuple(handler for handler in self.once if on[handler] in events)
 
     @cached_property
@@ -255,38 +256,28 @@ class LocalPart:
                 inside = tuple(task[a] for a in section.activities)
             else:
                 branches = tuple((b.mandatory, self._shape(b.graph, number, task)) for b in section.branches)
-                inside = (branches, section.needed, section.hasty)
+                shelters = tuple(
+                    (self._shape(shelter.graph, number, task), self._events(shelter, {}))
+                    for shelter in section.shelters
+                )
+                inside = (branches, section.needed, section.hasty, shelters)
             outcomes = (section.led(outcome) for outcome, _ in section.outcomes)
             routes = (tuple(positions.get(route, route) for route in led) for led in outcomes)
-            events = tuple(
-                (i.event, tuple(positions.get(r, r) for r in i.routes), i.once and self.once.index(i.once))
-                for i in section.interruptions
-            )
+            events = self._events(section, positions)
             shapes.append((isinstance(section, ParallelSection), gated, inside, events, *routes))
         return positions[graph.entry], tuple(shapes)
 
-
-def exits_on(section: Section) -> Iterator[tuple[str, Interruption]]:
-    """Names of the exits of a part that events lead to, each with its handler; no section has such a name."""
-    for number, interruption in section.numbered:
-        yield f"on {interruption.event}" + (f" {number}" if number > 1 else ""), interruption
-
-
-def _cases_of(exit_: str, cases: Sequence[FactCase]) -> Iterator[tuple[str, FactCase]]:
-    """Names of the exits that facts lead to instead of the given exit, each with its case."""
-    for number, case in enumerate(cases, 1):
-        yield f"{exit_} case {number}", case
-
-
-def routes_of(section: Section) -> dict[str, str]:
-    """Where the exits of a section lead that stands alone: outcomes, events, and what facts decide."""
-    routes = dict(section.outcomes)
-    for outcome, _ in section.outcomes:
-        routes |= {exit_: case.target for exit_, case in _cases_of(outcome, section.cases_of(outcome))}
-    for on, interruption in exits_on(section):
-        routes[on] = interruption.target
-        routes |= {exit_: case.target for exit_, case in _cases_of(on, interruption.cases)}
-    return routes
+    def _events(self, of: Interrupted, positions: Mapping[str, int]) -> Hashable:
+        """What interrupts a section, names replaced by numbers."""
+        return tuple(
+            (
+                i.event,
+                tuple(positions.get(route, route) for route in i.routes),
+                i.once and self.once.index(i.once),
+                i.pauses,
+            )
+            for i in of.interruptions
+        )
 
 
 class SectionParts:
@@ -347,7 +338,9 @@ def _routed(section: Section, kept: set[str]) -> Section:
     failure = section.failure if section.failure in kept else FAIL
 
     def cased(exit_: str, cases: Sequence[FactCase]) -> tuple[FactCase, ...]:
-        return tuple(c if c.target in kept else replace(c, target=to) for to, c in _cases_of(exit_, cases))
+        return tuple(
+            c if c.target in kept else replace(c, target=to) for to, c in exits_by_facts(exit_, cases)
+        )
 
     interruptions = tuple(
         replace(i, target=i.target if i.target in kept else exit_, cases=cased(exit_, i.cases))
@@ -358,6 +351,6 @@ def _routed(section: Section, kept: set[str]) -> Section:
     if isinstance(routed, ElementarySection):
         late = routed.timed_out is not None and routed.timed_out not in kept
         return replace(routed, timed_out=TIMED_OUT) if late else routed
-    if isinstance(routed, ParallelSection) and routed.abort is not None and routed.abort not in kept:
-        return replace(routed, abort=ABORT)
-    return routed
+    abort = routed.abort if routed.abort is None or routed.abort in kept else ABORT
+    away = tuple((of, target if target in kept else of) for of, target in routed.away)
+    return replace(routed, abort=abort, away=away)

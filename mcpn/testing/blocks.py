@@ -23,6 +23,7 @@ from mcpn.mission.model import (
     Protocol,
     Recursive,
     Use,
+    walk,
 )
 from mcpn.mission.robot import DeclaredEvent, Robot
 from mcpn.testing.drawing import TEXTS
@@ -124,14 +125,15 @@ class MissionDrawing(RobotDrawing):
         """A series, perhaps with a block that pauses while another one is run, where it may."""
         if len(blocks) < 2 or not self.events or not self.rarely(self.shape.pauses):
             return blocks
-        block, by = self.draw(st.permutations(blocks))[:2]
+        apart = [block for block in blocks if any(isinstance(b, Parallel) for b in walk((block,)))]
+        block = self.draw(st.sampled_from(apart if apart and self.number(0, 3) else blocks))
+        by = self.draw(st.sampled_from([other for other in blocks if other is not block]))
         on = self.draw(st.sampled_from(self.events))
         once = self.number(0, 3) == 0
         handler = Handler(event=on, pause=by.name, once=once, description=self.description())
         handlers = (*(other for other in block.handlers if other.event != on), handler)
         pausing = tuple(replace(b, handlers=handlers) if b is block else b for b in blocks)
-        protocols = {protocol.name: protocol for protocol, _, _ in self.protocols}
-        return blocks if any((*pause_problems(pausing, (), protocols), *problems(pausing, ()))) else pausing
+        return blocks if any((*pause_problems(pausing, ()), *problems(pausing, ()))) else pausing
 
     def routed(self, block: Block, index: int, blocks: list[Block]) -> Block:
         """A block of a series with its routes and handlers."""

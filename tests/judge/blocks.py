@@ -59,7 +59,8 @@ class Node:
         written: Its name in the text.
         sets: Facts that an elementary objective changes.
         deciding: Its own routes that facts decide, in order.
-        pauses: What is run while it pauses, by the written name of that and the objective that is stopped.
+        pauses: What is run while it pauses, by the written name of that and the objective, or parallel block,
+            that is stopped.
     """
 
     name: str
@@ -144,6 +145,19 @@ def objectives(node: Node) -> list[Node]:
     return [leaf for child in node.children.values() for leaf in objectives(child)] or [node]
 
 
+def stopped(node: Node) -> list[Node]:
+    """What one copy of a sibling is run for: the objectives in a node, but parallel blocks whole."""
+    if node.parallel or not node.children:
+        return [node]
+    inside = (child for child in node.children.values() if not _within_parallel(child))
+    return [at for child in inside for at in stopped(child)]
+
+
+def _within_parallel(shelter: Node) -> bool:
+    """Whether it is what runs while a parallel block pauses: with that block it is stopped."""
+    return isinstance(shelter.success, Node) and shelter.success.parallel
+
+
 class _Writing:
     def __init__(self, mission: Mission) -> None:
         self.of = mission
@@ -176,9 +190,12 @@ class _Writing:
                 self.pauses(node, by_name[name], scope)
 
     def pauses(self, node: Node, by: Block, scope: _Scope) -> None:
-        """Gives each objective in a block what is run when it is stopped, which leads back to it."""
+        """Gives each objective in a block what is run when it is stopped, which leads back to it.
+
+        A parallel block in it has one for all of its objectives.
+        """
         assert node.parent is not None
-        for leaf in objectives(node):
+        for leaf in stopped(node):
             at = leaf.name.removeprefix(scope.prefix).replace(".", "_")
             shelter = self.block(by, node.parent, scope.copy(f"at_{at}"))
             shelter.success, shelter.failure = leaf, node.failure

@@ -52,6 +52,33 @@ PAUSING = missions(
     sections=6, objectives=3, hardware=2, producers=2, events=2, aborts=1, recovers=1, pauses=9, timeouts=1
 )
 """Blocks that pause while a sibling is run."""
+PAUSING_APART = missions(
+    sections=7,
+    branches=3,
+    depth=3,
+    own_hardware=True,
+    shared_activities=False,
+    events=2,
+    aborts=1,
+    recovers=1,
+    pauses=9,
+    early=3,
+    timeouts=1,
+)
+"""Blocks with branches that pause, where nothing contends."""
+PAUSING_FACTS = missions(
+    sections=6,
+    depth=3,
+    hardware=2,
+    producers=1,
+    alternatives=2,
+    events=2,
+    facts=2,
+    pauses=9,
+    aborts=1,
+    early=2,
+    rounds=False,
+)
 TIMED = missions(sections=6, hardware=2, producers=2, branches=3, events=1, aborts=2, timeouts=7)
 """Objectives that end when their time is over."""
 WORLD = missions(sections=5, hardware=2, producers=2, facts=2, events=1)
@@ -87,6 +114,8 @@ MISSIONS: st.SearchStrategy[Mission] = st.one_of(
     CRASHING_APART,
     RECOVERING,
     PAUSING,
+    PAUSING_APART,
+    PAUSING_FACTS,
     TIMED,
     WORLD,
     WORLD_ABORTED,

@@ -50,6 +50,8 @@ class State:
         begun: Whether the mission has started.
         unnoticed: Hardware out of service of which the robot does not know that it is.
         suspected: That of it which is found out when who has it lets it go.
+        paused: By what is run while a block pauses, the objectives that are entered again after it; what is
+            run may be stopped itself.
     """
 
     running: frozenset[str] = frozenset()
@@ -63,6 +65,7 @@ class State:
     begun: bool = False
     unnoticed: frozenset[str] = frozenset()
     suspected: frozenset[str] = frozenset()
+    paused: frozenset[tuple[str, frozenset[str]]] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -107,6 +110,7 @@ class Interpreter:
         self.root = written_out(mission)
         self.objectives = {leaf.name: leaf for leaf in _leaves(self.root)}
         self.branches = {branch.name: branch for branch in _branches(self.root)}
+        self.shelters = {shelter.name: shelter for shelter in _shelters(self.root)}
         values = {fact.name: fact.initial or fact.values[0] for fact in mission.facts}
         values |= dict.fromkeys(_read_of_objectives(mission), "false")
         hardware = [h for robot in mission.robots for h in robot.hardware]
@@ -214,7 +218,13 @@ class Interpreter:
             found = self.handling(self.root, element, state)
             once = {id(handler) for _, handler in found if handler.once}
             state = replace(state, happened=state.happened | once)
-            routes = [(node, handler.goto or self.paused(node, handler, state)) for node, handler in found]
+            for node, handler in found:
+                if handler.pause is None:
+                    routes.append((node, handler.goto or ABORT))
+                else:
+                    shelter, at = self.paused(node, handler, state), self.within(node, state)
+                    state = replace(state, paused=state.paused | {(shelter.name, at)})
+                    routes.append((node, shelter))
         else:
             node = self.objectives[element]
             occasion = SUCCESS if what == SUCCESS else FAILURE
@@ -227,8 +237,9 @@ class Interpreter:
             by = {SUCCESS: SUCCEED, FAILURE: FAIL, TIMEOUT: TIMED_OUT}[what]
             routes = [(node, led(state, node, by))]
         # All that is left stops first, what aborts with it; then what follows begins.
-        for node, _ in routes:
-            state = self.left(state, node)
+        for node, route in routes:
+            pausing = what == DECLARED and isinstance(route, Node)
+            state = self.stopped(state, node) if pausing else self.left(state, node)
         aborted: list[Node] = []
         after, waiting = state, state.pending
         for node, route in routes:
@@ -248,23 +259,61 @@ class Interpreter:
 
     def paused(self, node: Node, handler: Handler, state: State) -> Node:
         """What is run while a block pauses, made for the objective that runs in it."""
-        (at,) = (n for n in state.running | state.pending if self.objectives[n].within(node))
-        return node.pauses[handler.pause or "", at]
+        whole = block = self.objectives[next(iter(self.within(node, state)))]
+        while block is not node:
+            shelter = self.shelters.get(block.name) is block
+            if shelter and isinstance(block.success, Node) and block.success.parallel:
+                whole = block = block.success
+                continue
+            assert block.parent is not None
+            block = block.parent
+            whole = block if block.parallel else whole
+        return node.pauses[handler.pause or "", whole.name]
 
-    def left(self, state: State, node: Node) -> State:
-        """Nothing in a block runs any more."""
-        gone = {name for name in state.running | state.pending if self.objectives[name].within(node)}
+    def within(self, node: Node, state: State) -> frozenset[str]:
+        """The objectives in a block that run or are about to begin."""
+        return frozenset(n for n in state.running | state.pending if self.objectives[n].within(node))
+
+    def stopped(self, state: State, node: Node) -> State:
+        """No objective in a block runs any more; what has ended in it, and what it paused for, stays."""
+        gone = self.within(node, state)
         stopped = {a for name in gone & state.running for a in self.objectives[name].activities}
         return replace(
             state,
             running=state.running - gone,
             pending=state.pending - gone,
-            ended=frozenset(e for e in state.ended if not self.branches[e[0]].within(node)),
             activities=frozenset((a, at) for a, at in state.activities if a not in stopped),
         )
 
+    def left(self, state: State, node: Node) -> State:
+        """Nothing in a block runs any more, nor goes on later."""
+        state = self.stopped(state, node)
+        inner = {name for name, by in self.shelters.items() if by is not node and by.within(node)}
+        return replace(
+            state,
+            ended=frozenset(e for e in state.ended if not self.branches[e[0]].within(node)),
+            paused=frozenset(p for p in state.paused if p[0] not in inner),
+        )
+
+    def resumed(self, state: State, by: Node) -> State:
+        """A block goes on where it was, after what was run meanwhile has succeeded."""
+        (at,) = (at for name, at in state.paused if name == by.name)
+        return replace(
+            state, pending=state.pending | at, paused=frozenset(p for p in state.paused if p[0] != by.name)
+        )
+
+    def given_up(self, state: State, by: Node) -> State:
+        """What is run while a block pauses leads elsewhere: nothing in the block goes on."""
+        block = next(node for node in _nodes(self.root) if by in node.pauses.values())
+        state = self.left(state, block)
+        return replace(state, paused=frozenset(p for p in state.paused if p[0] != by.name))
+
     def follow(self, state: State, node: Node, route: str | Node, aborted: list[Node]) -> State:
         """A block is left by one of its routes; parallel blocks that this aborts are noted."""
+        if self.shelters.get(node.name) is node:
+            if route is node.success:
+                return self.resumed(state, node)
+            state = self.given_up(state, node)
         if isinstance(route, Node):
             return self.enter(state, route)
         parent = self.root if node is self.root else node.parent
@@ -404,6 +453,17 @@ def _read_of_objectives(mission: Mission) -> Iterator[str]:
     texts = (mission.blocks, *(protocol.blocks for protocol in mission.protocols))
     whens += [route.when for blocks in texts for block in walk(blocks) for route in block.routes]
     yield from (word.lstrip("!").partition("=")[0] for when in whens for word in when if "done(" in word)
+
+
+def _nodes(node: Node) -> Iterator[Node]:
+    yield node
+    for child in node.children.values():
+        yield from _nodes(child)
+
+
+def _shelters(node: Node) -> Iterator[Node]:
+    for inner in _nodes(node):
+        yield from inner.pauses.values()
 
 
 def _leaves(node: Node) -> Iterator[Node]:

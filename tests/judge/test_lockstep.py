@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from hypothesis import event, given
 
+from mcpn.mission.flatten import ParallelSection, flatten
 from mcpn.mission.model import Handler, Mission, Objective, Parallel, Recursive, walk
 from mcpn.net.compose import compose
 from tests.draws import composed, fewer
@@ -126,6 +127,26 @@ def test_blocks_that_recover(of: Mission) -> None:
 def test_blocks_that_pause(of: Mission) -> None:
     blocks = [*walk(of.blocks), *(b for p in of.protocols for b in walk(p.blocks))]
     event(f"pauses: {any(h.pause for block in blocks for h in block.handlers)}")
+    check(of)
+
+
+def holds_branches(of: Mission) -> bool:
+    """Whether some parallel block of a mission pauses."""
+    sections = flatten(of).all_sections()
+    return any(isinstance(section, ParallelSection) and section.shelters for section in sections)
+
+
+@fewer(0.5)
+@given(drawn.PAUSING_APART)
+def test_blocks_with_branches_that_pause(of: Mission) -> None:
+    event(f"branches: {holds_branches(of)}")
+    assert check(of) != "undetermined"
+
+
+@fewer(0.5)
+@given(drawn.PAUSING_FACTS)
+def test_pauses_and_facts(of: Mission) -> None:
+    event(f"branches: {holds_branches(of)}")
     check(of)
 
 

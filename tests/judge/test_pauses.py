@@ -83,7 +83,79 @@ USED = Mission(
         one("s", "e"),
     ),
 )
-MISSIONS = (PLAIN, TRIES, NESTED, LONG, ONCE, VALUES, USED)
+BRANCHES = mission(
+    OUTSIDE,
+    Parallel(
+        name="p",
+        blocks=(Recursive(name="x", blocks=(one("a"), one("b"))), one("c")),
+        handlers=(pauses("s"),),
+        failure="e",
+    ),
+    one("s", "d"),
+    one("f"),
+    one("e"),
+)
+"""A parallel block that pauses."""
+INSIDE = mission(
+    OUTSIDE,
+    row(
+        "out",
+        row("r", one("k", "e"), Parallel(name="p", blocks=(one("a"), one("b")))),
+        one("s", "c"),
+        by="t",
+        on="wind",
+        failure="e",
+    ),
+    one("t", "d"),
+    one("e", "f"),
+)
+"""Pauses in a pause: a parallel block, and what shelters it, are stopped by what is around both."""
+DEEP = mission(
+    OUTSIDE,
+    Parallel(
+        name="p",
+        blocks=(
+            Recursive(
+                name="x",
+                blocks=(
+                    Parallel(name="q", blocks=(one("a"), one("b")), handlers=(pauses("u", "wind"),)),
+                    one("u", "d"),
+                ),
+            ),
+            one("c"),
+        ),
+        handlers=(pauses("s"),),
+    ),
+    one("s", "e"),
+)
+"""A parallel block that pauses in a branch of one that does."""
+LOOSE = mission(
+    OUTSIDE,
+    Parallel(
+        name="p",
+        blocks=(one("a"), one("b"), one("c")),
+        success_when="2",
+        failure_when="any",
+        handlers=(pauses("s"), Handler(event="wind", goto="e")),
+        failure="p",
+        retries=1,
+    ),
+    Recursive(
+        name="s",
+        blocks=(
+            Parallel(
+                name="z", blocks=(one("d"), one("k", "e")), handlers=(Handler(event="wind", goto="abort"),)
+            ),
+        ),
+        handlers=(Handler(event="rain", goto="e", once=True),),
+    ),
+    one("e", "f", success="succeed"),
+)
+"""Ends that are decided early, tries, a route back, and a parallel block in what is run meanwhile."""
+ALL_AGAIN = {"p_try1.a", "p_try1.b", "p_try1.c"}
+HOLDING = (BRANCHES, INSIDE, DEEP, LOOSE)
+"""Blocks that pause and hold branches."""
+MISSIONS = (PLAIN, TRIES, NESTED, LONG, ONCE, VALUES, USED, *HOLDING)
 
 
 @pytest.mark.parametrize("of", MISSIONS)
@@ -117,11 +189,47 @@ def test_all_that_play_it_agree(of: Mission) -> None:
         (VALUES, [*ok("r_x.a"), RAIN, *ok("s_y_at_r_y_a")], {"r_y.a"}),
         (USED, [RAIN, *ok("u.s_at_a")], {"u.a", "b"}),
         (USED, [RAIN, *ok("b")], {"u.s_at_a"}),
+        (BRANCHES, [RAIN], {"s_at_p"}),
+        (BRANCHES, [RAIN, *ok("s_at_p")], {"a", "c"}),
+        (BRANCHES, [*ok("a", "c"), RAIN, *ok("s_at_p")], {"b"}),
+        (BRANCHES, [*ok("a", "c"), RAIN, *ok("s_at_p"), RAIN, *ok("s_at_p", "b")], {"f"}),
+        (BRANCHES, [bad("c"), RAIN, *ok("s_at_p", "a", "b")], {"e"}),
+        (BRANCHES, [*ok("a"), RAIN, bad("s_at_p")], {"e"}),
+        (INSIDE, [RAIN, *ok("s_at_k")], {"k"}),
+        (INSIDE, [*ok("k", "a"), RAIN], {"s_at_p"}),
+        (INSIDE, [*ok("k", "a"), RAIN, WIND], {"t_at_p"}),
+        (INSIDE, [*ok("k", "a"), RAIN, WIND, *ok("t_at_p")], {"s_at_p"}),
+        (INSIDE, [*ok("k", "a"), RAIN, WIND, *ok("t_at_p", "s_at_p")], {"b"}),
+        (INSIDE, [*ok("k", "a"), RAIN, WIND, bad("t_at_p")], {"e"}),
+        (INSIDE, [*ok("k", "b"), WIND, *ok("t_at_p")], {"a"}),
+        (DEEP, [WIND], {"u_at_q", "c"}),
+        (DEEP, [*ok("a"), WIND, RAIN], {"s_at_p"}),
+        (DEEP, [*ok("a"), WIND, RAIN, *ok("s_at_p")], {"u_at_q", "c"}),
+        (DEEP, [*ok("a"), WIND, RAIN, *ok("s_at_p", "u_at_q")], {"b", "c"}),
+        (DEEP, [*ok("a"), WIND, RAIN, *ok("s_at_p", "c", "u_at_q")], {"b"}),
+        (LOOSE, [*ok("p_try1.b"), RAIN], {"s_at_p_try1.d", "s_at_p_try1.k"}),
+        (LOOSE, [*ok("p_try1.b"), RAIN, *ok("s_at_p_try1.d", "s_at_p_try1.k")], {"p_try1.a", "p_try1.c"}),
+        (LOOSE, [*ok("p_try1.b"), RAIN, bad("s_at_p_try1.d"), bad("s_at_p_try1.k")], ALL_AGAIN),
+        (LOOSE, [*ok("p_try1.b"), RAIN, RAIN], {"e"}),
     ],
 )
 def test_what_an_event_leads_to(of: Mission, events: list[Happening], running: set[str]) -> None:
     _, state = play(Interpreter(of), BEGIN, *events)
     assert state.running == running
+
+
+@pytest.mark.parametrize("of", HOLDING)
+def test_branches_that_have_ended_stay_ended(of: Mission) -> None:
+    judge = Interpreter(of)
+    found, stack, paused = {judge.initial}, [judge.initial], 0
+    while stack:
+        state = stack.pop()
+        for happening in judge.possible(state):
+            after = judge.after(state, happening)
+            paused += bool(after.paused and after.ended)
+            stack += [after] if after not in found else []
+            found.add(after)
+    assert paused, "some branch has ended while its block pauses"
 
 
 def test_a_pause_that_happens_once() -> None:

@@ -250,15 +250,6 @@ BROKEN: dict[str, tuple[str, int, str]] = {
         8,
         "x recovers by y, which itself pauses: only one of them can",
     ),
-    "pause of a parallel block": (
-        body(
-            "<objective name='x'>\n<on event='leak' pause='o'/><use name='u' protocol='q'/></objective>" + OK,
-            LEAK + "<protocols><protocol name='q'><parallel name='p'><objective name='a' activities='look'/>"
-            "</parallel></protocol></protocols>",
-        ),
-        9,
-        "x pauses, and the parallel block p is in it: let each of its branches pause",
-    ),
     "block with the name of a copy": (
         body(
             "<objective name='x' activities='go'><on event='leak' pause='o'/></objective>\n"

@@ -18,7 +18,8 @@ from typing import Generic, NamedTuple, TypeAlias
 from mcpn.check.causes.effects import Case, Loss, Severity, changes, joined, local_effect, worth_telling
 from mcpn.check.causes.prospects import Goal, Prospects
 from mcpn.check.verdicts.modes import Situation, said_by
-from mcpn.mission.flatten import Branch, ParallelSection
+from mcpn.mission.expansion.routes import GO_ON
+from mcpn.mission.flatten import Branch, ElementarySection, ParallelSection
 from mcpn.net.events import What
 from mcpn.net.templates import Role
 from mcpn.space.algebra import Alike, S, Space
@@ -118,11 +119,18 @@ class _Table(Generic[S]):
         self.some_out = self.space.marked(self.oos)
         self.images = ImageStore(len(self.oos))
         self.around: dict[str, list[tuple[ParallelSection, Branch]]] = {n: [] for n in prospects.sections}
+        self.sections = dict(prospects.sections)
         for block in self.net.graph.all_sections():
             if isinstance(block, ParallelSection):
                 for branch in block.branches:
                     for inner in branch.graph.walk():
                         self.around[inner.name].append((block, branch))
+                for shelter in block.shelters:
+                    away = {GO_ON: block.name, **dict(block.away)}
+                    for here in shelter.graph.sections:
+                        if isinstance(here, ElementarySection):
+                            to = away.get(here.failure, here.failure)
+                            self.sections[here.name] = replace(here, failure=to)
         self._modes: dict[str, dict[int, S]] = {}
         self._facts: Alike[_Facts | None] = Alike()
         self._lost_by_section = [
@@ -164,7 +172,7 @@ class _Table(Generic[S]):
 
     def row(self, hardware: str, goal: Goal[S], facts: _Facts) -> Row:
         cases = facts.cases
-        section, around = self.prospects.sections[goal.name], self.around[goal.name]
+        section, around = self.sections[goal.name], self.around[goal.name]
         return Row(
             hardware,
             goal.name,

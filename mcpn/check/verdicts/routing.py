@@ -275,7 +275,7 @@ class Routing:
         yield graph
         for section in graph.all_sections():
             if isinstance(section, ParallelSection) and self.entered(section):
-                yield from (branch.graph for branch in section.branches)
+                yield from section.graphs
 
 
 _ENDS = {FAIL: "failure", ABORT: "abort"}
@@ -295,4 +295,6 @@ def _routes(section: Section) -> Iterator[_Route]:
     for outcome, target in section.outcomes:
         yield _Route(section, outcome, target)
     for interruption in section.interruptions:
+        if interruption.pauses is not None:
+            continue
         yield _Route(section, Event(What.DECLARED, interruption.event), interruption.target)

@@ -325,6 +325,7 @@ def _timers(graph: ObjectivesGraph) -> int:
             most = max(most, int(section.timeout is not None))
         else:
             most = max(most, sum(_timers(branch.graph) for branch in section.branches))
+            most = max(most, *(_timers(shelter.graph) for shelter in section.shelters), 0)
     return most
 
 

@@ -2,17 +2,26 @@
 
 It is written out: for each objective of the block there is a copy of the sibling, which the event leads to
 while the objective runs, and whose success enters the objective again. So the copy that runs says where the
-block was, and nothing else has to remember it.
+block was, and nothing else has to remember it. A parallel block in it may be at many places: it has one copy,
+which runs in the section of the parallel block and leaves its branches where they are.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import chain
 
 from mcpn.errors import Problem
 from mcpn.mission.expansion.recovery import pausing
+from mcpn.mission.expansion.routes import GO_ON, Interruption
 from mcpn.mission.expansion.scope import Scope
-from mcpn.mission.model import Block, Handler, Holder, Parallel, Protocol, Use, walk
+from mcpn.mission.graph import ObjectivesGraph, ParallelSection, Shelter, rerouted
+from mcpn.mission.model import Block, Handler, walk
+
+PAUSE = "pause "
+"""Begins what stands for the target of a pause until its copies are made."""
 
 
 def suffix_at(objective: str, scope: Scope) -> str:
@@ -20,21 +29,18 @@ def suffix_at(objective: str, scope: Scope) -> str:
     return f"at_{objective.removeprefix(scope.prefix).replace('.', '_')}"
 
 
-def pause_problems(
-    siblings: Sequence[Block], text: Sequence[Block], protocols: Mapping[str, Protocol]
-) -> Iterator[Problem]:
+def pause_problems(siblings: Sequence[Block], text: Sequence[Block]) -> Iterator[Problem]:
     """What is wrong with the pauses of sibling blocks.
 
     Args:
         siblings: The siblings.
         text: The blocks of their text.
-        protocols: All protocols, by name.
     """
     named = {block.name: block for block in siblings}
     for block in siblings:
         for handler in block.handlers:
             if handler.pause is not None:
-                yield from _pause(block, handler, named, protocols)
+                yield from _pause(block, handler, named)
     for by, blocks in pausing(siblings).items():
         for other in walk(tuple(text)):
             if other.name.startswith(f"{by}_") and "_at_" in other.name:
@@ -50,9 +56,7 @@ def no_siblings(owner: str, handlers: Sequence[Handler], remedy: str) -> Iterato
             yield Problem(handler.source, f"{message}: {remedy}")
 
 
-def _pause(
-    block: Block, handler: Handler, named: Mapping[str, Block], protocols: Mapping[str, Protocol]
-) -> Iterator[Problem]:
+def _pause(block: Block, handler: Handler, named: Mapping[str, Block]) -> Iterator[Problem]:
     what = f"pause of {block.name} on the event {handler.event}"
     by = named.get(handler.pause or "")
     if by is None or by is block:
@@ -62,22 +66,38 @@ def _pause(
     elif by.recover is not None or any(other.pause is not None for other in by.handlers):
         does = "recovers by a sibling" if by.recover is not None else "pauses, too"
         yield Problem(handler.source, f"{what} runs {by.name}, which itself {does}: only one of them can")
-    if inner := _parallel(block, protocols):
-        message = f"{block.name} pauses, and the parallel block {inner} is in it"
-        remedy = "let each of its branches pause: put what pauses into an objective there"
-        yield Problem(handler.source, f"{message}: {remedy}")
 
 
-def _parallel(block: Block, protocols: Mapping[str, Protocol]) -> str | None:
-    """The name of a parallel block that a block is or holds, uses of protocols expanded."""
-    stack, seen = [block], set[str]()
-    while stack:
-        at = stack.pop()
-        if isinstance(at, Parallel):
-            return at.name
-        if isinstance(at, Holder):
-            stack.extend(at.blocks)
-        elif isinstance(at, Use) and at.protocol in protocols and at.protocol not in seen:
-            seen.add(at.protocol)
-            stack.extend(protocols[at.protocol].blocks)
-    return None
+def sheltered(section: ParallelSection, shelter: Shelter, marks: Collection[str]) -> ParallelSection:
+    """A parallel block that pauses, with one more copy of a sibling that runs meanwhile.
+
+    Args:
+        section: The block.
+        shelter: The copy; it leads out of the block by the names of sections and exits there.
+        marks: Targets that stand for the copy, of handlers of the block and of what runs in other pauses.
+    """
+    inside = {inner.name for inner in shelter.graph.sections} | {GO_ON}
+    led = (route for inner in shelter.graph.sections for route in inner.routes)
+    left = (route for i in shelter.interruptions for route in i.routes if not route.startswith(PAUSE))
+    away = {target: exit_ for exit_, target in section.away}
+    for target in chain(led, left):
+        if target not in inside:
+            away.setdefault(target, f"away {len(away) + 1}")
+
+    def out(target: str) -> str:
+        return away.get(target, target) if target not in inside else target
+
+    def pausing(interruptions: tuple[Interruption, ...]) -> tuple[Interruption, ...]:
+        paused = partial(replace, target=GO_ON, pauses=len(section.shelters))
+        return tuple(paused(i) if i.target in marks else i for i in interruptions)
+
+    graph = shelter.graph
+    inner = ObjectivesGraph(tuple(rerouted(s, out) for s in graph.sections), graph.entry, graph.unreached)
+    here = Shelter(inner, tuple(i.led(out) for i in shelter.interruptions))
+    shelters = (replace(s, interruptions=pausing(s.interruptions)) for s in section.shelters)
+    return replace(
+        section,
+        interruptions=pausing(section.interruptions),
+        shelters=(*shelters, here),
+        away=tuple((exit_, target) for target, exit_ in away.items()),
+    )

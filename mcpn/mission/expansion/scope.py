@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from mcpn.errors import LimitError
-from mcpn.mission.graph import TIMED_OUT, Interruption
+from mcpn.mission.expansion.routes import Interruption
+from mcpn.mission.graph import TIMED_OUT
 from mcpn.mission.model import ROUND, Block, Each, Objective, Protocol, Use
 from mcpn.mission.robot import Parameter
 

@@ -112,12 +112,27 @@ def _onward(graph: ObjectivesGraph, beside: Running) -> Iterator[tuple[frozenset
             events = _joined(*(_interrupted(branch.graph) for branch in section.branches))
             stopping = [running, *(beside.get(event, frozenset()) for event in events)]
             yield from ((ending, target) for ending in stopping for target in graph.aborted(section))
+            yield from _pausing(section)
+            for shelter in section.shelters:
+                yield from _onward(shelter.graph, beside)
         for event, stopped in beside.items():
             yield from ((stopped, target) for target in graph.interrupted(section, event))
         branches = section.branches if isinstance(section, ParallelSection) else ()
         for branch in branches:
             others = (_interrupted(other.graph) for other in branches if other is not branch)
             yield from _onward(branch.graph, _joined(beside, *others))
+
+
+def _pausing(block: ParallelSection) -> Iterator[tuple[frozenset[str], Section]]:
+    """What runs while a block pauses, and what goes on after it, each with activities that stop before it."""
+    for shelter in block.shelters:
+        others = [graph for graph in block.graphs if graph is not shelter.graph]
+        yield (
+            _activities(o for graph in others for o in graph.walk()),
+            shelter.graph.section(shelter.graph.entry),
+        )
+        ending = _activities(shelter.graph.walk())
+        yield from ((ending, objective) for graph in others for objective in graph.walk())
 
 
 def _interrupted(graph: ObjectivesGraph) -> Running:
@@ -133,6 +148,7 @@ def _interrupted(graph: ObjectivesGraph) -> Running:
             if section.early:  # an event that ends a branch may so end the block, and stop all its branches
                 inside = dict.fromkeys(inside, running)
             found = _joined(found, inside)
+        found = _joined(found, *(_interrupted(shelter.graph) for shelter in section.shelters))
     return found
 
 
@@ -163,7 +179,7 @@ def _endings(section: Section) -> tuple[ElementarySection, ...]:
 
     Where the end of a block may stop branches that still run, they are all of its objectives.
     """
-    if isinstance(section, ElementarySection) or section.early:
+    if isinstance(section, ElementarySection) or section.early or section.shelters:
         return tuple(section.walk())
     return tuple(
         last

@@ -268,8 +268,8 @@ class Usage:
                 for first, second in combinations(needs, 2):
                     for resource, c, d in _both(first, second):
                         yield resource, c, d, context, section.source
-                for branch in section.branches:
-                    yield from self._graph_demands(branch.graph)
+                for inner in section.graphs:
+                    yield from self._graph_demands(inner)
 
     def _inside(self, activity: str) -> frozenset[tuple[str, Demand, Demand]]:
         """Pairs of demands for one resource that one running activity, with its suppliers, may make at once.
@@ -350,7 +350,7 @@ class Usage:
             yield graph
             for section in graph.sections:
                 if isinstance(section, ParallelSection):
-                    stack.extend(branch.graph for branch in section.branches)
+                    stack.extend(section.graphs)
 
 
 def _named(graph: ObjectivesGraph) -> set[str]:

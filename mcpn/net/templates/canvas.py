@@ -135,7 +135,7 @@ def _deciding(graph: ObjectivesGraph) -> Iterator[tuple[tuple[str, str, str], in
         while level:
             blocks = [inner for inner in level if isinstance(inner, ParallelSection)]
             every += [(b.name, outcome, branch.name) for b in blocks for outcome, branch in b.deciding]
-            level = [i for block in blocks for branch in block.branches for i in branch.graph.sections]
+            level = [inner for block in blocks for graph in block.graphs for inner in graph.sections]
         every.sort(key=lambda of: of[1] != "abort")
         yield from ((of, number) for number, of in enumerate(every))
 
@@ -301,6 +301,10 @@ class Pen:
         """
         name = self.canvas.place_of(*(of or self.called), *part, *self.owner)
         return self.canvas.place(name, initial=initial, provenance=self.provenance)
+
+    def own(self, name: str) -> str:
+        """Draws a place whose name is known, and returns the name."""
+        return self.canvas.place(name, provenance=self.provenance)
 
     def transition(
         self,

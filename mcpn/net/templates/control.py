@@ -114,6 +114,8 @@ class _Control(Interrupting):
             if branch.graph.aborts:
                 pen.place("abort", of=("objective", branch.name))
             self.inside(section, branch).draw()
+        for number in range(1, len(section.shelters) + 1):
+            self.meanwhile(section, number).draw()
         leaving.all_ended(pen, running, partial(self.led, section), self.halted(section))
         if self.halted(section):
             self.halt(pen, section)

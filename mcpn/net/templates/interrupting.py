@@ -5,10 +5,13 @@ activities and enters what follows. One that interrupts a parallel block as a wh
 event's transition takes the place that says that the block runs, so that nothing begins in it any more, and
 puts a token into each branch's place *halt*. Internal transitions then stop the objective that the branch is
 in, drop one that is about to be entered, or take the branch's outcome; when all branches are halted, what
-follows is entered. Branches that decide the block's end halt the others in the same way, one that aborts
-among them (:mod:`mcpn.net.templates.leaving`). Of all handlers of an event those of the branches count first:
-where some branch is at a place that handles the event itself, these branches do so together and the block
-goes on.
+follows is entered. Where the block pauses, the places are called *pause*, and each branch notes in a place
+*paused* where it goes on; when all are halted, what runs meanwhile is entered. It is a further *phase* of the
+block, in which the branches stay where they are. By its success they are *resumed*; where it leads elsewhere,
+they are *dropped*, and then that is entered. What runs meanwhile may be halted or pause itself. Branches that
+decide the block's end halt the others in the same way, one that aborts among them
+(:mod:`mcpn.net.templates.leaving`). Of all handlers of an event those of the branches count first: where some
+branch is at a place that handles the event itself, these branches do so together and the block goes on.
 """
 
 from __future__ import annotations
@@ -19,10 +22,11 @@ from math import prod
 from typing import TypeAlias
 
 from mcpn.errors import LimitError
-from mcpn.mission.flatten import Branch, ElementarySection, Interruption, ParallelSection, Section
+from mcpn.mission.expansion.routes import Interrupted
+from mcpn.mission.flatten import ElementarySection, Interruption, ParallelSection, Section
 from mcpn.net.events import Event, What
 from mcpn.net.templates.canvas import Pen
-from mcpn.net.templates.interruption import Position, called, events_of
+from mcpn.net.templates.interruption import Pausing, Position, Shift, Strand, called, events_of
 from mcpn.net.templates.leaving import Leaving
 from mcpn.net.templates.level import Level, element_of
 
@@ -35,6 +39,8 @@ _Ways: TypeAlias = Iterable[tuple[list[str], Iterable[str]]]
 
 class Interrupting(Level):
     """Draws what interrupts the sections of one level."""
+
+    # --- events ---
 
     def interruptions(self, section: Section) -> None:
         """One transition for each event and each position of the section's objectives that handles it."""
@@ -56,8 +62,10 @@ class Interrupting(Level):
     def positions(self, section: Section, event: str) -> Iterator[Position]:
         """Where the objectives of a section may be when an event happens; one of these holds at a time."""
 
-        def handled(place: str, put: Callable[[Interruption, int], _Ways]) -> Iterator[Position]:
-            for number, (own, before) in enumerate(section.handlers(event), 1):
+        def handled(
+            place: str, put: Callable[[Interruption, int], _Ways], of: Interrupted = section
+        ) -> Iterator[Position]:
+            for number, (own, before) in enumerate(of.handlers(event), 1):
                 if own is None:
                     yield Position((place,), happened=before)
                     continue
@@ -66,6 +74,8 @@ class Interrupting(Level):
                     yield Position((place, *facts), (place,), tuple(after), once, before)
 
         def left(own: Interruption) -> Iterator[tuple[list[str], list[str]]]:
+            if own.pauses is not None:  # of a parallel block, which no stable marking finds at its gate
+                return iter(())
             return ((way.read, places) for _, way, places in self.ways(section, own.target, own.cases, {}))
 
         if self.around.in_branch and self.gated(section):
@@ -78,24 +88,25 @@ class Interrupting(Level):
 
             yield from handled(self.of(section), onward)
             return
-        halts = [self.of_branch(branch, "halt") for branch in section.branches]
-        for inside in self.in_branches(section, event):
-            if inside.put is not None:
-                yield inside
-                continue
-            for whole in handled(
-                self.of(section, "running"),
-                lambda _, number: [([], [self.of(section, called(event, number)), *halts])],
-            ):
-                if self.possible(both := inside.beside(whole)):
-                    yield both
+        for phase, of in enumerate((section, *section.shelters)):
 
-    def in_branches(self, section: ParallelSection, event: str) -> list[Position]:
-        """Where those branches may be that handle an event somewhere."""
+            def whole(own: Interruption, number: int, phase: int = phase) -> _Ways:
+                return [([], self.stopping(section, phase, own, number))]
+
+            for inside in self.in_strands(section, phase, event):
+                if inside.put is not None:
+                    yield inside
+                    continue
+                for outer in handled(self.active(section, phase), whole, of):
+                    if self.possible(both := inside.beside(outer)):
+                        yield both
+
+    def in_strands(self, section: ParallelSection, phase: int, event: str) -> list[Position]:
+        """Where those branches, or what runs while a block pauses, may be that handle an event somewhere."""
         handling = [
-            list(self.inside(section, branch).in_branch(section, branch, event))
-            for branch in section.branches
-            if any(e == event for inner in branch.graph.sections for e in events_of(inner))
+            [*strand.level.every_position(event), *(Position((end,)) for end in strand.ended)]
+            for strand in self.strands(section, phase)
+            if any(e == event for inner in strand.level.graph.sections for e in events_of(inner))
         ]
         positions_so_far = [Position(())]
         for number, positions in enumerate(handling, 1):
@@ -117,25 +128,46 @@ class Interrupting(Level):
         values = [name.partition("=")[0] for kind, name in roles if kind == "fact"]
         return len(set(values)) == len(values)
 
-    def in_branch(self, section: ParallelSection, branch: Branch, event: str) -> Iterator[Position]:
-        """Positions of this graph, that of a branch of a section, its ends among them."""
+    def every_position(self, event: str) -> Iterator[Position]:
+        """Positions of this graph."""
         for inner in self.graph.sections:
             yield from self.positions(inner, event)
-        for place in dict.fromkeys(end[-1] for end in Leaving(self.canvas, section).ends(branch)):
-            yield Position((place,))
+
+    # --- what stops and goes on ---
+
+    def strands(self, section: ParallelSection, phase: int) -> list[Strand[Interrupting]]:
+        """The branches of a block; of a later phase that alone which runs while the block pauses."""
+        if phase:
+            return [Strand(self.meanwhile(section, phase), [], partial(self.of_phase, section, phase))]
+        leaving = Leaving(self.canvas, section)
+        return [
+            Strand(self.inside(section, branch), leaving.ends(branch), partial(self.of_branch, branch))
+            for branch in section.branches
+        ]
+
+    def of_phase(self, section: ParallelSection, phase: int, word: str) -> str:
+        """A place of a phase of a block."""
+        return self.of(section, f"{word}_meanwhile{phase}" if phase else word)
+
+    def tokens(self, section: ParallelSection, phase: int, word: str) -> list[str]:
+        """The place of this name of each branch, or of what runs while the block pauses."""
+        return [strand.place(word) for strand in self.strands(section, phase)]
+
+    def stopping(self, section: ParallelSection, phase: int, own: Interruption, number: int) -> list[str]:
+        """The places that an event marks which interrupts a block as a whole."""
+        if own.pauses is not None:
+            pausing = self.of(section, f"pausing{phase}for{own.pauses + 1}")
+            return [pausing, *self.tokens(section, phase, "pause")]
+        word = f"meanwhile{phase}" if phase else "on"
+        return [self.of(section, called(own.event, number, word)), *self.tokens(section, phase, "halt")]
 
     def halt(self, pen: Pen, section: ParallelSection) -> None:
         """Halts every branch, wherever it is, then goes on to what the event, or the abort, leads to."""
-        number = 0
-        for branch in section.branches:
-            halt = pen.place("halt", of=("objective", branch.name))
-            pen.place("halted", of=("objective", branch.name))
-            ways = self.inside(section, branch).halting(section, branch)
-            for taken, put in ways:
-                number += 1
-                pen.transition(f"halt{number}", [halt, *taken], put, rank=self.first)
-        all_halted = [self.of_branch(branch, "halted") for branch in section.branches]
+        self.each(pen, section, 0, "halt")
+        all_halted = self.tokens(section, 0, "halted")
         for number, interruption in section.numbered:
+            if interruption.pauses is not None:
+                continue
             place = pen.place(called(interruption.event, number))
             left = called(interruption.event, number, "left")
             leading = self.ways(section, interruption.target, interruption.cases, {})
@@ -147,23 +179,84 @@ class Interrupting(Level):
         if self.around.halted:
             place = pen.place("halting")
             pen.transition("halted", [place, *all_halted], [self.around.halted], rank=self.first)
+        if section.shelters or self.around.pauses:
+            Pausing(self, pen, section).draw()
 
-    def halting(self, section: ParallelSection, branch: Branch) -> Iterator[tuple[list[str], list[str]]]:
+    def each(self, pen: Pen, section: ParallelSection, phase: int, word: str) -> None:
+        """Draws how the branches, or what runs while the block pauses, are halted, resumed and so on."""
+        number = 0
+        for strand in self.strands(section, phase):
+            token = pen.own(strand.place(word))
+            if word == "halt":
+                pen.own(strand.place("halted"))
+            for taken, put, read in getattr(strand.level, f"to_{word}")(strand):
+                number += 1
+                part = f"{word}{number}" + (f"of{phase}" if phase else "")
+                pen.transition(part, [token, *taken], put, read=[*read], rank=self.first)
+
+    def to_halt(self, strand: Strand[Interrupting]) -> Iterator[Shift]:
         """By position of this graph, that of a branch, the places that are taken and those that are put."""
-        halted = self.of_branch(branch, "halted")
+        halted = strand.place("halted")
         for inner in self.graph.sections:
             if self.gated(inner):
-                yield [self.of(inner, "enter")], [halted]
+                yield Shift([self.of(inner, "enter")], [halted])
             if isinstance(inner, ElementarySection):
                 if inner.setting("start"):
-                    yield [self.of(inner, "starts")], [halted]
-                yield [self.of(inner)], [*self.stops(inner), halted]
-            else:
-                yield (
-                    [self.of(inner, "running")],
-                    [self.of(inner, "halting"), *(self.of_branch(b, "halt") for b in inner.branches)],
-                )
-        for end in Leaving(self.canvas, section).ends(branch):
-            yield list(end), [halted]
-        if branch.graph.aborts:
-            yield [self.of_branch(branch, "abort")], [halted]
+                    yield Shift([self.of(inner, "starts")], [halted])
+                yield Shift([self.of(inner)], [*self.stops(inner), halted])
+                continue
+            for phase in range(len(inner.shelters) + 1):
+                halting = [self.of_phase(inner, phase, "halting"), *self.tokens(inner, phase, "halt")]
+                yield Shift([self.active(inner, phase)], halting)
+        for end in strand.ends:
+            yield Shift(list(end), [halted])
+        if self.graph.aborts and strand.ends:
+            yield Shift([strand.place("abort")], [halted])
+
+    def to_pause(self, strand: Strand[Interrupting]) -> Iterator[Shift]:
+        """The same where the graph goes on later: each position is noted."""
+        halted = strand.place("halted")
+        for inner in self.graph.sections:
+            if isinstance(inner, ElementarySection):
+                paused = self.of(inner, "paused")
+                if self.gated(inner):
+                    yield Shift([self.of(inner, "enter")], [paused, halted])
+                yield Shift([self.of(inner)], [*self.stops(inner), paused, halted])
+                continue
+            for phase in range(len(inner.shelters) + 1):
+                pausing = [self.of_phase(inner, phase, "pausing"), *self.tokens(inner, phase, "pause")]
+                yield Shift([self.active(inner, phase)], pausing)
+        for end in strand.ended:
+            yield Shift([], [halted], [end])
+
+    def to_resume(self, strand: Strand[Interrupting]) -> Iterator[Shift]:
+        """By noted position, how the graph goes on: its objective is entered again."""
+        for inner in self.graph.sections:
+            if isinstance(inner, ElementarySection):
+                yield Shift([self.of(inner, "paused")], self.enter(inner.name))
+                continue
+            for phase in range(len(inner.shelters) + 1):
+                yield Shift([self.of_phase(inner, phase, "paused")], self.going_on(inner, phase))
+        for end in strand.ended:
+            yield Shift([], [], [end])
+
+    def to_drop(self, strand: Strand[Interrupting]) -> Iterator[Shift]:
+        """By noted position, how it is given up."""
+        halted = strand.place("halted")
+        for inner in self.graph.sections:
+            if isinstance(inner, ElementarySection):
+                yield Shift([self.of(inner, "paused")], [halted])
+                continue
+            for phase in range(len(inner.shelters) + 1):
+                dropped = [*self.given_up(inner, phase), self.of(inner, "then_halted")]
+                yield Shift([self.of_phase(inner, phase, "paused")], dropped)
+        for end in strand.ends:
+            yield Shift(list(end), [halted])
+
+    def going_on(self, section: ParallelSection, phase: int) -> list[str]:
+        """Places to mark so that a phase of a block that paused goes on."""
+        return [self.active(section, phase), *self.tokens(section, phase, "resume")]
+
+    def given_up(self, section: ParallelSection, phase: int) -> list[str]:
+        """Places to mark so that a phase of a block that paused is given up."""
+        return [self.of_phase(section, phase, "dropping"), *self.tokens(section, phase, "drop")]

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Self
 
+from mcpn.mission.expansion.routes import GO_ON
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.world.decisions import FactCase
@@ -37,6 +38,7 @@ class Level:
         self.exits = exits
         self.around = around or Around()
         self._inside: dict[tuple[str, str], Self] = {}
+        self._meanwhile: dict[tuple[str, int], Self] = {}
         self._entered: dict[str, list[str]] = {}
 
     def inside(self, section: ParallelSection, branch: Branch) -> Self:
@@ -46,11 +48,39 @@ class Level:
             self._inside[known] = self._inside_of(section, branch)
         return self._inside[known]
 
+    def meanwhile(self, section: ParallelSection, number: int) -> Self:
+        """The level of what runs while a block of this graph pauses; one for all who ask.
+
+        Args:
+            section: The block.
+            number: That of the pause, from 1.
+        """
+        known = section.name, number
+        if known not in self._meanwhile:
+            shelter, running = section.shelters[number - 1], self.active(section, number)
+            exits = {exit_: [self.of(section, *exit_.split(), f"{number}")] for exit_, _ in section.away}
+            exits[GO_ON] = [self.of(section, f"over{number}")]
+            around = Around(
+                in_branch=True,
+                eventful=True,
+                running=(*self.around.running, running),
+                halted=self.of(section, f"halted_meanwhile{number}"),
+                pauses=self.around.pauses or any(i.pauses is not None for i in shelter.interruptions),
+            )
+            self._meanwhile[known] = type(self)(self.canvas, shelter.graph, exits, around)
+        return self._meanwhile[known]
+
+    def active(self, section: ParallelSection, phase: int) -> str:
+        """The place that says that the branches of a block run (phase 0), or what runs as it pauses."""
+        return self.of(section, f"meanwhile{phase}" if phase else "running")
+
     def _inside_of(self, section: ParallelSection, branch: Branch) -> Self:
         around = Around(in_branch=True, eventful=self.eventful(section))
         if self.halted(section):
             running = (*self.around.running, self.of(section, "running"))
-            around = replace(around, running=running, halted=self.of_branch(branch, "halted"))
+            pauses = self.around.pauses or bool(section.shelters)
+            halted = self.of_branch(branch, "halted")
+            around = replace(around, running=running, halted=halted, pauses=pauses)
         well, badly = map(list, Leaving(self.canvas, section).ends(branch))
         exits = {SUCCEED: well, FAIL: badly}
         if branch.graph.aborts:

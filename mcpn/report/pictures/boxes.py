@@ -146,9 +146,9 @@ class _Building:
             yield block, found
 
     def leaves(self, block: Block, scope: Scope) -> Iterator[str]:
-        """The names of the elementary objectives in a block that stands in a scope."""
+        """The names of the objectives in a block that stands in a scope, parallel blocks whole."""
         for inner in _expanded(block, scope):
-            if isinstance(block, Objective):
+            if isinstance(block, Objective | Parallel):
                 yield inner.name(block)
                 continue
             children: tuple[Block, ...]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 
+from mcpn.mission.expansion.routes import GO_ON, Interruption
 from mcpn.mission.graph import TIMED_OUT, ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.world.decisions import FactCase
@@ -56,7 +57,7 @@ class _Drawn:
         self.reached: set[str] = set()
 
     def level(self, graph: ObjectivesGraph, exits: Mapping[str, str], cluster: str | None) -> None:
-        """Draws the sections of one graph and their routes."""
+        """Draws the sections of one graph and their routes; exits lead to nodes, or to the ends by name."""
         for section in graph.sections:
             if isinstance(section, ElementarySection):
                 told = self.notes.get(section.name)
@@ -66,14 +67,14 @@ class _Drawn:
                 )
             else:
                 self._block(section, cluster)
+                self._meanwhile(section, graph, exits)
             for route, lines, kind in _routes(section):
-                if route in ENDS:
-                    target = exits[route] or route
+                target = self._target(graph, exits, route)
+                if route in exits:
                     self.reached.add(target)
-                else:
-                    target = self.first(graph, route)
                 said = lines if kind == "event" else (kind, *lines)
-                title = f"{section.name}: {', '.join(said)} leads to {ENDS.get(route, route)}"
+                to = ENDS.get(route, target if route in exits else route)
+                title = f"{section.name}: {', '.join(said)} leads to {to}"
                 self.edges.append(Arrow(self.last(section), target, kind, lines, title))
 
     def gather(self) -> None:
@@ -106,6 +107,30 @@ class _Drawn:
             self.edges.append(Arrow(fork, self.first(branch.graph), "arc", word, f"{branch.name} begins"))
             self.level(branch.graph, dict.fromkeys(ENDS, join), key)
 
+    def _meanwhile(self, section: ParallelSection, graph: ObjectivesGraph, exits: Mapping[str, str]) -> None:
+        """What runs while a parallel block pauses, in its frame; it leads back to where the block begins."""
+        inside, last = f"block {section.name}", self.last(section)
+        leading = {exit_: self._target(graph, exits, to) for exit_, to in section.away}
+        self.reached.update(leading.values())
+        first = [self.first(shelter.graph) for shelter in section.shelters]
+        for of, begin in zip((section, *section.shelters), (last, *first), strict=True):
+            for i in of.interruptions:
+                word, to = _on(i), None if i.pauses is None else first[i.pauses]
+                if to is not None:
+                    title = f"{section.name}: {word} runs {to}, then goes on"
+                    self.edges.append(Arrow(begin, to, "event", (word,), title))
+        for shelter, begin in zip(section.shelters, first, strict=True):
+            for i in shelter.interruptions:
+                for route, lines, kind in _by_facts(i.target, i.cases, (_on(i),), "event"):
+                    if i.pauses is None:
+                        title = f"{begin}: {', '.join(lines)} leads to {leading[route]}"
+                        self.edges.append(Arrow(begin, leading[route], kind, lines, title))
+            self.level(shelter.graph, {GO_ON: f"fork {section.name}", **leading}, inside)
+
+    def _target(self, graph: ObjectivesGraph, exits: Mapping[str, str], route: str) -> str:
+        """The node that a route of a graph leads to."""
+        return exits[route] or route if route in exits else self.first(graph, route)
+
     def first(self, graph: ObjectivesGraph, name: str | None = None) -> str:
         """The node at which a section begins."""
         section = graph.section(name or graph.entry)
@@ -119,12 +144,20 @@ class _Drawn:
 
 def _routes(section: Section) -> Iterator[tuple[str, tuple[str, ...], str]]:
     """Where a section may lead, with what stands beside the arrow, and of which kind that is."""
+    meanwhile = dict(section.away) if isinstance(section, ParallelSection) else {}
     for outcome, route in section.outcomes:
+        if outcome in meanwhile:
+            continue  # what runs meanwhile leads there by itself
         lines, kind = ((outcome,), "event") if outcome in ("abort", TIMED_OUT) else ((), outcome)
         yield from _by_facts(route, section.cases_of(outcome), lines, kind)
     for interruption in section.interruptions:
-        word = f"on {interruption.event}" + (" once" if interruption.once else "")
-        yield from _by_facts(interruption.target, interruption.cases, (word,), "event")
+        if interruption.pauses is None:
+            lines = (_on(interruption),)
+            yield from _by_facts(interruption.target, interruption.cases, lines, "event")
+
+
+def _on(interruption: Interruption) -> str:
+    return f"on {interruption.event}" + (" once" if interruption.once else "")
 
 
 def _by_facts(

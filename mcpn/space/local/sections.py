@@ -8,13 +8,14 @@ from functools import cache, cached_property
 from typing import Literal, TypeVar, get_args
 
 from mcpn._kernel import Zdd
+from mcpn.mission.expansion.routes import routes_of
 from mcpn.mission.flatten import ObjectivesGraph, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 from mcpn.net.mortal import mortal
 from mcpn.net.petri import NetBuilder, Provenance
-from mcpn.net.sections import Element, LocalPart, Used, routes_of
+from mcpn.net.sections import Element, LocalPart, Used
 from mcpn.net.templates import TemplateSet
 from mcpn.space.diagrams.encoding import Levels
 from mcpn.space.images import Bit
