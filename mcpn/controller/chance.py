@@ -27,6 +27,9 @@ def likelihood(mission_net: MissionNet) -> Likelihood:
         given[What.OUT_OF_SERVICE, hardware.name] = hardware.failure_rate
         given[What.LOST, hardware.name] = hardware.failure_rate
         given[What.REPAIRED, hardware.name] = hardware.repair_rate
+    for activity in mission.activities:
+        for name in activity.detects:
+            given[What.DETECTED, name] = activity.detection_rate
     for event in mission.events:
         given[What.DECLARED, event.name] = event.rate
     for section in mission_net.graph.walk():

@@ -220,3 +220,83 @@ def test_a_snapshot_of_another_is_refused(folder: Path) -> None:
     assert found.returncode == 2
     assert "at.json: the snapshot is not whole" in found.stderr
     assert numbers(folder) == []
+
+
+PHOTO = """<mission name="photo" xmlns="urn:mcpn:mission:1">
+  <robot name="drone">
+    <hardware name="camera" detected="late"/>
+    <hardware name="sonar"/>
+    <activity name="look">
+      <alternative name="by_eye" consumes="camera"/>
+      <alternative name="by_ear" consumes="sonar"/>
+    </activity>
+    {test}
+  </robot>
+  {check}
+  <objective name="search" activities="look" retries="1" {timeout}>
+    <parameter name="honest" value="{honest}"/>
+  </objective>
+</mission>
+"""
+TEST = '<activity name="self_test" consumes="" detects="camera"/>'
+CHECK = '<objective name="check" activities="self_test"/>'
+SENSES = """
+def test(call):
+    call.say("dark")
+    call.say("seen")
+    return True
+
+def eye(call):
+    call.say("dark")
+    return call.parameters.get("honest") != "true"
+
+def ear(call):
+    return True
+"""
+LOOKING = """
+never = ["sonar_EV_*", "camera_EV_RD"]
+[activities.look.alternatives.by_eye]
+python = "senses:eye"
+lines = { "dark" = "camera_EV_OOS" }
+ends = { true = "success", other = "failure" }
+[activities.look.alternatives.by_ear]
+python = "senses:ear"
+ends = { true = "success", other = "failure" }
+"""
+TESTING = """
+[activities.self_test]
+python = "senses:test"
+lines = { "dark" = "camera_EV_OOS", "seen" = "camera_EV_DETECTED" }
+ends = { true = "success", other = "failure" }
+"""
+
+
+@pytest.mark.parametrize(
+    ("mission", "learnt"),
+    [
+        (
+            PHOTO.format(test=TEST, check=CHECK, timeout="", honest=""),
+            ["camera_EV_OOS", "camera_EV_DETECTED", "OBJ_check_EV_OK", "OBJ_search_try1_EV_OK"],
+        ),
+        (
+            PHOTO.format(test="", check="", timeout="", honest="true"),
+            ["camera_EV_OOS", "OBJ_search_try1_EV_FAIL", "OBJ_search_try2_EV_OK"],
+        ),
+        # A success that cannot be is kept, until the time is over.
+        (
+            PHOTO.format(test="", check="", timeout='timeout="0.3"', honest=""),
+            ["camera_EV_OOS", "OBJ_search_try1_EV_TIMEOUT", "OBJ_search_try2_EV_OK"],
+        ),
+    ],
+)
+def test_a_driver_learns_of_a_loss_that_is_detected_late(
+    mission: str, learnt: list[str], tmp_path: Path
+) -> None:
+    (tmp_path / "mission.xml").write_text(mission)
+    (tmp_path / "senses.py").write_text(SENSES)
+    (tmp_path / "drivers.toml").write_text(LOOKING + TESTING * ("self_test" in mission))
+    log = tmp_path / "log.jsonl"
+    found = output("run", tmp_path / "mission.xml", "--drivers", tmp_path / "drivers.toml", "--journal", log)
+    assert (found["outcome"], found["refused"]) == ("success", 0)
+    events = [json.loads(line)["event"] for line in log.read_text().splitlines()]
+    assert events == ["MISSION_EV_START", *learnt]
