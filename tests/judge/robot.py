@@ -1,16 +1,17 @@
 """The robot's activities: which alternatives run, what waits, what is refused, and how they react.
 
-Made from the language page alone. A *reaction* runs until nothing moves. First comes what nobody decides: who
-is in error gives up its alternative, who evaluates passes over alternatives that need hardware out of service
-and takes what it alone can want, producers that are needed begin, who has all that it needs runs. Then those
-take something that several may want, in any order: where two orders end differently the outcome is not
-determined. Last, producers that nobody needs stop.
+Made from the language page alone. A *reaction* runs until nothing moves. First, who evaluates passes over
+alternatives that need hardware out of service and takes what it alone can want, producers that are needed
+begin, who has all that it needs runs. Then who is in error gives its alternative up, suppliers before
+consumers: a producer without a possible alternative tells all who have asked, and is idle. At any time
+those who evaluate may take something that several may want, in any order: where two orders end differently
+the outcome is not determined. Last, producers that nobody needs stop.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cache
@@ -48,6 +49,7 @@ class Activities:
         out: Hardware out of service.
         facts: The value of every fact.
         suspected: Hardware that is found to be out of service when who has it lets it go.
+        told: Who has been told that a producer is refused, with the producer, and has not given up yet.
     """
 
     at: Mapping[str, At]
@@ -55,15 +57,18 @@ class Activities:
     out: frozenset[str]
     facts: Facts = frozenset()
     suspected: frozenset[str] = frozenset()
+    told: frozenset[tuple[str, str]] = frozenset()
 
     def but(self, changes: Mapping[str, At | None]) -> Activities:
         """The same with some activities elsewhere; ``None`` for idle."""
         at = {**self.at, **changes}
-        return replace(self, at={name: where for name, where in at.items() if where is not None})
+        told = frozenset(pair for pair in self.told if pair[0] not in changes)
+        return replace(self, at={name: where for name, where in at.items() if where is not None}, told=told)
 
     def key(self) -> tuple[object, ...]:
         """What tells two moments apart."""
-        return frozenset(self.at.items()), frozenset(self.wanted), self.out, self.facts, self.suspected
+        at, wanted = frozenset(self.at.items()), frozenset(self.wanted)
+        return at, wanted, self.out, self.facts, self.suspected, self.told
 
 
 def so(facts: Facts, words: Iterable[str]) -> bool:
@@ -94,6 +99,18 @@ class Robot:
             k for a in declared for k in {k for way in a.alternatives for k in way.consumes}
         )
         self.possible = cache(self._possible)
+        self.levels = [*self._levels()]
+
+    def _levels(self) -> Iterator[frozenset[str]]:
+        """All activities, suppliers before consumers: each of a level consumes of those before alone."""
+        under: dict[str, set[str]] = {name: set() for name in self.activities}
+        for name, activity in self.activities.items():
+            consumed = {k for way in activity.alternatives for k in way.consumes}
+            under[name] = {self.producer[k] for k in consumed if k in self.producer}
+        while under:
+            level = frozenset(name for name, suppliers in under.items() if suppliers.isdisjoint(under))
+            yield level
+            under = {name: suppliers for name, suppliers in under.items() if name not in level}
 
     def way(self, name: str, at: At) -> Alternative:
         """The alternative that an activity tries, asks for or runs."""
@@ -128,30 +145,53 @@ class Robot:
 
     def move(self, now: Activities) -> list[Activities]:
         """What may happen next: one thing, several where the order is open, none at the end."""
-        certain = next(filter(None, (self.errors(now), self.evaluation(now), self.returns(now))), None)
-        if certain:
+        if certain := self.evaluation(now):
             return [now.but(certain)]
-        if alone := self.alone(now):
+        chosen = [*self.takes(now)]
+        if (handled := self.handled(now)) is not None:
+            return [handled, *chosen]
+        if alone := None if chosen else self.alone(now):
             return [alone]
-        if chosen := [*self.takes(now), *self.begins(now)]:
+        if chosen := [*chosen, *self.begins(now)]:
             return chosen
         idle = self.needless(now)
         return [now.but(dict.fromkeys(idle))] if idle else []
 
+    def handled(self, now: Activities) -> Activities | None:
+        """The next thing that is done about an error, or for the sake of a better alternative."""
+        decided = frozenset[str]()
+        for level in self.levels:
+            decided |= level
+            if certain := {**self.returns(now, level), **self.errors(now, level)}:
+                return now.but(certain)
+            if refused := [n for n in level if now.at.get(n) == REFUSED and self.activities[n].produces]:
+                return self.tells(now, refused)
+            if certain := self.answers(now, decided):
+                return now.but(certain)
+        return None
+
     # --- what nobody decides -------------------------------------------------------------------------
 
-    def errors(self, now: Activities) -> dict[str, At | None]:
+    def errors(self, now: Activities, level: frozenset[str]) -> dict[str, At | None]:
         """Who runs and loses a resource tries all again; who still asks tries the next alternative."""
         found: dict[str, At | None] = {}
         for name, consumes in self.holding(now):
-            lost = not self.allowed(name, now.at[name][1], now.facts, now.out)
-            if lost or any(self.failed(now, k) for k in consumes):
+            if name in level and self.in_error(now, name, consumes):
                 doing, rank = now.at[name]
                 found[name] = FROM_THE_FIRST if doing is Doing.RUNS else (Doing.TRIES, rank + 1)
-        if not found:  # then nobody stands on a producer that was refused: it is idle again
-            refused = (name for name, at in now.at.items() if at == REFUSED)
-            return dict.fromkeys(name for name in refused if self.activities[name].produces)
         return found
+
+    def in_error(self, now: Activities, name: str, consumes: Iterable[str]) -> bool:
+        """Whether an activity cannot go on in its alternative."""
+        if any(told == name for told, _ in now.told) or not self.unusable(now.out).isdisjoint(consumes):
+            return True
+        return not self.allowed(name, now.at[name][1], now.facts, now.out)
+
+    def tells(self, now: Activities, refused: Collection[str]) -> Activities:
+        """Producers that are refused tell all who have asked, or have what they produce, and are idle."""
+        every = {(who, self.producer.get(k, "")) for who, consumes in self.holding(now) for k in consumes}
+        now = now.but(dict.fromkeys(refused))
+        return replace(now, told=now.told | {pair for pair in every if pair[1] in refused})
 
     def allowed(self, name: str, rank: int, facts: Facts, out: frozenset[str] = frozenset()) -> bool:
         """Whether facts are as an alternative requires, and it has not crashed."""
@@ -171,38 +211,46 @@ class Robot:
         """Hardware that is out of service, by itself or by a fault."""
         return out.union(*(affected for fault, affected in self.faults.items() if fault in out))
 
-    def failed(self, now: Activities, resource: str) -> bool:
-        """Whether a resource that somebody holds is in error."""
-        return resource in self.unusable(now.out) or now.at.get(self.producer.get(resource, "")) == REFUSED
-
     def evaluation(self, now: Activities) -> dict[str, At | None]:
         """The steps of evaluation that no other activity has a part in."""
         found: dict[str, At | None] = {p: FROM_THE_FIRST for p in self.needed(now) if p not in now.at}
+        held = {k for _, consumes in self.holding(now) for k in consumes}  # known to be out when given up
         for name, (doing, rank) in now.at.items():
             activity = self.activities[name]
             if doing is Doing.TRIES and rank == len(activity.alternatives):
                 found[name] = REFUSED
             elif doing is Doing.TRIES:
                 consumes = activity.alternatives[rank].consumes
-                usable = self.unusable(now.out).isdisjoint(consumes)
-                if not (usable and self.allowed(name, rank, now.facts, now.out)):
+                lost = self.unusable(now.out).intersection(consumes)
+                if lost - held or not self.allowed(name, rank, now.facts, now.out):
                     found[name] = (Doing.TRIES, rank + 1)
-                elif not any(map(self.contended, consumes)):
+                elif not lost and not any(map(self.contended, consumes)):
                     found[name] = (Doing.ASKS, rank)
-            elif doing is Doing.ASKS:
-                producers = {
-                    self.producer[k] for k in self.way(name, now.at[name]).consumes if k in self.producer
-                }
-                if all(now.at.get(p, REFUSED)[0] is Doing.RUNS for p in producers):
-                    found[name] = (Doing.RUNS, rank)
+            elif doing is Doing.ASKS and not self.asked(name, rank):
+                found[name] = (Doing.RUNS, rank)
         return found
 
-    def returns(self, now: Activities) -> dict[str, At | None]:
+    def answers(self, now: Activities, level: frozenset[str]) -> dict[str, At | None]:
+        """Who asks runs when all producers do that it asks, of whom some are of a level."""
+        found: dict[str, At | None] = {}
+        for name, (doing, rank) in now.at.items():
+            asked = self.asked(name, rank) if doing is Doing.ASKS else set[str]()
+            runs = all(now.at.get(p, REFUSED)[0] is Doing.RUNS for p in asked)
+            if runs and asked & level and not self.in_error(now, name, self.way(name, now.at[name]).consumes):
+                found[name] = (Doing.RUNS, rank)
+        return found
+
+    def asked(self, name: str, rank: int) -> set[str]:
+        """The producers of what an alternative consumes."""
+        consumes = self.activities[name].alternatives[rank].consumes
+        return {self.producer[k] for k in consumes if k in self.producer}
+
+    def returns(self, now: Activities, level: frozenset[str]) -> dict[str, At | None]:
         """Who switches back and has a better alternative that is possible again."""
         return {
             name: FROM_THE_FIRST
             for name, (doing, rank) in now.at.items()
-            if doing is Doing.RUNS and self.activities[name].switch_back
+            if name in level and doing is Doing.RUNS and self.activities[name].switch_back
             if any(self.possible(name, better, now.out, now.facts) for better in range(rank))
         }
 
@@ -218,6 +266,7 @@ class Robot:
     def takes(self, now: Activities) -> Iterator[Activities]:
         """One of those that evaluate takes what several may want and nobody has."""
         held = {k for _, consumes in self.holding(now) for k in consumes if self.contended(k)}
+        held |= self.unusable(now.out)
         for name, at in now.at.items():
             if at[0] is Doing.TRIES and held.isdisjoint(self.way(name, at).consumes):
                 yield now.but({name: (Doing.ASKS, at[1])})
@@ -247,7 +296,13 @@ class Robot:
 
     def needed(self, now: Activities) -> set[str]:
         """Producers of what somebody has or asks for."""
-        return {self.producer[k] for _, consumes in self.holding(now) for k in consumes if k in self.producer}
+        every = {
+            (who, self.producer[k])
+            for who, consumes in self.holding(now)
+            for k in consumes
+            if k in self.producer
+        }
+        return {producer for _, producer in every - now.told}
 
     def needless(self, now: Activities) -> list[str]:
         """Producers that are not idle though nobody needs what they produce."""
