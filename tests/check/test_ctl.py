@@ -140,7 +140,7 @@ def check_witness(mission_net: MissionNet, evaluation: Evaluation[Any], core: Fo
 
 
 @fewer(0.4)
-@given(missions(), st.data())
+@given(missions() | missions(late=True, sections=6), st.data())
 def test_spaces_agree_on_both_graphs_of_missions(mission: Mission, data: st.DataObject) -> None:
     mission_net = compose(mission)
     net = mission_net.net

@@ -355,7 +355,9 @@ def test_cut_sets_are_those_of_brute_force(mission: Mission, engine: Engine) -> 
         confirm(Asked(found, engine))
 
 
-ABORTING = missions(max_sections=5, max_hardware=2, max_producers=1, aborts=6, early=2)
+ABORTING = missions(max_sections=5, max_hardware=2, max_producers=1, aborts=6, early=2) | missions(
+    max_sections=5, max_hardware=2, max_producers=1, aborts=6, early=2, late=True
+)
 
 
 @fewer(0.6)

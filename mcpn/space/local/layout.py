@@ -85,16 +85,14 @@ class Layout:
         self.first_slot = end = places
         self.slots: dict[Element, range] = {}
         self.late = tuple(h.name for h in mission_net.mission.late)
-        every = (
-            ("hardware", self.hardware),
-            ("once", self.once),
-            ("fact", self.flags),
-            ("known", self.late),
-        )
-        for kind, names in every:
-            for name in names:
-                begin, end = end, end + len(self.said[kind])
-                self.slots[kind, name] = range(begin, end)
+        # What is said of one resource stands together: apart it makes diagrams large.
+        pairs = ((kind, name) for name in self.hardware for kind in ("hardware", "known"))
+        elements = [(kind, name) for kind, name in pairs if kind != "known" or name in self.late]
+        elements += [("once", name) for name in self.once]
+        elements += [("fact", flag) for flag in self.flags]
+        for kind, name in elements:
+            begin, end = end, end + len(self.said[kind])
+            self.slots[kind, name] = range(begin, end)
         self.store = Store(end, DEFAULT_MEMORY)
 
     @cached_property

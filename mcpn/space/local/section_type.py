@@ -182,7 +182,8 @@ class SectionType:
     def to_slots(self, states: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:
         """Projects states before the entry, or after an exit, to the status of all elements, in slots."""
         status, event = states.subset(unmarked=own), self.layout.store.event
-        for slot, (lost, gained) in zip(own, self._changing, strict=True):
+        for number, lost, gained in self._changing:
+            slot = own[number]
             status = status.images([event(gained, [slot, *lost])]) | status.subset(lost, gained)
         return status.images([event(self._idle(exit_), [])])
 
@@ -191,7 +192,8 @@ class SectionType:
         """The inverse of :meth:`to_slots`: the states before the entry, or after an exit, of a status."""
         event = self.layout.store.event
         states = status.images([event([], self._idle(exit_))])
-        for slot, (lost, gained) in zip(own, self._changing, strict=True):
+        for number, lost, gained in self._changing:
+            slot = own[number]
             states = states.images([event([slot, *lost], gained)]) | states.subset(unmarked=[slot])
         return self.layout.opened(states, own)
 
@@ -203,14 +205,20 @@ class SectionType:
         return self.encoding.marked_levels(marking)
 
     @cached_property
-    def _changing(self) -> list[tuple[list[int], list[int]]]:
-        """By own slot, levels of an idle state: those marked where the slot is not, and those where it is."""
+    def _changing(self) -> list[tuple[int, list[int], list[int]]]:
+        """Own slots by number, each with levels of an idle state: marked where it is not, and where it is.
+
+        What is said of one resource comes together: where half of it is handed on, sets have large diagrams.
+        """
         slots = ((e, number) for e in self.carried for number in range(len(self.layout.slots[e])))
         changes = {slot: (set[int](), set[int]()) for slot in slots}
         for place, (element, number, reverse) in idle_places(self.net).items():
             level, opposite = self.encoding.bit(place)
             changes[element, number][reverse == opposite].add(level)
-        return [(sorted(lost), sorted(gained)) for lost, gained in changes.values()]
+        first = {name: i for i, ((kind, name), _) in enumerate(changes) if kind == "hardware"}
+        at = [first[name] if kind == "known" else i for i, ((kind, name), _) in enumerate(changes)]
+        found = [(i, sorted(lost), sorted(gained)) for i, (lost, gained) in enumerate(changes.values())]
+        return sorted(found, key=lambda each: at[each[0]])
 
     def check_premise(self, section: str, explored: Explored) -> None:
         """Checks on its local markings that a section hands on the status of its elements and nothing else.
@@ -225,7 +233,8 @@ class SectionType:
             if violation is not None:
                 state = [level for level in violation if level < self.layout.first_slot]
                 levels = {*state} ^ {*self._idle(exit_)}
-                levels = levels.difference(*chain(*self._changing)) or levels
+                status = chain.from_iterable(changing for _, *changing in self._changing)
+                levels = levels.difference(*status) or levels
                 space = explored.alternatives()
                 run = space.run(space.initial.pick() or (), space.single(state)) or []
                 events = [str(self.net.net.transitions[edge.transition].event) for edge in run]

@@ -32,7 +32,7 @@ from tests.draws import fewer
 
 
 @fewer(0.6)
-@given(missions(max_sections=4), st.data())
+@given(missions(max_sections=4) | missions(max_sections=4, late=True), st.data())
 def test_every_engine_and_tableaux_agree_on_missions(mission: Mission, data: st.DataObject) -> None:
     mission_net = compose(mission)
     net = mission_net.net
