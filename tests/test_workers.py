@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import signal
 import sys
 import threading
 import time
@@ -21,6 +19,7 @@ from mcpn.space.local.composing import composite_space
 from mcpn.workers import executor_of
 from tests.commands import mcpn, output
 from tests.conftest import ROOT
+from tests.dying import die
 
 ULYSSE = ROOT / "experiments" / "ulysse" / "mission.xml"
 COMMANDS = (
@@ -36,10 +35,6 @@ def asking(command: list[str], folder: Path) -> list[object]:
     name, *rest = (part.format(folder=folder) for part in command)
     named = [] if name == "controller" else ["--engine", "local"]
     return [name, ULYSSE, *rest, *named]
-
-
-def die(*_: object) -> None:
-    os.kill(os.getpid(), signal.SIGKILL)
 
 
 @pytest.fixture(scope="module")

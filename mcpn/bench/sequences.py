@@ -56,11 +56,11 @@ def sequences(tables: Tables, most: int = MOST_PLACES) -> Sequences:
     Raises:
         LimitError: There are more.
     """
-    places, taken = Places(tables), set[tuple[str, int, str]]()
+    places, taken, done = Places(tables), set[tuple[str, int, str]](), set[ControllerPlace]()
     found: list[tuple[Expected, ...]] = []
     while True:
         place, steps = places.start, list[Expected]()
-        while (way := _way(places, place, taken, most)) is not None:
+        while (way := _way(places, place, taken, done, most)) is not None:
             for event in way:
                 edge = edge_of(tables, place, event)
                 if edge is not None:
@@ -75,9 +75,21 @@ def sequences(tables: Tables, most: int = MOST_PLACES) -> Sequences:
 
 
 def _way(
-    places: Places, start: ControllerPlace, taken: set[tuple[str, int, str]], most: int
+    places: Places,
+    start: ControllerPlace,
+    taken: set[tuple[str, int, str]],
+    done: set[ControllerPlace],
+    most: int,
 ) -> list[str] | None:
-    """A shortest way from a place over an edge that is not taken yet."""
+    """A shortest way from a place over an edge that is not taken yet.
+
+    Args:
+        places: The controller's.
+        start: The place.
+        taken: Edges that are taken.
+        done: Places behind which all edges are taken; those that are found here are added.
+        most: How many places may be looked at.
+    """
     origin: dict[ControllerPlace, tuple[ControllerPlace, str] | None] = {start: None}
     queue = deque([start])
     while queue:
@@ -90,7 +102,7 @@ def _way(
                 return [*_back(origin, place), event]
             step = places.after(place, event)
             assert step is not None, "it is possible"
-            if step[0] not in origin:
+            if step[0] not in origin and step[0] not in done:
                 origin[step[0]] = place, event
                 queue.append(step[0])
         if len(origin) > most:
@@ -98,6 +110,7 @@ def _way(
                 f"more than {most} places of the controller looked at for an edge that is not taken yet: "
                 "the limit was hit"
             )
+    done.update(origin)
     return None
 
 

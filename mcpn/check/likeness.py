@@ -15,7 +15,7 @@ from typing import Any
 
 from mcpn.check.spaces import Spaces
 from mcpn.check.verdicts.modes import situation
-from mcpn.errors import ConfluenceError, LimitError, SemanticsError
+from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event
@@ -268,6 +268,6 @@ def _firings(net: PetriNet, events: tuple[Event, ...]) -> Firings:
         game.fire(possible[0])
         try:
             firings.append(tuple(net.transitions[t].name for t in game.settle()))
-        except LimitError:
+        except (DivergenceError, LimitError):
             break  # internal evolution does not end
     return tuple(firings)

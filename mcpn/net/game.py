@@ -13,7 +13,7 @@
 
 from __future__ import annotations
 
-from mcpn.errors import LimitError
+from mcpn.errors import DivergenceError, LimitError
 from mcpn.net.petri import Marking, PetriNet
 
 MOST_FIRED = 100_000
@@ -84,14 +84,19 @@ class TokenGame:
             The transitions fired.
 
         Raises:
-            LimitError: It did not end; nothing has changed then.
+            DivergenceError: It comes back to a marking, so does not end; nothing has changed then.
+            LimitError: It has not ended; nothing has changed then.
         """
-        before = len(self._past)
+        before, seen = len(self._past), set[Marking]()
         while (enabled := self.enabled) and self.net.transitions[enabled[0]].internal:
-            if len(self._past) - before == MOST_FIRED:
-                for _ in range(MOST_FIRED):
+            fired, again = len(self._past) - before, self.marking in seen
+            if again or fired == MOST_FIRED:
+                for _ in range(fired):
                     self.back()
                 self._undone.clear()
+                if again:
+                    raise DivergenceError(f"internal evolution never ends: firing {fired} comes back")
                 raise LimitError(f"no stable marking after {MOST_FIRED} internal firings: the limit was hit")
+            seen.add(self.marking)
             self.fire(enabled[0])
         return self.run[before:]

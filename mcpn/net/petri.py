@@ -186,7 +186,11 @@ class PetriNet(Drawn):
     def covers(self, marking: Sequence[int], transition: int) -> bool:
         """Whether the marking has the tokens that the transition needs, priorities aside."""
         arcs = self.transitions[transition]
-        return all(marking[p] >= w for p, w in arcs.consume) and all(marking[p] >= w for p, w in arcs.read)
+        for needed in (arcs.consume, arcs.read):
+            for place, weight in needed:
+                if marking[place] < weight:
+                    return False
+        return True
 
     def enabled(self, marking: Sequence[int]) -> list[int]:
         """Indices of the transitions that may fire in the marking, priorities respected.

@@ -122,26 +122,29 @@ def actions_to(inside: Inside, laws: Laws) -> Iterator[Action]:
         inside: What the controller runs.
         laws: What the controller's file says of activities and objectives.
     """
-    every = {name: _consumed(row["alternatives"].values()) for name, row in laws.activities.items()}
-    producers: dict[str, list[str]] = {}
-    for name, row in laws.activities.items():
-        for software in row["produces"]:
-            producers.setdefault(software, []).append(name)
-    for name in reversed(_producers_first(every, producers)):
-        yield Action("stop", name)
-    hardware = [what for consumed in every.values() for what in consumed if what not in producers]
-    for name in dict.fromkeys(hardware):
-        yield Action("release", hardware=name)
+    if laws.idle is None:
+        laws.idle = tuple(_to_idle(laws))
+    yield from laws.idle
     running = {
         name: _consumed([laws.activities[name]["alternatives"][way]]) for name, way in inside.mode.items()
     }
     named = {a: name for name in inside.objectives for a in laws.objectives[name]["activities"]}
-    order = _producers_first(running, producers)
+    order = _producers_first(running, laws.producers)
     for name in order:
         way, objective = inside.mode[name], named.get(name)
         yield Action("select", name, way, None, objective, laws.of(name, way, objective))
     for name in order:
         yield Action("start", name, objective=named.get(name))
+
+
+def _to_idle(laws: Laws) -> Iterator[Action]:
+    """The actions that stop every activity and release all hardware."""
+    every = {name: _consumed(row["alternatives"].values()) for name, row in laws.activities.items()}
+    for name in reversed(_producers_first(every, laws.producers)):
+        yield Action("stop", name)
+    hardware = [what for consumed in every.values() for what in consumed if what not in laws.producers]
+    for name in dict.fromkeys(hardware):
+        yield Action("release", hardware=name)
 
 
 def _consumed(alternatives: Iterable[Mapping[str, list[str]]]) -> list[str]:

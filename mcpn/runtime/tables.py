@@ -216,6 +216,11 @@ class Laws:
         self.activities: Mapping[str, Any] = document["activities"]
         self.objectives: Mapping[str, Any] = document["objectives"]
         self.timeouts = {name: float(s) for name, of in self.objectives.items() if (s := of.get("timeout"))}
+        self.producers: dict[str, list[str]] = {}
+        for name, row in self.activities.items():
+            for software in row["produces"]:
+                self.producers.setdefault(software, []).append(name)
+        self.idle: tuple[Action, ...] | None = None  # actions after which nothing runs, once they are known
 
     def of(self, activity: str | None, alternative: str, objective: str | None) -> tuple[ParameterValue, ...]:
         """Parameters of an alternative: for each name the objective's, else its own, else the activity's."""

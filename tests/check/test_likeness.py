@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -23,36 +24,55 @@ from tests.commands import mcpn, output
 from tests.conftest import ULYSSE
 from tests.kit.faults import FAULTS, HARMLESS, Faulty
 
-State = tuple[int, int]
-"""Of which set, and which."""
-
 
 def rounds(mission: Mission, *sets: TemplateSet) -> int | None:
     """Oracle: after how many events the sets can be told apart, by refining a partition of all states."""
-    onward: dict[State, dict[str, State]] = {}
-    block: dict[State, object] = {}
-    for number, templates in enumerate(sets):
-        spaces = Spaces(compose(mission, templates), templates=templates)
-        graph = spaces.listed()
-        for state in range(graph.states):
-            said = situation(spaces.mission, graph.marking(state))
-            here = number, state
-            onward[here] = {
-                str(graph.net.transitions[t].event): (number, after) for t, after in graph.successors(state)
-            }
-            block[here] = (str(sorted(map(str, vars(said).items()))), tuple(sorted(onward[here])))
+    onward: list[list[int]] = []
+    begins, saying = list[int](), list[object]()
+    for templates in sets:
+        begins.append(begin := len(onward))
+        for said, events, afters in behaviour(mission, templates):
+            saying.append((said, events))
+            onward.append([begin + after for after in afters])
+    known = {said: number for number, said in enumerate(dict.fromkeys(saying))}
+    block = [known[said] for said in saying]
     for passed in range(len(block)):
-        if block[0, 0] != block[1, 0]:
+        if block[begins[0]] != block[begins[1]]:
             return passed
-        named = {of: number for number, of in enumerate(dict.fromkeys(block.values()))}
-        finer: dict[State, object] = {
-            s: (named[block[s]], tuple(named[block[after]] for _, after in sorted(onward[s].items())))
-            for s in block
-        }
-        if len({*finer.values()}) == len(named):
+        finer = [(of, *(block[after] for after in afters)) for of, afters in zip(block, onward, strict=True)]
+        named = {of: number for number, of in enumerate(dict.fromkeys(finer))}
+        if len(named) == len({*block}):
             return None
-        block = finer
+        block = [named[of] for of in finer]
     raise AssertionError("a partition is refined at most as often as there are states")
+
+
+Behaviour = list[tuple[str, tuple[str, ...], list[int]]]
+"""By state what it is, the events that may happen there, sorted, and where each leads."""
+
+
+def behaviour(mission: Mission, templates: TemplateSet) -> Behaviour:
+    """The states of a mission; those of the paper's templates, which all others are held against, once."""
+    if type(templates) is not PaperTemplates:
+        return listed(mission, templates)
+    name = next((name for name, of in MISSIONS.items() if of is mission), None)
+    return listed(mission, templates) if name is None else _of_paper(name)
+
+
+@cache
+def _of_paper(name: str) -> Behaviour:
+    return listed(MISSIONS[name], PaperTemplates())
+
+
+def listed(mission: Mission, templates: TemplateSet) -> Behaviour:
+    spaces = Spaces(compose(mission, templates), templates=templates)
+    graph, found = spaces.listed(), list[tuple[str, tuple[str, ...], list[int]]]()
+    for state in range(graph.states):
+        said = situation(spaces.mission, graph.marking(state))
+        onward = sorted((str(graph.net.transitions[t].event), after) for t, after in graph.successors(state))
+        words = str(sorted(map(str, vars(said).items())))
+        found.append((words, tuple(event for event, _ in onward), [after for _, after in onward]))
+    return found
 
 
 @pytest.mark.parametrize("name", [*FAULTS, *HARMLESS])

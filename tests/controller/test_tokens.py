@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.cli.line import command_line
-from mcpn.errors import InputError, LimitError
+from mcpn.errors import DivergenceError, InputError, LimitError, McpnError
 from mcpn.net import game as module
 from mcpn.net.compose import MissionNet
 from mcpn.net.game import TokenGame
@@ -63,13 +63,23 @@ def test_it_settles_where_the_net_does(ulysse_net: MissionNet) -> None:
         assert game.run[before:] == fired
 
 
-def test_what_does_not_settle_is_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("produced", "error", "said"),
+    [
+        (["p"], DivergenceError, "never ends: firing 1 comes back"),
+        (["p", "more"], LimitError, "no stable marking after 10 internal firings"),
+    ],
+)
+def test_what_does_not_settle_is_an_error(
+    produced: list[str], error: type[McpnError], said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(module, "MOST_FIRED", 10)
     builder = NetBuilder("endless", priorities=True)
     builder.place("p", initial=1)
-    builder.transition("again", consume=["p"], produce=["p"])
+    builder.place("more")
+    builder.transition("again", consume=["p"], produce=produced)
     game = TokenGame(builder.build())
-    with pytest.raises(LimitError, match="no stable marking after 10 internal firings"):
+    with pytest.raises(error, match=said):
         game.settle()
     assert (game.run, game.forward()) == ((), None)
 

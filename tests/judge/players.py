@@ -148,6 +148,7 @@ class OfController:
 
     def __init__(self, mission_net: MissionNet, controller: AnyController) -> None:
         self.runtime = Runtime.from_document(document(controller, mission_net), log=1, clock=lambda: 0.0)
+        self.texts: dict[str, dict[Happening, str]] = {}
         self.start = self.here()
 
     def here(self) -> str:
@@ -159,13 +160,17 @@ class OfController:
         return seen_of(it.state, it.out_of_service, it.unnoticed, it.facts, it.outcome)
 
     def possible(self, at: str) -> set[Happening]:
-        self.runtime.restore(at)
-        return set(map(named, self.runtime.possible))
+        if at not in self.texts:
+            self.runtime.restore(at)
+            texts = self.runtime.possible
+            self.texts[at] = {named(text): text for text in texts}
+            assert len(self.texts[at]) == len(texts), "one text is one event"
+        return set(self.texts[at])
 
     def after(self, at: str, happened: Happening) -> tuple[str, Iterable[Order]]:
+        assert happened in self.possible(at)
         self.runtime.restore(at)
-        (text,) = (t for t in self.runtime.possible if named(t) == happened)
-        actions = self.runtime.handle(text)
+        actions = self.runtime.handle(self.texts[at][happened])
         orders = [
             (a.objective, a.activity or "", a.alternative or "", {p.name: p.value for p in a.parameters})
             for a in actions

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mcpn.cli.play.prompt import Prompt
-from mcpn.errors import LimitError
+from mcpn.errors import DivergenceError, LimitError
 from mcpn.net.game import TokenGame
 from mcpn.report.nets import arcs_in_words, marking_in_words, tokens_of
 from mcpn.report.terminal import plain
@@ -87,7 +87,7 @@ class TokenSession(Prompt):
             case ["settle"]:
                 try:
                     fired = self.game.settle()
-                except LimitError as error:
+                except (DivergenceError, LimitError) as error:
                     return str(error)
                 for transition in fired:
                     self.say(plain(f"    {self._transitions[transition].name}"))

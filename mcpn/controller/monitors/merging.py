@@ -46,17 +46,18 @@ def merged(values: Sequence[Value], moves: Sequence[Moves]) -> tuple[list[Value]
 
 def _blocks(values: Sequence[Value], moves: Sequence[Moves]) -> tuple[list[Value], list[Moves]]:
     """The machine with bisimilar states merged (Moore 1956), in the order of their first states."""
-    known: dict[Value, int] = {}
-    blocks = [known.setdefault(value, len(known)) for value in values]
+    targets = [[of[event] for event in sorted(of)] for of in moves]
+    known: dict[object, int] = {}
+    blocks = [
+        known.setdefault((value, tuple(sorted(of))), len(known))
+        for value, of in zip(values, moves, strict=True)
+    ]
     count = 0
-    while count != len(set(blocks)):
-        count = len(set(blocks))
-        numbers: dict[object, int] = {}
+    while count != len(known):
+        count, known = len(known), {}
         blocks = [
-            numbers.setdefault(
-                (block, frozenset((event, blocks[to]) for event, to in of.items())), len(numbers)
-            )
-            for block, of in zip(blocks, moves, strict=True)
+            known.setdefault((block, tuple([blocks[to] for to in of])), len(known))
+            for block, of in zip(blocks, targets, strict=True)
         ]
     first: dict[int, int] = {}
     for q, block in enumerate(blocks):
