@@ -19,7 +19,6 @@ from mcpn.check.logic.formulas import EG, EU, EX, Justice, is_temporal
 from mcpn.check.logic.names import Names
 from mcpn.check.logic.writing import show
 from mcpn.check.ltl.formulas import SomePath
-from mcpn.net.formats.tina import quote
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.algebra import Edge, S
 from mcpn.space.run import Run, transitions_of
@@ -323,6 +322,8 @@ def scenario(witness: Witness) -> str:
         The name of a transition a line, in braces where it holds anything but letters, digits, ``_`` and
         ``'``; a comment after ``#`` says where a cycle begins.
     """
+    from mcpn.net.formats.tina import quote
+
     lines = [quote(witness.space.net.transitions[t].name) for t in witness.firings]
     if witness.cycle_firing is not None:
         lines.insert(witness.cycle_firing, "# from here on for ever")
