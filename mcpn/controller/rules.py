@@ -54,17 +54,15 @@ def big_steps(type_: SectionType, section: str) -> Mapping[int, bytes | None]:
     Raises:
         LimitError: It has none.
     """
-    if type_.steps is None:
+    if type_.steps is not None and not any(map(is_function, filter(None, type_.steps.values()))):
+        return type_.steps
+    encoding = Encoding(type_.net.net, type_.encoding.places, type_.encoding.memory_limit)
+    found = reach_in_big_steps(KernelNet(type_.net.net), encoding, MOST_STEPS, MOST_STEPS)
+    if found is None:
         raise LimitError(
             f"section {section}: its events have too many big steps to be told by rules, or one need not "
             "have one outcome where the mission never comes: it has no modular controller"
         )
-    if not any(steps is not None and is_function(steps) for steps in type_.steps.values()):
-        return type_.steps
-    encoding = Encoding(type_.net.net, type_.encoding.places, type_.encoding.memory_limit)
-    found = reach_in_big_steps(KernelNet(type_.net.net), encoding, MOST_STEPS)
-    if found is None:
-        raise LimitError(f"section {section}: its events have too many big steps to be told by rules")
     return found[1]
 
 

@@ -19,6 +19,7 @@ from mcpn.runtime import Controller as Runtime
 from mcpn.runtime import ControllerFileError, Refused, SnapshotError
 from mcpn.runtime.machines import RuleTables
 from mcpn.runtime.restoring import snapshot_text
+from mcpn.space.stable import big_steps
 from mcpn.testing import missions
 from tests.draws import composed, fewer
 from tests.judge import drawn
@@ -110,6 +111,17 @@ def test_missions_with_declared_events(of: Mission) -> None:
 
 def test_ulysse(ulysse_net: MissionNet) -> None:
     assert side_by_side(ulysse_net, generate(ulysse_net, "modular")) == 260
+
+
+def test_where_markings_came_before_the_steps(
+    ulysse_net: MissionNet, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sooner = generate(ulysse_net, "modular")
+    monkeypatch.setattr(big_steps, "MOST_SINGLY", 1)
+    later = generate(ulysse_net, "modular")
+    assert isinstance(sooner, ModularController)
+    assert isinstance(later, ModularController)
+    assert side_by_side(ulysse_net, later) == side_by_side(ulysse_net, sooner)
 
 
 def test_a_section_of_much_hardware_is_not_listed() -> None:

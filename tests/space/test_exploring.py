@@ -8,12 +8,14 @@ from typing import Any
 import pytest
 from hypothesis import event, given
 
-from mcpn.errors import ConfluenceError, DivergenceError
+from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.mission.model import Mission, Objective, Recursive
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.mortal import mortal
+from mcpn.net.petri import PetriNet
 from mcpn.net.sections import SectionParts
 from mcpn.space.diagrams.symbolic import reach
+from mcpn.space.local import exploring
 from mcpn.space.local.composing import composite_space
 from mcpn.space.local.exploring import Explored, explore_and_prove, explore_local
 from mcpn.space.stable import big_steps
@@ -74,6 +76,29 @@ def test_past_the_bound_sections_are_diagrams(monkeypatch: pytest.MonkeyPatch) -
     assert explore_local(net).steps
     monkeypatch.setattr(big_steps, "MOST_STEPS", 1)
     assert explore_local(net).steps is None
+
+
+def test_many_steps_come_after_all_markings(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They are found one by one only where the diagram of all markings hits its limit."""
+    found = compose(TWO)
+    net = SectionParts(found.usage).alone(found.graph.sections[0]).net().net
+    stable = explore_local(net).space.reachable.count()
+    monkeypatch.setattr(big_steps, "MOST_SINGLY", 1)
+    by_markings = explore_local(net)
+    assert by_markings.steps is None
+    assert by_markings.space.stable is not None
+    assert by_markings.space.stable.count() == stable
+
+    def limited(_: PetriNet) -> None:
+        raise LimitError("too many bytes")
+
+    monkeypatch.setattr(exploring, "reach", limited)
+    after_all = explore_local(net)
+    assert after_all.steps is not None
+    assert after_all.space.reachable.count() == stable
+    monkeypatch.setattr(exploring, "MOST_STEPS", 1)
+    with pytest.raises(LimitError, match="too many bytes"):
+        explore_local(net)
 
 
 @pytest.mark.parametrize("stepped", [True, False])

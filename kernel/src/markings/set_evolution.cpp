@@ -8,7 +8,7 @@ namespace mcpn {
 
 namespace {
 
-constexpr std::size_t kMostFirings = 5'000;    // behind one event
+constexpr std::size_t kMostFirings = 100'000;  // behind one event
 constexpr std::size_t kMostParts = 2'000'000;  // of functions
 constexpr std::size_t kMostCases = 1'000;      // that tell apart where a transition may fire alone
 constexpr std::size_t kAtATime = 16;           // functions that are composed before they are with those before them

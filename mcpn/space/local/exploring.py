@@ -2,7 +2,8 @@
 
 Where enough orders of what follows each event are tried for all stable states
 (:mod:`mcpn.space.stable.big_steps`), that is the proof that each event has one outcome, and no transient
-marking is wanted again. Elsewhere all markings are reached as a diagram, and the proof is asked of them.
+marking is wanted again. Elsewhere, and where these are very many, all markings are reached as a diagram, and
+the proof is asked of them.
 """
 
 from __future__ import annotations
@@ -12,13 +13,14 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from mcpn._kernel import Zdd
+from mcpn.errors import LimitError
 from mcpn.net.petri import PetriNet
 from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.order import clustered
 from mcpn.space.diagrams.spaces import DiagramAlternatives
 from mcpn.space.diagrams.symbolic import DEFAULT_MEMORY, SymbolicSpace, reach
 from mcpn.space.markings.explicit import KernelNet
-from mcpn.space.stable.big_steps import BigStepSpace, Steps, reach_in_big_steps
+from mcpn.space.stable.big_steps import MOST_STEPS, BigStepSpace, Steps, reach_in_big_steps
 from mcpn.space.stable.commutation import open_conflicts
 
 
@@ -93,7 +95,13 @@ def explore_local(net: PetriNet, dying: PetriNet | None = None) -> Explored:
     encoding = Encoding(explored_net, places, DEFAULT_MEMORY)
     big_steps = reach_in_big_steps(KernelNet(net), encoding)
     if big_steps is None:
-        return Explored(reach(explored_net))
+        try:
+            return Explored(reach(explored_net))
+        except LimitError:
+            encoding = Encoding(explored_net, places, DEFAULT_MEMORY)
+            big_steps = reach_in_big_steps(KernelNet(net), encoding, most=MOST_STEPS)
+            if big_steps is None:
+                raise
     stable, steps, also = (
         (*big_steps, {}) if dying is None else _with_losses(encoding, len(net.places), *big_steps)
     )

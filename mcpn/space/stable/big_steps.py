@@ -35,6 +35,8 @@ FUNCTION = b"\xff\xff\xff\xff"
 """The prefix of big steps that are encoded as one function of states."""
 MOST_STEPS = 200_000
 """Big steps of all events together."""
+MOST_SINGLY = 20_000
+"""Those that are found one by one before all markings are tried, which may be reached far sooner."""
 FEW_STEPS = 200
 """Big steps of one event that are found one by one before it is run from whole sets of states."""
 MOST_KEPT = 100_000
@@ -47,7 +49,7 @@ def is_function(steps: bytes) -> bool:
 
 
 def reach_in_big_steps(
-    prepared: KernelNet, encoding: Encoding, few: int | None = None
+    prepared: KernelNet, encoding: Encoding, few: int | None = None, most: int | None = None
 ) -> tuple[Zdd, dict[int, bytes]] | None:
     """The stable states of a net, and the big steps between them.
 
@@ -56,18 +58,26 @@ def reach_in_big_steps(
         encoding: It, or the same with more places, which are empty, on the levels of a store.
         few: Big steps of one event that are found one by one before it is run from whole sets of states; by
             default :data:`FEW_STEPS`.
+        most: Big steps of all events that are found one by one; by default :data:`MOST_SINGLY`.
 
     Returns:
         The states, and the big steps by transition; ``None`` where there are too many big steps, or some
         event has no outcome or may have two.
     """
     try:
-        return _reach(prepared, encoding, FEW_STEPS if few is None else few)
+        return _reach(
+            prepared,
+            encoding,
+            FEW_STEPS if few is None else few,
+            min(MOST_SINGLY, MOST_STEPS) if most is None else most,
+        )
     except (MemoryLimit, StateLimit):
         return None
 
 
-def _reach(prepared: KernelNet, encoding: Encoding, few: int) -> tuple[Zdd, dict[int, bytes]] | None:
+def _reach(
+    prepared: KernelNet, encoding: Encoding, few: int, most: int
+) -> tuple[Zdd, dict[int, bytes]] | None:
     """As :func:`reach_in_big_steps`, but a limit of the kernel that is hit is an error."""
     count = len(prepared.net.places)
     kernel = KernelSteps(
@@ -78,7 +88,7 @@ def _reach(prepared: KernelNet, encoding: Encoding, few: int) -> tuple[Zdd, dict
         DEFAULT_MEMORY,
         MOST_KEPT,
     )
-    return _Reaching(prepared, encoding, kernel, few).search()
+    return _Reaching(prepared, encoding, kernel, few, most).search()
 
 
 class _Reaching:
@@ -93,9 +103,12 @@ class _Reaching:
         encoding: It on the levels of a store.
         kernel: The same in the kernel.
         few: Big steps of an event that are not yet many.
+        most: Big steps of all events that are found one by one.
     """
 
-    def __init__(self, prepared: KernelNet, encoding: Encoding, kernel: KernelSteps, few: int) -> None:
+    def __init__(
+        self, prepared: KernelNet, encoding: Encoding, kernel: KernelSteps, few: int, most: int
+    ) -> None:
         self._few = few
         net = prepared.net
         self._events = [
@@ -107,7 +120,7 @@ class _Reaching:
         self._known: dict[int, list[int]] = {t: [] for _, t in self._events}
         """By transition, the conditions under which its big steps are known."""
         self._ahead: dict[int, list[int]] = {}
-        self._left = MOST_STEPS
+        self._left = most
         self._done: dict[int, Zdd] = {}
         """By transition that is run from whole sets of states, those from which it has been run."""
         self._single = set[int]()
