@@ -12,13 +12,14 @@ there are asked of the runtime once.
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from itertools import accumulate
 
 from mcpn.bench.demands import Demands
 from mcpn.bench.places import ControllerPlace, Places
 from mcpn.mission.expansion.routes import Interrupted
-from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection
+from mcpn.mission.flatten import ElementarySection, ParallelSection
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
 from mcpn.runtime.tables import Action, Inside, Tables, TableSection
@@ -75,15 +76,13 @@ class World:
             self._rates[Event(What.DECLARED, declared.name)] = declared.rate or 0.0
         self._stopping: dict[str, set[Event]] = {name: set() for name in self._objectives}
         for section in mission_net.graph.all_sections():
-            parts: list[tuple[Interrupted, ObjectivesGraph]]
+            inside: list[tuple[Interrupted, Iterable[ElementarySection]]] = [(section, section.walk())]
             if isinstance(section, ParallelSection):
-                parts = [(section, branch.graph) for branch in section.branches]
-                parts += [(shelter, shelter.graph) for shelter in section.shelters]
-            else:
-                parts = [(section, ObjectivesGraph((section,), section.name))]
-            for of, inside in parts:
+                inside = [(section, branch.graph.walk()) for branch in section.branches]
+                inside += [(shelter, shelter.graph.walk()) for shelter in section.shelters]
+            for of, stopped in inside:
                 events = {Event(What.DECLARED, handler.event) for handler in of.interruptions}
-                for inner in inside.walk():
+                for inner in stopped:
                     self._stopping[inner.name] |= events
         self._first = {a.name: a.alternatives[0].name for a in mission.activities}
         self._parsed: dict[str, Event] = {}

@@ -197,11 +197,7 @@ class _Writing:
         assert node.parent is not None
         for leaf in stopped(node):
             at = leaf.name.removeprefix(scope.prefix).replace(".", "_")
-            shelter = self.block(by, node.parent, scope.copy(f"at_{at}"))
-            shelter.success, shelter.failure = leaf, node.failure
-            shelter.abort, shelter.handlers = by.abort or ABORT, by.handlers
-            shelter.deciding = tuple(route for route in node.deciding if route.on == "failure")
-            shelter.timed_out = by.timeout_goto if isinstance(by, Objective) else None
+            shelter = self.helper(node, by, scope.copy(f"at_{at}"), leaf)
             node.pauses[by.name, leaf.name] = shelter
             node.parent.children[f"{by.name} at {leaf.name}"] = shelter
 
@@ -210,12 +206,19 @@ class _Writing:
         assert node.parent is not None
         runs = list(node.children.values())
         for number, (run, again) in enumerate(pairwise(runs), 1):
-            recovery = self.block(by, node.parent, scope.copy(f"{block.name}{number}"))
-            run.failure, recovery.success, recovery.failure = recovery, again, node.failure
-            recovery.abort, recovery.handlers = by.abort or ABORT, by.handlers
-            recovery.deciding = tuple(route for route in block.routes if route.on == "failure")
-            recovery.timed_out = by.timeout_goto if isinstance(by, Objective) else None
+            recovery = self.helper(node, by, scope.copy(f"{block.name}{number}"), again)
+            run.failure = recovery
             node.parent.children[f"{block.name} {number}"] = recovery
+
+    def helper(self, node: Node, by: Block, scope: _Scope, success: Node) -> Node:
+        """A copy of a sibling that is run for a block, and by its success leads back into it."""
+        assert node.parent is not None
+        found = self.block(by, node.parent, scope)
+        found.success, found.failure = success, node.failure
+        found.abort, found.handlers = by.abort or ABORT, by.handlers
+        found.deciding = tuple(route for route in node.deciding if route.on == "failure")
+        found.timed_out = by.timeout_goto if isinstance(by, Objective) else None
+        return found
 
     def block(self, block: Block, parent: Node, scope: _Scope) -> Node:
         """A block without what its parent sees of it: rounds, in each its tries, in each the block."""

@@ -188,7 +188,7 @@ def rows_in(steps: bytes) -> int:
 def test_the_bound_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     net = compose(ALONE).net
     assert stepped(net)
-    monkeypatch.setattr(big_steps, "MOST_STEPS", 1)
+    monkeypatch.setattr(big_steps, "MOST_SINGLY", 1)
     assert stepped(net) is None
 
 

@@ -56,7 +56,7 @@ def test_a_section_is_the_same_in_big_steps_and_by_all_markings(of: Mission) -> 
         steps = told(mission_net, may_die=may_die)
         event("confluent" if isinstance(steps, tuple) else "not confluent")
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(big_steps, "MOST_STEPS", 0)
+            patch.setattr(big_steps, "MOST_SINGLY", 0)
             assert told(mission_net, may_die=may_die) == steps
         if not isinstance(steps, tuple):  # dying is asked of what is confluent
             return
@@ -74,7 +74,7 @@ def test_past_the_bound_sections_are_diagrams(monkeypatch: pytest.MonkeyPatch) -
     found = compose(TWO)
     net = SectionParts(found.usage).alone(found.graph.sections[0]).net().net
     assert explore_local(net).steps
-    monkeypatch.setattr(big_steps, "MOST_STEPS", 1)
+    monkeypatch.setattr(big_steps, "MOST_SINGLY", 1)
     assert explore_local(net).steps is None
 
 
@@ -110,7 +110,7 @@ def test_what_is_explored_goes_from_process_to_process(
     local = SectionParts(found.usage).alone(found.graph.sections[0]).net()
     dying = mortal(local).net if dies else None
     if not stepped:
-        monkeypatch.setattr(big_steps, "MOST_STEPS", 0)
+        monkeypatch.setattr(big_steps, "MOST_SINGLY", 0)
     here = explore_and_prove(local.net, dying)
     there: Explored = pickle.loads(pickle.dumps(here))
     assert (there.steps is not None) == (here.steps is not None) == stepped

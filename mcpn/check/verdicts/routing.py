@@ -231,18 +231,18 @@ class Routing:
         """The names of all sections of the mission, at any depth."""
         return [section.name for section in self.graph.all_sections()]
 
+    def _written(self, route: _Route) -> tuple[str | Event, Written]:
+        """A route as it is written, whatever copy it is of."""
+        return route.by, self._copies.written(route.of.name)
+
     def _key(self, routes: Iterable[_Route]) -> frozenset[tuple[str | Event, Written]]:
-        """Routes as they are written, whatever copies they are of."""
-        return frozenset((route.by, self._copies.written(route.of.name)) for route in routes)
+        """Routes as they are written."""
+        return frozenset(map(self._written, routes))
 
     def _because(self, causes: Iterable[_Route]) -> str:
         """Why routes are not taken; empty where there are none."""
-
-        def alike(route: _Route) -> object:
-            return route.by, self._copies.written(route.of.name)
-
         said = list[str]()
-        for same in grouped(causes, alike).values():
+        for same in grouped(causes, self._written).values():
             by, kind = same[0].by, _kind(same[0].of)
             subject, several = self._copies.subject(kind, [r.of.name for r in same], self._every)
             if isinstance(by, Event):

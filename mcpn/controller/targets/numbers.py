@@ -93,11 +93,11 @@ class Numbers(Generic[Type]):
         self.flags += [noticed(h.name) for h in mission.late]
         """What may be true of facts, where it was not at the start, and of hardware detected late."""
         self.once = [*self.handlers, *self.flags]
+        """Handlers that happen once, and what may be true."""
         self.known = {self.faulty.index(h.name): self.once.index(noticed(h.name)) for h in mission.late}
         """Of what can fail and is detected late, the number of what says that its loss is known."""
         self.known_out = [self.known[number] for number in self.out if number in self.known]
         """Those of them that are true at the start."""
-        """Handlers that happen once, and what may be true of facts."""
         self.sections = [section.name for section in controller.sections]
         texts = {str(e) for section in controller.sections for e in section.events} | {str(START)}
         texts |= {str(Event(What.DECLARED, name)) for name in world.changing}

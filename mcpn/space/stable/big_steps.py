@@ -69,7 +69,7 @@ def reach_in_big_steps(
             prepared,
             encoding,
             FEW_STEPS if few is None else few,
-            min(MOST_SINGLY, MOST_STEPS) if most is None else most,
+            MOST_SINGLY if most is None else most,
         )
     except (MemoryLimit, StateLimit):
         return None
