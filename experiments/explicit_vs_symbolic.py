@@ -6,7 +6,7 @@ Usage: ``python experiments/explicit_vs_symbolic.py [-o FOLDER] [--most N] [--se
 holds every interleaving of their internal steps. *Row*: N objectives one after the other, each with a sensor
 of its own and a spare that all share. Explicit lists the markings, symbolic counts them on a diagram; direct
 lists the stable markings after a proof, local counts them type of section by type. pyeda is the small
-reference (24 places at most). Counts that differ between engines end the script. Each run has a process of
+reference. Counts that differ between engines end the script. Each run has a process of
 its own; an engine that gave up is not asked for a larger mission of the family.
 
 With ``-o`` the numbers go to ``explicit_vs_symbolic.csv`` and a plot (needs ``mcpn[experiments]``) to

@@ -8,6 +8,8 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from mcpn.check.compare import peak_megabytes
+
 Result = dict[str, Any]
 
 
@@ -20,7 +22,7 @@ def _child(work: Callable[..., Result], arguments: tuple[Any, ...], gib: int, pi
         pipe.send({"gave_up": str(error).split("\n")[0][:60] or type(error).__name__})
         return
     found.setdefault("seconds", time.perf_counter() - started)
-    found["megabytes"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss >> 10
+    found["megabytes"] = peak_megabytes()
     pipe.send(found)
 
 

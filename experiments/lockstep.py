@@ -29,11 +29,13 @@ from collections.abc import Iterator
 from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
+from types import ModuleType
 from typing import Any, get_args
 
 from missions import Parameters
 from missions import generate as generate_mission
 
+import mcpn.runtime
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.hierarchy import TableController
 from mcpn.controller.minimise import minimise
@@ -47,8 +49,6 @@ from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event
-from mcpn.runtime import Controller as Runtime
-from mcpn.runtime import Refused
 from mcpn.runtime.tables import Tables
 from mcpn.space.local.composing import composite_space
 from mcpn.testing import missions
@@ -102,18 +102,17 @@ def net_lines(
         yield text, f"{taken[key]} | {rest()[0]}"
 
 
-def runtime_lines(said: dict[str, Any], events: list[str]) -> Iterator[str]:
-    """What the Python runtime does."""
-    tables = Tables(said)
+def runtime_lines(module: Any, tables: Any, events: list[str]) -> Iterator[str]:
+    """What the Python runtime does, in mcpn or in a generated file."""
     rests: dict[Any, str] = {}
-    runtime = Runtime(tables, log=1)
+    runtime = module.Controller(tables, log=1)
     for event in events:
         if not event:
-            runtime = Runtime(tables, log=1)
+            runtime = module.Controller(tables, log=1)
             continue
         try:
             head = f"taken: {'; '.join(map(str, runtime.handle(event)))}".strip()
-        except Refused as refused:
+        except module.Refused as refused:
             head = "refused:" if refused.known else "unknown:"
         happened = frozenset(runtime._happened)
         place = runtime.section, runtime._state, runtime.out_of_service, happened, runtime.outcome
@@ -125,27 +124,10 @@ def runtime_lines(said: dict[str, Any], events: list[str]) -> Iterator[str]:
 
 def python_lines(text: str, events: list[str]) -> Iterator[str]:
     """What the generated Python does."""
-    module: dict[str, Any] = {"__name__": "generated"}
-    exec(compile(text, "generated.py", "exec"), module)
-    make, refused, known = module["Controller"], module["EventRefused"], set(module["EVENTS"])
-    rests: dict[Any, str] = {}
-    controller = make()
-    for event in events:
-        if not event:
-            controller = make()
-            continue
-        try:
-            actions = controller.handle(event)
-            said = "; ".join(" ".join(part for part in action[:3] if part) for action in actions)
-            head = f"taken: {said}".strip()
-        except refused:
-            head = "refused:" if event in known else "unknown:"
-        happened = getattr(controller, "happened", None)
-        place = controller.section, controller.state, frozenset(controller.out_of_service), happened
-        if place not in rests:
-            mode = " ".join(sorted(f"{a}.{w}" for a, w in controller.mode.items()))
-            rests[place] = f"{mode} | {' '.join(controller.possible())} | {controller.outcome or '-'}"
-        yield f"{head} | {rests[place]}"
+    module: Any = ModuleType("generated")
+    sys.modules["generated"] = module  # dataclasses look their module up there
+    exec(compile(text, "generated.py", "exec"), module.__dict__)
+    return runtime_lines(module, module.TABLES, events)
 
 
 def c_lines(texts: dict[str, str], events: list[str], folder: Path) -> Iterator[str]:
@@ -190,12 +172,12 @@ def wanted_of_qt(
     once = identifiers(dict.fromkeys(handlers), prefix="once_")
     tables = Tables(said)
     facts = identifiers(sorted(tables.true), prefix="fact_")
-    runtime, found, lines = Runtime(tables, log=1), [], iter(expected)
+    runtime, found, lines = mcpn.runtime.Controller(tables, log=1), [], iter(expected)
     for event in events:
         if not event:
-            runtime = Runtime(tables, log=1)
+            runtime = mcpn.runtime.Controller(tables, log=1)
             continue
-        with suppress(Refused):
+        with suppress(mcpn.runtime.Refused):
             runtime.handle(event)
         at = runtime.outcome or "before"
         if runtime.section is not None:
@@ -259,7 +241,7 @@ def run(name: str, mission_net: MissionNet, count: int, qt: int, seed: int) -> t
         with tempfile.TemporaryDirectory() as place:
             folder = Path(place)
             said = document(controller, mission_net)
-            compare(f"{what}, runtime", events, expected, runtime_lines(said, events))
+            compare(f"{what}, runtime", events, expected, runtime_lines(mcpn.runtime, Tables(said), events))
             compare(
                 f"{what}, C", events, expected, c_lines(files(controller, mission_net, "c"), events, folder)
             )

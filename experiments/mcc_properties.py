@@ -2,8 +2,8 @@
 
 Usage: ``python experiments/mcc_properties.py FOLDER [NET...]`` with a folder that holds ``formulas.tsv``,
 ``formulas_ltl.tsv``, ``oracles.tsv`` and ``NAME/model.pnml``. Each file of properties has a process,
-60 s of CPU time and 4 GiB of its own; with ``--file together`` all files and examinations of a net share one.
-It takes up to a minute for each file of properties.
+60 s of CPU time (``--seconds``) and 4 GiB of its own; with ``--file together`` all files and examinations of
+a net share one. It takes up to a minute for each file of properties.
 """
 
 from __future__ import annotations
@@ -43,8 +43,15 @@ EXAMINATIONS = {
 }
 
 
-def answer_questions(folder: Path, model: str, file: str, answers: multiprocessing.SimpleQueue) -> None:
-    """Answers one file, or the examinations; puts verdicts as they come."""
+def answer_questions(
+    folder: Path,
+    model: str,
+    file: str,
+    answers: multiprocessing.SimpleQueue,
+    engine: str = "auto",
+    limit: int = SECONDS,
+) -> None:
+    """Answers one file, or the examinations, within CPU seconds; puts verdicts as they come."""
     from mcpn.check.logic.contest import read_properties
     from mcpn.check.logic.questions import Questions
     from mcpn.check.logic.verdicts import answer_all
@@ -52,8 +59,8 @@ def answer_questions(folder: Path, model: str, file: str, answers: multiprocessi
     from mcpn.net.formats import read_net
 
     resource.setrlimit(resource.RLIMIT_AS, (GIB << 30, GIB << 30))
-    resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
-    questions = Questions(read_net(folder / model / "model.pnml"))
+    resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))
+    questions = Questions(read_net(folder / model / "model.pnml"), engine=engine)
     paths = [folder / model / f"{name}.xml" for name in (FILES if file == TOGETHER else (file,))]
     files = [read_properties(path, questions.names) for path in paths if path.exists()]
     with suppress(McpnError, MemoryError):
@@ -64,12 +71,15 @@ def answer_questions(folder: Path, model: str, file: str, answers: multiprocessi
             answers.put((name if name in EXAMINATIONS else verdict.name, verdict.value, verdict.techniques))
 
 
-def run(folder: Path, model: str, file: str, used: Counter[str]) -> dict[str, str]:
+def run(
+    folder: Path, model: str, file: str, used: Counter[str], engine: str = "auto", limit: int = SECONDS
+) -> dict[str, str]:
     """The answers that one process gives in its time; counts the techniques that they were had by."""
     answers: multiprocessing.SimpleQueue = multiprocessing.SimpleQueue()
-    process = multiprocessing.Process(target=answer_questions, args=(folder, model, file, answers))
+    asked = folder, model, file, answers, engine, limit
+    process = multiprocessing.Process(target=answer_questions, args=asked)
     process.start()
-    process.join(PATIENCE * SECONDS)
+    process.join(PATIENCE * limit)
     if process.is_alive():
         process.kill()
         process.join()
@@ -105,6 +115,8 @@ def main() -> None:
         action="append",
         help="only this file, or 'examinations', or all 'together' in one process; may be repeated",
     )
+    parser.add_argument("--seconds", type=int, default=SECONDS, help="of CPU time for each process")
+    parser.add_argument("--engine", default="auto", help="who answers: auto, search, explicit or symbolic")
     parser.add_argument("--all", action="store_true", help="a row for every file")
     arguments = parser.parse_args()
     folder: Path = arguments.folder
@@ -118,7 +130,7 @@ def main() -> None:
                     asked = expected.setdefault((row["model"], row["examination"]), {})
                     asked[row["formula"]] = row["verdict"]
     machine = f"{platform.machine()}, Python {platform.python_version()}, mcpn {__version__}"
-    print(f"{machine}; {SECONDS} s of CPU time and {GIB} GiB a file")
+    print(f"{machine}; {arguments.seconds} s of CPU time and {GIB} GiB a file")
     totals: Counter[str] = Counter()
     used: Counter[str] = Counter()
     for model in arguments.nets or sorted(oracles):
@@ -129,7 +141,7 @@ def main() -> None:
             if not wanted:
                 continue
             started, before = time.perf_counter(), cpu_of_children()
-            found = run(folder, model, kind, used)
+            found = run(folder, model, kind, used, arguments.engine, arguments.seconds)
             seconds, cpu = time.perf_counter() - started, cpu_of_children() - before
             wrong = [name for name in wanted if name in found and found[name] != wanted[name]]
             missing = [name for name in wanted if name not in found]

@@ -422,6 +422,8 @@ class Copy:
             "--disable-warnings",
             "-p",
             "no:cacheprovider",
+            "-n",
+            "0",  # this very process has the mutant
             "-m",
             "not long and not slow",
         ]

@@ -48,7 +48,10 @@ def open_study(
 
 
 def _read(file: Path, root: Path | None) -> Mission | PetriNet:
-    from mcpn.mission.xml import read_mission
     from mcpn.net.formats import READABLE, read_net
 
-    return read_net(file) if file.suffix.lower() in READABLE else read_mission(file, import_root=root)
+    if file.suffix.lower() in READABLE:
+        return read_net(file)
+    from mcpn.mission.xml import read_mission  # which a question about a net does not load
+
+    return read_mission(file, import_root=root)

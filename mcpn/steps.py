@@ -18,6 +18,7 @@ class Doing(Enum):
 
     ANSWERING = "answering {question}"
     CHECKING_EXITS = "checking what section {section} hands on"
+    COMPUTING_RISK = "computing the numbers of risk"
     COUNTING = "counting what happens, and looking for what is never used"
     DECIDING = "looking for a run that decides {question}"
     EXPLAINING = "explaining an event with two outcomes"

@@ -42,7 +42,7 @@ def executor_of(jobs: int = 1, scheduler: str | None = None) -> Iterator[Executo
         from concurrent.futures import ProcessPoolExecutor
         from multiprocessing import active_children, get_context
 
-        with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+        with ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=_end_with_parent) as pool:
             before = set(active_children())
             try:
                 yield pool
@@ -51,3 +51,19 @@ def executor_of(jobs: int = 1, scheduler: str | None = None) -> Iterator[Executo
                     process.terminate()
     else:
         yield None
+
+
+def _end_with_parent() -> None:
+    """Has this process end when its parent does, however that ends: else it waits for work for ever."""
+    import os
+    import threading
+    from multiprocessing import connection, parent_process
+
+    parent = parent_process()
+
+    def watch() -> None:
+        if parent is not None:
+            connection.wait([parent.sentinel])
+            os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()

@@ -35,7 +35,8 @@ def interruptible() -> None:
 
 
 _quiet = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much]
-# smoke: a first look; ci: the fixed set; fresh: drawn anew beside it, from a printed seed.
+# smoke: a first look, and what runs where no profile is named; dev: while a property is worked on; ci: the
+# fixed set; fresh: drawn anew beside it, from a printed seed.
 for _name, _examples, _fixed in (
     ("smoke", 10, True),
     ("dev", 100, False),
@@ -51,12 +52,13 @@ for _name, _examples, _fixed in (
         print_blob=True,
         suppress_health_check=_quiet,
     )
-settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "dev"))
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "smoke"))
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     drawn = random.randrange(1 << 32)
     parser.addoption("--seed", type=int, default=drawn, help="Seed of what is drawn afresh (default: any).")
+    parser.addoption("--cases", type=int, default=10_000, help="Mutated inputs of a campaign.")
     for option, variable, what in (
         ("--mcc", "MCPN_MCC", "nets of the Model Checking Contest with oracles.tsv"),
         ("--reference", "MCPN_REFERENCE", "reference nets of the Ulysse mission"),
@@ -64,6 +66,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         ("--faults", "MCPN_FAULTS", "missions that once showed a fault"),
     ):
         parser.addoption(option, default=os.environ.get(variable), help=f"folder of the {what} (${variable})")
+
+
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int | None:
+    """One named test runs in this process, where a debugger and prints reach it; others on all cores."""
+    return 0 if any("::" in argument for argument in config.args) else None
 
 
 @pytest.hookimpl(wrapper=True)

@@ -113,6 +113,23 @@ def test_rates(tmp_path: Path) -> None:
     assert found["risk"]["unrated"] == []
 
 
+def test_a_chain_too_large_has_no_numbers_and_the_rest_is_answered(tmp_path: Path) -> None:
+    path = tmp_path / "m.xml"
+    path.write_text(TIMED)
+    # Before the start, and at each end, hardware is in service or not; or it runs, is out, is back too late.
+    why = "numbers of risk: not computed: 9 states, the limit is 5 (--max-chain)"
+    limit = ("--rates", "--engine", "explicit", "--max-chain", "5")
+    run = mcpn("causes", path, *limit)
+    assert run.returncode == 2
+    assert why in run.stderr
+    assert "m fails if H" in run.stdout
+    run = mcpn("causes", path, *limit, "--json")
+    assert run.returncode == 2
+    found = json.loads(run.stdout)
+    assert (found["no_risk"], found["mission"]["cut_sets"], "risk" in found) == (why, [["H"]], False)
+    assert output("causes", path, "--rates", "--engine", "explicit", "--max-chain", "9")["risk"]
+
+
 def test_without_scipy_rates_name_their_extra_and_the_rest_is_answered(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -19,6 +19,7 @@ import pytest
 from mcpn.cli.line import command_line
 from tests.commands import mcpn, output
 from tests.conftest import ROOT
+from tests.drivers.robots import until
 
 PAGES = sorted((ROOT / "docs").glob("*.md"))
 COMMANDS = ROOT / "docs" / "commands.md"
@@ -40,6 +41,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for path in (ROOT / "experiments" / "ulysse").glob("*.xml"):
         shutil.copy(path, tmp_path)
     monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path / "build")  # generated Python is imported from there
     monkeypatch.setattr("sys.stdin", io.StringIO(""))
     return tmp_path
 
@@ -61,6 +63,8 @@ def test_examples_run_in_their_order(page: Path, folder: Path) -> None:
             before = (folder / file).read_text()
             assert before.count(old) == 1
             (folder / file).write_text(before.replace(old, text.strip()))
+        elif verb == "killed":
+            killed(text, int(rest), folder)
         elif block["kind"] == "sh":
             assert mark == "run", "every shell example is marked <!-- run -->"
             shown = "".join(map(commanded, text.splitlines()))
@@ -92,6 +96,25 @@ def commanded(line: str) -> str:
     return found.stdout
 
 
+def killed(line: str, status: int, folder: Path) -> None:
+    """Runs one line as a process of its own, which is killed; nothing that it has started goes on."""
+    command, *rest = shlex.split(line)
+    assert command == "mcpn"
+    run = subprocess.Popen([sys.executable, "-m", "mcpn.cli", *rest], cwd=folder, stdout=subprocess.DEVNULL)
+    assert run.wait(120) == 128 - status  # a shell tells the number of a signal so
+    until(lambda: not in_folder(folder), 120)
+
+
+def in_folder(folder: Path) -> list[int]:
+    """The processes that run in a folder, but for this one."""
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            if (process / "cwd").resolve() == folder.resolve() and int(process.name) != os.getpid():
+                found.append(int(process.name))
+    return found
+
+
 def spoken(text: str, names: dict[str, Any]) -> None:
     """Runs Python; what it prints is what the comments after its print lines say."""
     told = []
@@ -101,7 +124,7 @@ def spoken(text: str, names: dict[str, Any]) -> None:
         if after.startswith("# "):
             told.append(after[2:])
     out = io.StringIO()
-    for module in re.findall(r"^from (distributed) import", text, re.MULTILINE):
+    for module in re.findall(r"^(?:from|import) (distributed|stormpy)\b", text, re.MULTILINE):
         pytest.importorskip(module)
     with contextlib.redirect_stdout(out):
         exec(compile(text, "<example>", "exec"), names)

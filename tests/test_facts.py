@@ -28,7 +28,7 @@ from mcpn.net.compose import compose
 from mcpn.runtime import Controller as Runtime
 from mcpn.testing import missions
 from tests.conftest import ROOT
-from tests.controller.test_python import Generated
+from tests.controller.test_c import build, run_lines
 from tests.controller.traces import Traced, random_events
 
 DUMPSTER = ROOT / "tests" / "natural" / "dumpster.xml"
@@ -302,10 +302,9 @@ def test_controllers_keep_facts(form: Form) -> None:
 
 
 @pytest.mark.parametrize("form", get_args(Form))
-def test_generated_controllers_know_facts(form: Form) -> None:
+def test_generated_controllers_know_facts(form: Form, tmp_path: Path) -> None:
     mission_net = compose(closing(read_mission(DUMPSTER)))
     controller = generate(mission_net, form)
-    ((_, text),) = files(controller, mission_net, "python").items()
     traced = Traced(document(controller, mission_net))
     events = ["MISSION_EV_START"]
     traced.controller.handle(events[0])
@@ -317,7 +316,7 @@ def test_generated_controllers_know_facts(form: Form) -> None:
     traced.restart()
     expected = traced.lines(events)
     assert any(line.endswith("success") for line in expected)
-    assert Generated(text).lines(events) == expected
+    assert run_lines(build(files(controller, mission_net, "c"), tmp_path), events) == expected
 
 
 def test_what_has_been_done_is_known(tmp_path: Path) -> None:

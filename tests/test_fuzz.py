@@ -136,4 +136,6 @@ def test_cases_drawn_afresh(
 def test_ten_thousand_cases(
     seeds: Seeds, tmp_path: Path, request: pytest.FixtureRequest, fresh_seed: int
 ) -> None:
-    check_cases(seeds, tmp_path, range(fresh_seed, fresh_seed + 10_000), request)
+    """Another number of them by ``--cases``."""
+    cases = int(request.config.getoption("--cases"))
+    check_cases(seeds, tmp_path, range(fresh_seed, fresh_seed + cases), request)

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from mcpn.cli.line import run as run_command
 from mcpn.steps import Doing
 from mcpn.workers import executor_of
 from tests.conftest import ULYSSE, interruptible
@@ -199,3 +200,55 @@ def test_a_profiler_sees_the_end() -> None:
     command = [sys.executable, "-m", "cProfile", *COMMAND[1:], "--version"]
     run = subprocess.run(command, capture_output=True, text=True, check=True)
     assert "function calls" in run.stdout
+
+
+LIMITED = """
+import resource
+from mcpn.cli import main
+resource.setrlimit(resource.RLIMIT_AS, (ROOM, ROOM))
+main()
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs limits on the space of addresses")
+@pytest.mark.parametrize(
+    "arguments", [["check", str(ULYSSE)], ["causes", str(ULYSSE.parents[1] / "rover/mission.xml"), "--rates"]]
+)
+def test_too_little_memory_is_told_in_a_sentence(arguments: list[str]) -> None:
+    """OpenBLAS, which numpy and scipy load, ends a process with code 1 where it has no room."""
+    codes = []
+    for megabytes in (60, 80, 90, 100, 105, 110, 120, 210, 220, 230, 1_000):
+        command = [sys.executable, "-c", LIMITED.replace("ROOM", str(megabytes << 20)), *arguments]
+        run = subprocess.run(command, capture_output=True, text=True, check=False)
+        codes.append(run.returncode)
+        if run.returncode == 2:
+            assert run.stderr.splitlines()[-1].startswith("error: out of memory: "), run.stderr
+    assert set(codes) <= {0, 2}
+    assert (codes[0], codes[-1]) == (2, 0)
+
+
+@pytest.mark.parametrize(
+    ("error", "told"),
+    [
+        (FileNotFoundError(2, "No such file or directory", "x.xml"), "x.xml: No such file or directory"),
+        (
+            BlockingIOError(11, "Resource temporarily unavailable"),
+            "the operating system refuses what this command needs: Resource",
+        ),
+        (
+            ConnectionRefusedError(111, "Connection refused"),
+            "the operating system refuses what this command needs: Connection",
+        ),
+    ],
+)
+def test_what_the_system_refuses_is_told(
+    error: OSError, told: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Whatever it was, it was told that standard output could not be written."""
+
+    def refused(*_: object, **__: object) -> None:
+        raise error
+
+    monkeypatch.setattr("mcpn.opening.open_study", refused)
+    assert run_command(["check", str(ULYSSE)]) == 2
+    assert capsys.readouterr().err.startswith(f"error: {told}")

@@ -29,7 +29,7 @@ from tests.draws import fewer
 BUILT = {
     "composite": "mcpn.space.local.composing.composite_space",
     "listing": "mcpn.space.stable.alternatives.direct_with_proof",
-    "diagram": "mcpn.check.spaces.reach",
+    "diagram": "mcpn.check.spaces.reaching",
     "markings": "mcpn.check.spaces.explore",
 }
 """What builds a space of the whole mission."""

@@ -24,6 +24,9 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
 from mcpn.runtime.tables import Action, Inside, Tables, TableSection
 
+UNTIMED = 1.0
+"""Mean hours of an objective of which nobody says how long it takes."""
+
 
 @dataclass(eq=False)
 class BenchNode:
@@ -54,7 +57,8 @@ class World:
     Args:
         mission_net: The mission, whose file gives rates and durations.
         tables: Its controller.
-        duration: Mean hours of objectives that have none in the file.
+        duration: Mean hours of objectives that have none in the file; without it such an objective takes
+            one hour, or as long as its timer: a time that says nothing, for runs of which none is asked.
     """
 
     def __init__(self, mission_net: MissionNet, tables: Tables, duration: float | None = None) -> None:
@@ -141,9 +145,11 @@ class World:
         return node
 
     def _mean(self, objective: ElementarySection) -> float:
-        mean = objective.duration if objective.duration is not None else self._duration
-        assert mean is not None, "whoever makes a world asks for durations first"
-        return mean
+        if objective.duration is not None:
+            return objective.duration
+        if self._duration is not None:
+            return self._duration
+        return UNTIMED if objective.timeout is None else objective.timeout / 3600
 
     def _seems_well(self, objective: str, inside: Inside) -> bool:
         """Whether all activities of an objective run, so that it succeeds, unless it uses what is lost."""

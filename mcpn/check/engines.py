@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias, TypeVar
 
 from mcpn.errors import LimitError, PremiseError
-from mcpn.mission.expansion.faults import Crash
 from mcpn.space.markings.explicit import MAX_MARKINGS
 
 if TYPE_CHECKING:
@@ -22,8 +21,8 @@ if TYPE_CHECKING:
 On: TypeAlias = Literal["markings", "alternatives"]
 Engine: TypeAlias = Literal["explicit", "symbolic", "local"]
 """Arrays, decision diagrams or composition."""
-Asked: TypeAlias = Literal["auto", "explicit", "symbolic", "local"]
-"""An engine by name, or ``auto``."""
+Asked: TypeAlias = Literal["auto", "explicit", "symbolic", "local", "search"]
+"""An engine by name, or ``auto``; ``search`` answers questions of logic without a space."""
 
 FEW = 50_000
 """Limit on stable states times sections up to which ``auto`` lists stable states.
@@ -132,6 +131,8 @@ def _choices(
     mission_net: MissionNet | None, engine: Asked, on: On, max_states: int | None
 ) -> Iterator[Choice]:
     """The engines to ask, the one that promises most first."""
+    if engine == "search":
+        raise LimitError("engine search builds no space: what is left stays open")
     if engine != "auto":
         yield Choice(engine, max_states=max_states)
         return
@@ -162,8 +163,8 @@ def too_much_hardware(mission_net: MissionNet, limit: int) -> str | None:
     Before it begins any set of hardware may be out of service, each in a stable state of its own. What stands
     for software that crashes is not: it fails only while it runs.
     """
-    hardware = mission_net.mission.hardware
-    faulty = sum(h.faulty for h in hardware if not isinstance(h, Crash))
+    mission = mission_net.mission
+    faulty = sum(h.faulty for h in mission.hardware) - sum(c.faulty for c in mission.crashes)
     return f"{faulty} hardware resources that may fail have 2^{faulty} states" if 2**faulty > limit else None
 
 
@@ -173,8 +174,9 @@ def _many_sections(mission_net: MissionNet, limit: int) -> str | None:
     In each section that is entered any set of hardware may be out of service, in stable states of their own,
     and what has run may have crashed.
     """
-    hardware, started = mission_net.mission.hardware, mission_net.usage.started
-    faulty = sum(h.faulty for h in hardware if not isinstance(h, Crash) or h.activity in started)
+    mission, started = mission_net.mission, mission_net.usage.started
+    never = sum(c.faulty for c in mission.crashes if c.activity not in started)
+    faulty = sum(h.faulty for h in mission.hardware) - never
     sections = len(mission_net.graph.sections)
     if 2**faulty * sections * EXPECTED <= limit:
         return None

@@ -14,12 +14,12 @@ from mcpn.check.engines import MORTAL, Choice, Engine, On, too_much_hardware
 from mcpn.errors import InputError, LimitError, SemanticsError
 from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
-from mcpn.space.diagrams.bounded import reach_markings
+from mcpn.space.diagrams.bounded import reach_markings, reaching_markings
+from mcpn.space.diagrams.race import Resting
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
-from mcpn.space.diagrams.symbolic import SymbolicSpace, reach, reach_briefly
+from mcpn.space.diagrams.symbolic import SymbolicSpace, reaching
 from mcpn.space.markings.explicit import MAX_MARKINGS, Counts, Progress, count, explore
 from mcpn.space.stable.completion import MAX_STABLE_STATES
-from mcpn.space.summary import MOST_PLACES_FOR_PYEDA
 from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
@@ -233,13 +233,20 @@ class Spaces:
             tokens: Whether places may hold several tokens.
             edges: Whether firings are kept where the markings were listed, if they fit.
         """
-        tokens = tokens and not self.net.priorities  # else the net must be 1-safe
 
         def build() -> SymbolicSpace:
             step(Doing.MAKING_DIAGRAM)
-            return (reach_markings if tokens else reach)(self.net, edges=edges)
+            if self.mission_net is not None:
+                from mcpn.net.sections import SectionParts, refuse_wide
 
-        return self._once(("symbolic", tokens, edges), build)
+                refuse_wide(map(SectionParts(self.mission.usage).alone, self.mission.graph.sections))
+            return self._reaching(tokens and not self.net.priorities, edges).made
+
+        return self._once(("symbolic", tokens and not self.net.priorities, edges), build)
+
+    def _reaching(self, tokens: bool, edges: bool) -> Resting[SymbolicSpace]:
+        work = reaching_markings if tokens else reaching  # without tokens the net must be 1-safe
+        return self._once(("reaching", tokens, edges), lambda: Resting(work(self.net, edges=edges)))
 
     @property
     def diagram(self) -> DiagramMarkings:
@@ -273,15 +280,16 @@ class Spaces:
         key = "ordered", None if order is None else tuple(order), seed
         return self._once(key, lambda: reach_markings(self.net, order=order, seed=seed))
 
-    @property
-    def brief(self) -> DiagramMarkings | None:
-        """All markings on a diagram, if the net is 1-safe and few steps reach them all; else ``None``."""
+    def go_on(self, steps: int) -> bool:
+        """Goes on with the diagram of all markings of a net without priorities, as ``auto`` asks for it.
 
-        def build() -> DiagramMarkings | None:
-            space = reach_briefly(self.net)
-            return None if space is None else DiagramMarkings(space)
+        Args:
+            steps: How many the rounds of the race of orders may have.
 
-        return self._once("brief", build)
+        Returns:
+            Whether it is there; where an error has ended the work, whoever asks for the space meets it.
+        """
+        return self._reaching(tokens=True, edges=True).go_on(steps)
 
     def counted(
         self, max_states: int | None = None, progress: Progress | None = None, *, tokens: bool = True
@@ -299,14 +307,12 @@ class Spaces:
         return self._once(("counted", tokens), build, limit)
 
     def reference(self) -> ReferenceCounts:
-        """What the small independent reference counts.
+        """What the independent reference counts.
 
         Raises:
             UnsafeError: The net is not 1-safe.
-            LimitError: The net is large, or pyeda is not installed.
+            LimitError: pyeda holds too many nodes, or is not installed.
         """
-        if len(self.net.places) > MOST_PLACES_FOR_PYEDA:
-            raise LimitError(f"more than {MOST_PLACES_FOR_PYEDA} places, the limit of the reference engine")
         try:
             from mcpn.space import pyeda_reference
 

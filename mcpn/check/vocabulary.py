@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from mcpn.check.logic.names import Names
-from mcpn.mission.flatten import blocks_of
 from mcpn.net.events import What
 
 if TYPE_CHECKING:
@@ -19,7 +18,7 @@ class NamedWord:
     """A name that formulas may say.
 
     Args:
-        name: The name; of rounds or tries the one that means all of them.
+        name: The name; of copies the one that means all of them.
         copies: Each of them by itself; none where there is only one.
         description: What the mission says of it.
     """
@@ -73,6 +72,7 @@ class Vocabulary:
 def vocabulary(mission_net: MissionNet) -> Vocabulary:
     """The words of a mission; nothing is explored to know them."""
     mission, names = mission_net.mission, Names(mission_net.net, mission_net)
+    copies = mission_net.graph.copies
     described = {section.name: section.description for section in mission_net.graph.walk()}
     events = dict.fromkeys(t.event for t in mission_net.net.transitions if t.event is not None)
     happening: dict[str, str | None] = {
@@ -82,14 +82,14 @@ def vocabulary(mission_net: MissionNet) -> Vocabulary:
 
     def folded(known: Mapping[str, str | None]) -> tuple[NamedWord, ...]:
         return tuple(
-            NamedWord(name, tuple(copies) if copies != [name] else (), known[copies[0]])
-            for name, copies in names.folded(known).items()
+            NamedWord(name, tuple(of) if of != [name] else (), known[of[0]])
+            for name, of in names.folded(known).items()
         )
 
     return Vocabulary(
         mission.name,
         folded(described),
-        folded({name: None for name, held in blocks_of(mission).items() if held != (name,)}),
+        folded({n: None for n, held in copies.held.items() if held != (n,) and n not in copies.wholes}),
         tuple(
             NamedActivity(a.name, (), a.description, tuple(way.name for way in a.alternatives))
             for a in mission_net.usage.activities.values()

@@ -2,8 +2,8 @@
 
 Heavy modules are imported inside the commands, so that ``mcpn --help`` answers at once. Exit codes: 0 all
 that is required holds; 1 a verdict or requirement fails, or the semantics do not allow an answer; 2 anything
-wrong with the input, the options or the machine, with a sentence that says what; 130 and 143 interrupted and
-terminated.
+wrong with the input, the options or the machine, with a sentence that says what; 128 and the number of the
+signal that ended it, such as 130 (interrupted) and 143 (terminated).
 """
 
 from __future__ import annotations
@@ -18,15 +18,44 @@ from io import TextIOWrapper
 from types import FrameType
 from typing import NoReturn
 
-SIGNALS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
+_OTHERS = ("KILL", "STOP", "CHLD", "CONT", "URG", "WINCH", "INFO", "PIPE", "XFSZ", "TSTP", "TTIN", "TTOU")
+_FAULTS = ("SEGV", "FPE", "ILL", "BUS", "ABRT", "TRAP", "SYS", "EMT")
+SIGNALS = signal.valid_signals() - {
+    getattr(signal, f"SIG{name}") for name in (*_OTHERS, *_FAULTS) if hasattr(signal, f"SIG{name}")
+}
+"""Signals that end a process unless it catches them: not those that nobody can catch, that are ignored or
+only suspend it, that Python turns into errors, and that tell of a fault in the process itself."""
+WORDS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 
 CREATED = 50_000
 """Objects created between two searches for garbage in cycles; Python's default is 700."""
 
 
+ROOM = 256 << 20
+"""Bytes that numpy, and scipy, may take to load. OpenBLAS, which is in both, ends a process that has
+fewer, or asks for them for ever."""
+
+
+class _Room:
+    """Finds no module, but refuses to import numpy or scipy where the memory for it is not there."""
+
+    @staticmethod
+    def find_spec(name: str, _path: object = None, _target: object = None) -> None:
+        if name in ("numpy", "scipy"):
+            from mmap import mmap
+
+            try:
+                mmap(-1, ROOM).close()
+            except OSError as error:
+                raise MemoryError(
+                    f"{name} takes {ROOM >> 20} MB to load, and this process has less"
+                ) from error
+
+
 def main() -> NoReturn:
     """Runs the command line as a process: signals end it cleanly, also while modules are imported."""
     gc.set_threshold(CREATED)
+    sys.meta_path.insert(0, _Room)
     received: list[int] = []
 
     def stop(number: int, _frame: FrameType | None) -> None:
@@ -36,7 +65,7 @@ def main() -> NoReturn:
 
     try:
         for number in SIGNALS:
-            if signal.getsignal(number) is not signal.SIG_IGN:
+            if signal.getsignal(number) not in (signal.SIG_IGN, None):
                 signal.signal(number, stop)
         for stream in (sys.stdout, sys.stderr):
             if isinstance(stream, TextIOWrapper):
@@ -49,7 +78,8 @@ def main() -> NoReturn:
         if not received:
             raise
         code = 128 + received[0]
-        _say("\n".join((SIGNALS[signal.Signals(received[0])], *_under_way())))
+        word = WORDS.get(received[0]) or f"ended by {signal.strsignal(received[0])}"  # type: ignore[call-overload]
+        _say("\n".join((word, *_under_way())))
     for number in SIGNALS:
         signal.signal(number, signal.SIG_IGN)  # the work is done: what is left takes milliseconds
     _leave(code)

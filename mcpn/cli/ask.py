@@ -61,7 +61,7 @@ EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", 
     help="Evaluate on all markings (the default of a net), or on stable states and events (of a mission).",
 )
 @click.option("--fair", multiple=True, help="'progress', or a formula that holds again and again on paths.")
-@engine_option()
+@engine_option("search")
 @click.option("--hoa", is_flag=True, help="Print the automaton of each FORMULA on paths, and answer none.")
 @click.option("--scn", type=FILE, help="Write the run of the one FORMULA as a firing sequence.")
 @jobs_option

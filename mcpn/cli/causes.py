@@ -25,7 +25,7 @@ from mcpn.cli.shared import (
     templates_option,
     without_threads_of_numpy,
 )
-from mcpn.errors import InputError
+from mcpn.errors import InputError, LimitError
 
 if TYPE_CHECKING:
     from mcpn.check.engines import Asked
@@ -50,6 +50,17 @@ MOST_TOLD = 50
     help="Compute probabilities from the rates and durations of the mission (needs mcpn[risk]).",
 )
 @click.option(
+    "--max-chain",
+    type=click.IntRange(1),
+    help="With --rates: compute numbers of chains of up to so many states (default: 50,000). Of larger ones "
+    "all else is told, and why there are no numbers; the exit code is then 2.",
+)
+@click.option(
+    "--within",
+    metavar="DURATION",
+    help="With --rates: compute also how probable each end is by this time, for example PT8H.",
+)
+@click.option(
     "--severity",
     "severities",
     multiple=True,
@@ -69,6 +80,8 @@ def causes(
     fmeca: Path | None,
     openpsa: Path | None,
     rates: bool,
+    max_chain: int | None,
+    within: str | None,
     severities: tuple[str, ...],
     jobs: int,
     scheduler: str | None,
@@ -86,6 +99,7 @@ def causes(
     without_threads_of_numpy()
     from mcpn.check.causes.fmeca import fmeca as table_of
     from mcpn.files import write_atomically
+    from mcpn.mission.static.intervals import at_their_means, interval_rates
     from mcpn.opening import open_study
     from mcpn.report.failures import objects, tables, terminal
     from mcpn.report.failures.openpsa import open_psa
@@ -94,6 +108,7 @@ def causes(
 
     started = time.perf_counter()
     classes = _classes(severities)
+    hours = None if within is None else _hours(within, rates)
     if fmeca is not None:
         tables.check_table_name(fmeca)
     study = open_study(mission, import_root=import_root, templates=templates)
@@ -107,11 +122,22 @@ def causes(
         short = len(found.objectives) <= MOST_TOLD
         wanted = None if fmeca is not None else list(found.objectives)
         rows = table_of(found.prospects, wanted) if short or fmeca is not None else []
-    numbers = None
-    if rates:
-        from mcpn.check.causes.risk import risk
+        numbers = slopes = bounded = by_then = unanswered = None
+        if rates:
+            from mcpn.check.causes.risk import risk
+            from mcpn.check.causes.whole.bounds import bounds
+            from mcpn.check.causes.whole.chain import whole_chain
+            from mcpn.check.causes.whole.slopes import slopes_of
+            from mcpn.check.causes.whole.within import within as ends_within
 
-        numbers = risk(every.prospects, max_states)
+            try:
+                numbers, slopes = risk(every.prospects, max_chain), slopes_of(every.prospects, max_chain)
+                if interval_rates(study.mission_net.mission):
+                    bounded = bounds(every.prospects, max_states)
+                if hours is not None:
+                    by_then = ends_within(whole_chain(every.prospects, max_states), hours)
+            except LimitError as error:  # all else is answered
+                unanswered = LimitError(f"numbers of risk: not computed: {error}")
     if openpsa is not None:
         cut_sets = {name: goal.cut_sets for name, goal in every.objectives.items()}
         safety = None if every.safety is None else every.safety.cut_sets
@@ -123,15 +149,32 @@ def causes(
         document: dict[str, Any] = objects.causes_object(found, runs=short)
         if numbers is not None:
             document["risk"] = objects.risk_object(numbers)
+        if unanswered is not None:
+            document["no_risk"] = str(unanswered)
+        if slopes is not None:
+            document["slopes"] = slopes
+        if bounded is not None:
+            document["bounds"] = {end: list(both) for end, both in bounded.items()}
+        if by_then is not None:
+            document["within"] = objects.given(by_then)
         emit_json(document | choice_object(every.choice) | {"seconds": time.perf_counter() - started})
+        if unanswered is not None:
+            raise unanswered
         return
     terminal.print_causes(found)
     if rows:
-        asked = [row for row in rows if not objectives or row.objective in objectives]
+        asked = [row for row in rows if not objectives or row.objective in found.objectives]
         terminal.print_fmeca(asked, found.mission_net, classes)
     if numbers is not None:
         terminal.print_risk(numbers)
+        terminal.print_slopes(numbers, slopes or {})
+    if bounded is not None:
+        terminal.print_bounds(bounded, at_their_means(study.mission_net.mission))
+    if by_then is not None and within is not None:
+        terminal.print_within(by_then, within.strip())
     print_choice(every.choice)
+    if unanswered is not None:
+        raise unanswered
 
 
 def _classes(given: tuple[str, ...]) -> Classes:
@@ -148,3 +191,16 @@ def _classes(given: tuple[str, ...]) -> Classes:
             raise InputError.at(None, f"found --severity {text!r}, expected one of {expected}")
         classes[known[words]] = name
     return classes
+
+
+def _hours(text: str, rates: bool) -> float:
+    """The time by which ends are asked for."""
+    from mcpn.mission.language.datatypes import PERIOD
+
+    if not rates:
+        raise InputError.at(None, "found --within, expected --rates with it: it computes probabilities")
+    if not PERIOD.matches(text):
+        raise InputError.at(None, f"found --within {text[:100]!r}, expected {PERIOD.expected}")
+    if not PERIOD.allows(seconds := PERIOD.read(text)):
+        raise InputError.at(None, f"found --within {text[:100]!r}, expected {PERIOD.allowed}")
+    return float(seconds) / 3600

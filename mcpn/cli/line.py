@@ -21,13 +21,15 @@ TRACEBACK = "MCPN_TRACEBACK"
 """Variable of the environment that shows where an internal error comes from."""
 
 
+_NO_ROOM = "failed to map segment"
+
 COMMANDS = {
     "alternatives": "spaces",
     "ask": "ask",
     "bench": "robot.bench",
     "causes": "causes",
     "check": "check",
-    "compare": "spaces",
+    "compare": "compare",
     "controller": "outputs",
     "convert": "outputs",
     "init": "begin",
@@ -127,8 +129,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
         code = _answer(sys.argv[1:] if arguments is None else list(arguments))
         if sys.stdout is not None:
             sys.stdout.flush()
-    except OSError as error:  # readers and writers of files tell theirs: this is a standard stream
-        _tell(f"{error.filename or 'standard output'}: cannot be written: {error.strerror or error}")
+    except OSError as error:  # readers and writers of files tell theirs
+        _tell(_refusal(error))
         _forget_output()
         return EXIT_BAD_INPUT
     return code
@@ -152,23 +154,45 @@ def _answer(arguments: list[str]) -> int:
     except McpnError as error:
         _tell(str(error))
     except MemoryError as error:  # of a diagram store, whose limit it names, or of this process
-        _tell(f"out of memory: {error or 'this process has no more'}")
+        _tell(f"out of memory: {str(error) or 'this process has no more'}")
     except RecursionError:
         _tell("nested too deep for this process")
     except OSError:
         raise
     except Exception as error:
+        if isinstance(error, ImportError) and _NO_ROOM in str(error):  # of the loader of libraries
+            _tell(f"out of memory: a library cannot be loaded: {str(error).splitlines()[-1]}")
+            return EXIT_BAD_INPUT
         if os.environ.get(TRACEBACK):
             raise
-        from traceback import extract_tb
-
-        last = extract_tb(error.__traceback__)[-1]
-        where = f"{os.path.basename(last.filename)}:{last.lineno}"
+        where = _where(error)
         what = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
         _tell(f"internal error, a fault of mcpn: {what} ({where}; {TRACEBACK}=1 shows where it comes from)")
     else:
         return 0
     return EXIT_BAD_INPUT
+
+
+def _where(error: BaseException) -> str:
+    """The file and line that raised an error."""
+    from traceback import extract_tb
+
+    last = extract_tb(error.__traceback__)[-1]
+    return f"{os.path.basename(last.filename)}:{last.lineno}"
+
+
+def _refusal(error: OSError) -> str:
+    """What the system has refused: to write the output, or something else that the error names."""
+    reason = error.strerror or str(error) or type(error).__name__
+    if error.filename is not None:
+        return f"{error.filename}: {reason}"
+    raised = error.__traceback__
+    while raised is not None and raised.tb_next is not None:
+        raised = raised.tb_next
+    by = "" if raised is None else str(raised.tb_frame.f_globals.get("__name__"))
+    if by == __name__ or by.partition(".")[0] == "click":
+        return f"standard output: cannot be written: {reason}"
+    return f"the operating system refuses what this command needs: {reason} ({_where(error)})"
 
 
 def _tell(message: str) -> None:

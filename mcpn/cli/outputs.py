@@ -109,6 +109,12 @@ def controller(
     help="What a picture of a mission shows (default: the mission as it is written).",
 )
 @click.option("--section", metavar="NAME", help="Draw the net, alternatives or controller of one section.")
+@click.option(
+    "--rates",
+    is_flag=True,
+    help="Write to a .drn file the chain of a mission that has rates and durations (needs mcpn[risk]).",
+)
+@limit_option
 @import_option
 @templates_option
 @json_option
@@ -117,6 +123,8 @@ def convert(
     target: Path,
     draw: str | None,
     section: str | None,
+    rates: bool,
+    max_states: int | None,
     import_root: Path | None,
     templates: TemplateSet | None,
     as_json: bool,
@@ -124,12 +132,20 @@ def convert(
     """Convert SOURCE (.xml mission, .pnml, .net, .json) to TARGET (.pnml, .net, .dot, .json, .svg, .png).
 
     TARGET is a picture where it ends in .svg or .png: of a mission that which --draw names, of a net its
-    places and transitions.
+    places and transitions. With --rates TARGET ends in .drn: the chain of the mission as a Markov automaton,
+    for the model checker Storm.
     """
     from mcpn.net.formats import WRITABLE, save_net
     from mcpn.opening import open_study
     from mcpn.report.pictures.drawing import KNOWN
 
+    if rates or target.suffix.lower() == ".drn":
+        if not rates or target.suffix.lower() != ".drn":
+            found = "--rates" if rates else f"the suffix {target.suffix!r} without --rates"
+            expected = "a file .drn with --rates, which holds the chain of a mission"
+            raise InputError.at(Source(str(target)), f"found {found}, expected {expected}")
+        _write_chain(source, target, max_states, import_root, templates, as_json)
+        return
     if target.suffix.lower() in KNOWN:
         open_study(source, import_root=import_root, templates=templates).picture(draw, section).save(target)
         if as_json:
@@ -148,3 +164,28 @@ def convert(
         emit_json({"file": str(target), **sizes, "warnings": [warning] if warning else []})
     elif warning:
         click.echo(f"warning: {warning}", err=True)
+
+
+def _write_chain(
+    source: Path,
+    target: Path,
+    max_states: int | None,
+    import_root: Path | None,
+    templates: TemplateSet | None,
+    as_json: bool,
+) -> None:
+    """Writes the chain of a mission with rates as a Markov automaton."""
+    without_threads_of_numpy()
+    from mcpn.check.causes.edge_rates import decimal
+    from mcpn.check.causes.prospects import Prospects
+    from mcpn.check.causes.whole.chain import whole_chain
+    from mcpn.files import write_atomically
+    from mcpn.opening import open_study
+    from mcpn.report.failures.drn import drn
+
+    study = open_study(source, import_root=import_root, templates=templates)
+    space = study.alternatives(max_states=max_states)
+    chain = whole_chain(Prospects(study.mission_net, space), max_states, decimal)
+    write_atomically(target, drn(chain))
+    if as_json:
+        emit_json({"file": str(target), "states": chain.states, "edges": len(chain.sources), "warnings": []})

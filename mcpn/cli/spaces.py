@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,13 +9,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mcpn.cli.shared import (
-    EXIT_FAILED,
     FILE,
     SECTIONS,
     STATES_AND_EDGES,
     choice_object,
     emit_counts,
-    emit_json,
     engine_option,
     import_option,
     json_option,
@@ -184,102 +181,3 @@ def alternatives(
     if graph is not None and not as_json:
         counts["proof"] = graph.proof or "none asked for"
     emit_counts(counts, as_json)
-
-
-@click.command()
-@click.argument("file", type=FILE)
-@click.option(
-    "--plot",
-    type=FILE,
-    help="Write a plot of seconds, memory and nodes: .svg or .png (needs mcpn[experiments]).",
-)
-@click.option(
-    "--templates",
-    "sets",
-    nargs=2,
-    metavar="SET SET",
-    help="Compare two sets of templates on a mission, instead of engines: paper, compact, or MODULE:NAME.",
-)
-@limit_option
-@import_option
-@json_option
-def compare(
-    file: Path,
-    plot: Path | None,
-    sets: tuple[str, str] | None,
-    max_states: int | None,
-    import_root: Path | None,
-    as_json: bool,
-) -> None:
-    """Run every engine on FILE, a mission or a net, side by side; exit code 1 if they disagree.
-
-    With two sets of templates: whether the mission behaves the same with both, event by event.
-    """
-    from dataclasses import asdict
-
-    from mcpn.check.compare import disagreement, measure
-    from mcpn.opening import open_study
-
-    if sets:
-        if plot is not None:
-            raise click.UsageError("--plot is of engines, and not of --templates")
-        _compare_sets(file, sets, max_states, import_root, as_json)
-        return
-    study = open_study(file, import_root=import_root)
-    subject = study.net if study.is_net else study.mission_net.mission
-    if plot is not None:
-        from mcpn.report.pictures.plots import ready
-
-        ready(plot)
-    found = measure(subject, max_states=max_states)
-    if plot is not None:
-        from mcpn.report.pictures.plots import save_engines
-
-        save_engines(plot, found, f"Engines on {subject.name}")
-    error = disagreement(found)
-    if as_json:
-        emit_json(
-            {
-                "engines": [asdict(m) for m in found],
-                "agree": error is None,
-                "message": str(error or "") or None,
-            }
-        )
-        if error is not None:
-            sys.exit(EXIT_FAILED)
-        return
-    from mcpn.report.text import print_comparison
-
-    print_comparison(found)
-    if error is not None:
-        raise error
-
-
-def _compare_sets(
-    file: Path, names: tuple[str, str], max_states: int | None, import_root: Path | None, as_json: bool
-) -> None:
-    from dataclasses import asdict
-
-    from mcpn.check.likeness import likeness_of
-    from mcpn.net.templates.named import templates_named
-    from mcpn.opening import open_study
-    from mcpn.report.text import print_likeness
-
-    without_threads_of_numpy()
-    sets = [templates_named(name) for name in names]
-    studies = [open_study(file, import_root=import_root, templates=templates) for templates in sets]
-    one, other = (study.spaces for study in studies)
-    found = likeness_of(one, other, names=names, max_states=max_states)
-    if as_json:
-        parted = found.difference
-        sizes = [{"templates": name} | asdict(of) for name, of in zip(names, found.sizes, strict=True)]
-        told = parted and {
-            "events": [str(event) for event in parted.events],
-            "message": parted.message,
-            "firings": parted.firings,
-        }
-        emit_json({"sets": sizes, "same": parted is None, "isomorphic": found.isomorphic, "difference": told})
-    else:
-        print_likeness(found, names, studies[0].mission_net.mission.name)
-    if found.difference is not None:
-        sys.exit(EXIT_FAILED)

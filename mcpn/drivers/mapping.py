@@ -8,13 +8,15 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from mcpn.drivers.functions import function_of
-from mcpn.drivers.plan import FAILURE, SUCCESS, DriverSpec, Place, Plan
+from mcpn.drivers.plan import FAILURE, SUCCESS, DriverSpec, Place, Plan, filled
 from mcpn.errors import InputError, Problem, Source
 from mcpn.mission.near import did_you_mean
 from mcpn.runtime.tables import START, Tables
 
 HOLES = ("activity", "alternative", "objective", "run", "python")
 """Holes that are no parameters: ``run`` is the number of the start, ``python`` the interpreter of mcpn."""
+WILDCARDS = "+#*$?\0"
+"""What means more than itself in a topic of MQTT or a key of zenoh."""
 ENDINGS = {SUCCESS: "OK", FAILURE: "FAIL"}
 """By word, the end of the event's text."""
 
@@ -101,6 +103,7 @@ class _Check:
                     of = activity if objective is None else f"{activity}, for objective {objective},"
                     message = f"{{{hole}}}: {of} has no such parameter{did_you_mean(hole, given)}"
                     yield self._at(spec.place, message)
+                yield from self._values(spec, activity, way, objective)
         for activity, ways in missing.items():
             place = "activities", activity
             if (activity, None) in self.plan.activities or place in self.plan.lines:
@@ -112,6 +115,19 @@ class _Check:
         for spec in (*self.plan.sources.values(), *self.plan.releases.values()):
             for hole in sorted(spec.holes - {"run", "python"}):
                 yield self._at(spec.place, f"{{{hole}}}: {'.'.join(spec.place)} is of no activity")
+
+    def _values(self, spec: DriverSpec, activity: str, way: str, objective: str | None) -> Found:
+        """Values of the mission that would be more than values in a command or a topic."""
+        values = {value.name: value.value for value in self.laws.of(activity, way, objective)}
+        of = activity if objective is None else f"{activity}, for objective {objective}"
+        for text in spec.command:
+            found = filled(text, values)
+            if found.startswith("-") and not text.startswith("-"):
+                yield self._at(spec.place, f"{text}: {of}: {found!r} would be an option of the program")
+        for text in spec.topics.texts:
+            found = filled(text, values)
+            if found != text and any(found.count(sign) > text.count(sign) for sign in WILDCARDS):
+                yield self._at(spec.place, f"{text}: {of}: {found!r} would have a wildcard that is none here")
 
     def whole(self) -> Found:
         """What is not on this machine."""

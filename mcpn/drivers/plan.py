@@ -17,6 +17,11 @@ SUCCESS, FAILURE = "success", "failure"
 OTHER = "other"
 """However a driver ends that has no line of its own."""
 
+Repeat = Literal["fail", "safe", "ask"]
+REPEATS: tuple[Repeat, ...] = ("fail", "safe", "ask")
+"""What becomes of an objective whose activity had begun when a run was interrupted: it fails, the activity is
+begun again, or a person is asked."""
+
 Place = tuple[str, ...]
 """Keys that lead to a value in a file of drivers."""
 
@@ -57,6 +62,7 @@ class DriverSpec:
         ends: By exit status or returned value, the event that it tells.
         stop: The signal that asks a process to end.
         grace: Seconds that it may take to end.
+        repeat: Whether it may be begun again when a run goes on in which it had begun for an objective.
     """
 
     place: Place
@@ -68,6 +74,7 @@ class DriverSpec:
     ends: Mapping[str, str] = field(default_factory=dict)
     stop: signal.Signals = signal.SIGTERM
     grace: float = 5.0
+    repeat: Repeat = "fail"
 
     @property
     def tells(self) -> set[str]:

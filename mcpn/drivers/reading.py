@@ -7,18 +7,19 @@ import signal
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from mcpn.drivers.plan import KINDS, DriverSpec, Kind, Place, Plan, Topics
+from mcpn.drivers.plan import KINDS, REPEATS, DriverSpec, Kind, Place, Plan, Repeat, Topics
 from mcpn.errors import InputError, Problem, Source
 from mcpn.files import read_bounded
 from mcpn.mission.near import did_you_mean
 
 MAX_BYTES = 1 << 20
+MOST_SECONDS = 86_400
+MOST_SHOWN = 100
 TOP = ("activities", "sources", "release", "never", "mqtt", "zenoh")
-COMMON = (*KINDS, "lines", "ends", "stop", "grace")
+COMMON = (*KINDS, "lines", "ends", "stop", "grace", "repeat")
 MQTT: Mapping[str, type] = {
     "host": str,
     "port": int,
@@ -41,13 +42,14 @@ def read_drivers(path: Path) -> Plan:
     try:
         text = data.decode()
         said = tomllib.loads(text)
+        lines = lines_of(text)
     except UnicodeDecodeError as error:
         raise InputError.at(Source(str(path), data.count(b"\n", 0, error.start) + 1), "no UTF-8") from None
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:  # ValueError also of a number with too many digits
         at = re.search(r"\(at line (\d+)", str(error))
         end = text.count("\n") + 1 if "end of document" in str(error) else None
         raise InputError.at(Source(str(path), int(at[1]) if at else end), f"no TOML: {error}") from None
-    reader = _DriversReader(lines_of(text))
+    reader = _DriversReader(lines)
     plan = reader.plan(path, said)
     if reader.problems:
         raise InputError(
@@ -59,21 +61,42 @@ def read_drivers(path: Path) -> Plan:
 def lines_of(text: str) -> dict[Place, int]:
     """By the keys that lead to a value, the line that it begins in.
 
-    Lines are read together until they are TOML, below the head of the table that they stand in.
+    Each statement is read by itself, below the head of the table that it stands in: time is linear.
+
+    Args:
+        text: Of a TOML file.
     """
     found: dict[Place, int] = {}
-    head, chunk, begun = "", "", 1
-    for number, line in enumerate(text.splitlines(keepends=True), 1):
-        chunk += line
-        top = chunk.lstrip().startswith("[")
-        try:
-            said = tomllib.loads(chunk if top else head + chunk)
-        except tomllib.TOMLDecodeError:
-            continue
-        for place in _places(said):
+    head = ""
+    for begun, statement in _statements(text):
+        top = statement.lstrip().startswith("[")
+        if top:
+            head = statement
+        for place in _places(tomllib.loads(statement if top else head + statement)):
             found.setdefault(place, begun)
-        head, chunk, begun = (chunk if top else head), "", number + 1
     return found
+
+
+_TOKEN = re.compile(
+    r'#[^\n]*|"""(?:[^\\]|\\.)*?"""(?!")|\'\'\'.*?\'\'\'(?!\')|"(?:[^"\\\n]|\\.)*"|\'[^\'\n]*\'|[][{}\n]',
+    re.DOTALL,
+)
+"""Comments, texts, brackets, ends of lines."""
+
+
+def _statements(text: str) -> Iterator[tuple[int, str]]:
+    """The statements of a file with their lines: brackets and texts may hold several lines together."""
+    begin = depth = 0
+    number = begun = 1
+    for token in _TOKEN.finditer(text + "\n"):
+        if token[0] in "[{":
+            depth += 1
+        elif token[0] in "]}":
+            depth -= 1
+        number += token[0].count("\n")
+        if token[0] == "\n" and not depth:
+            yield begun, text[begin : token.end()]
+            begin, begun = token.end(), number
 
 
 def _places(said: Any, above: Place = ()) -> Iterator[Place]:
@@ -130,14 +153,14 @@ class _DriversReader:
         """The tables inside of one, which must all be tables."""
         found = said.get(key, {})
         if not isinstance(found, dict):
-            self._wrong((*above, key), f"{key}: expected a table, found {found!r}")
+            self._wrong((*above, key), f"{key}: expected a table, found {_shown(found)}")
             return []
         tables = []
         for name, table in found.items():
             if isinstance(table, dict):
                 tables.append((name, table))
             else:
-                self._wrong((*above, key, name), f"{key}.{name}: expected a table, found {table!r}")
+                self._wrong((*above, key, name), f"{key}.{name}: expected a table, found {_shown(table)}")
         return tables
 
     def _known(self, place: Place, table: Mapping[str, Any], known: tuple[str, ...]) -> None:
@@ -180,6 +203,7 @@ class _DriversReader:
         read("ends", "ends", _ends)
         read("stop", "stop", _signal)
         read("grace", "grace", _seconds)
+        read("repeat", "repeat", _repeat)
         if "stop" in table and kind != "process":
             self._wrong((*place, "stop"), f"stop: a signal is for a process, not for {kind}")
         if "ends" in table and kind not in ("process", "python"):
@@ -197,7 +221,7 @@ class _DriversReader:
                         found[key] = _typed(key, value, MQTT[key])
         for key, most in (("port", 65535), ("qos", 2), ("keepalive", 65535)):
             if isinstance(found.get(key), int) and not 0 <= int(found[key]) <= most:
-                self._wrong(("mqtt", key), f"{key}: expected 0 to {most}, found {found[key]}")
+                self._wrong(("mqtt", key), f"{key}: expected 0 to {most}, found {_shown(found[key])}")
         return found
 
     def _zenoh(self, said: dict[str, Any]) -> dict[str, str | tuple[str, ...]]:
@@ -218,33 +242,33 @@ def _line(lines: Mapping[Place, int], place: Place) -> int:
 
 def _typed(key: str, value: Any, kind: type) -> Any:
     if type(value) is not kind:
-        raise ValueError(f"{key}: expected {WORDS[kind]}, found {value!r}")
+        raise ValueError(f"{key}: expected {WORDS[kind]}, found {_shown(value)}")
     return value
 
 
 def _texts(key: str, value: Any) -> tuple[str, ...]:
     if not isinstance(value, list) or not all(isinstance(text, str) for text in value):
-        raise ValueError(f"{key}: expected {WORDS[list]}, found {value!r}")
+        raise ValueError(f"{key}: expected {WORDS[list]}, found {_shown(value)}")
     return tuple(value)
 
 
 def _command(key: str, value: Any) -> tuple[str, ...]:
     command = _texts(key, value)
     if not command or not command[0] or any("\0" in text for text in command):
-        raise ValueError(f"{key}: expected a command and its arguments, found {value!r}")
+        raise ValueError(f"{key}: expected a command and its arguments, found {_shown(value)}")
     return command
 
 
 def _function(key: str, value: Any) -> str:
     text: str = _typed(key, value, str)
     if not re.fullmatch(r"[^\W\d][\w.]*:[^\W\d]\w*", text):
-        raise ValueError(f"{key}: expected 'module:function', found {text!r}")
+        raise ValueError(f"{key}: expected 'module:function', found {_shown(text)}")
     return text
 
 
 def _nothing(key: str, value: Any) -> bool:
     if value is not True:
-        raise ValueError(f"{key}: expected true, found {value!r}")
+        raise ValueError(f"{key}: expected true, found {_shown(value)}")
     return True
 
 
@@ -271,14 +295,32 @@ def _ends(key: str, value: Any) -> dict[str, str]:
     return {how: _typed(f"{key}.{how}", event, str) for how, event in table.items()}
 
 
+def _repeat(key: str, value: Any) -> Repeat:
+    for known in REPEATS:
+        if value == known:
+            return known
+    raise ValueError(f"{key}: expected one of {', '.join(REPEATS)}, found {value!r}")
+
+
 def _signal(key: str, value: Any) -> signal.Signals:
     try:
         return signal.Signals[_typed(key, value, str)]
     except KeyError:
-        raise ValueError(f"{key}: expected the name of a signal such as SIGTERM, found {value!r}") from None
+        raise ValueError(
+            f"{key}: expected the name of a signal such as SIGTERM, found {_shown(value)}"
+        ) from None
 
 
 def _seconds(key: str, value: Any) -> float:
-    if type(value) not in (int, float) or not isfinite(value) or value < 0:
-        raise ValueError(f"{key}: expected seconds, found {value!r}")
+    if type(value) not in (int, float) or not 0 <= value <= MOST_SECONDS:
+        raise ValueError(f"{key}: expected seconds, from 0 to {MOST_SECONDS}, found {_shown(value)}")
     return float(value)
+
+
+def _shown(value: Any) -> str:
+    """A value in an error: not all of a long one, which Python may refuse to write."""
+    try:
+        text = repr(value)
+    except ValueError:
+        return "a number of too many digits"
+    return text if len(text) <= MOST_SHOWN else f"{text[:MOST_SHOWN]}..."

@@ -5,17 +5,23 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from mcpn.drivers.mapping import ending, starts_by_itself, tells
-from mcpn.drivers.plan import FAILURE, SUCCESS, Plan
+from mcpn.drivers.plan import FAILURE, SUCCESS, DriverSpec, Plan
+from mcpn.drivers.processes import Warden
 from mcpn.drivers.starts import Started
 from mcpn.drivers.topics import buses_of
+from mcpn.drivers.turns import Turns
 from mcpn.runtime.controller import Controller
 from mcpn.runtime.tables import START, Action, Refused, Tables
 
 _log = logging.getLogger("mcpn.drivers")
+
+MOST_EVENTS = 1000
+"""Events that wait, from which on drivers are not listened to."""
 
 
 @dataclass(frozen=True)
@@ -29,17 +35,20 @@ class Waiting:
 class RobotRun:
     """A controller among its drivers.
 
-    Events are handled one after the other; an action is carried out before the next one, so that hardware is
-    released when what had it has ended. What a driver tells counts until it is stopped. That an objective has
-    ended, told while the controller cannot take it, is kept until it can, as long as the driver runs. An
-    objective that has an activity in error can only fail: the runner tells so.
+    Events are handled one after the other, also while drivers are being stopped. An action waits for those
+    before it that have to do with the same activity, hardware or software: hardware is released when what
+    had it has ended, and who needs it then is started after that. What a driver tells counts until it is to
+    be stopped. That an objective has ended, told while the controller cannot take it, is kept until it can,
+    as long as the driver runs. An objective that has an activity in error can only fail: the runner tells so.
 
     Args:
         controller: The controller; it raises at what it refuses.
         tables: Its tables.
         plan: The drivers, which have been held against them.
         told: Called with each line of a driver that tells no event.
-        after: Called after each event that is taken, before its actions are carried out.
+        after: Called after each event that is taken, before its actions are carried out; where it calls
+            :meth:`end`, they are not.
+        begins: Called when a process is about to begin.
     """
 
     def __init__(
@@ -50,26 +59,39 @@ class RobotRun:
         *,
         told: Callable[[str, str], None] = lambda name, line: None,
         after: Callable[[], None] = lambda: None,
+        begins: Callable[[], None] = lambda: None,
     ) -> None:
         self.controller, self._tables, self._plan = controller, tables, plan
         self._told, self._after = told, after
         self.running: dict[str, Started] = {}
-        """By activity, its driver, in the order of the starts."""
+        """By activity, its driver, in the order of the starts; one may have to wait before it begins."""
         self._sources: list[Started] = []
         self._chosen: dict[str, Action] = {}
         self._count = 0
-        self.busy = True
-        """Whether an event is being handled, so that what runs is between two modes."""
+        self._handling = True
         self._events: deque[Waiting] = deque()
         self._held: list[Waiting] = []
         self._came = asyncio.Event()
         self._ending = False
         self._hurry = False
-        self._stopping: list[Started] = []
+        self._stopping: set[Started] = set()
+        self._turns = Turns()
+        self.warden = Warden(begins)
+        """Knows the processes that run."""
 
-    def end(self) -> None:
-        """Ends :meth:`run` after the event that is handled now; called again, drivers get no time to end."""
-        if self._ending:
+    @property
+    def busy(self) -> bool:
+        """Whether an event is being handled, or actions are not done: what runs is between two modes."""
+        return self._handling or self._turns.busy
+
+    def end(self, again: bool = False) -> None:
+        """Ends :meth:`run` after the event that is handled now.
+
+        Args:
+            again: Somebody asks a second time: drivers get no time to end. Without it a further call changes
+                nothing, for two records may fail in one event.
+        """
+        if again and self._ending:
             self._hurry = True
             for started in (*self.running.values(), *self._sources, *self._stopping):
                 started.kill()
@@ -89,16 +111,36 @@ class RobotRun:
         self._buses = await asyncio.to_thread(buses_of, self._plan)
         try:
             for name, spec in self._plan.sources.items():
-                source = Started(spec, name, None, None, {}, self._count, self._said)
+                source = self._made(spec, name)
                 self._sources.append(source)
                 await source.start(self._plan.file.parent, self._buses)
             if resumed is not None:
-                await self._carry_out(resumed)
+                self._carry_out(resumed)
             elif starts_by_itself(self._plan):
                 self._put(Waiting(START))
             await self._handle()
         finally:
             await self._stop_all()
+
+    def _made(
+        self,
+        spec: DriverSpec,
+        name: str,
+        alternative: str | None = None,
+        objective: str | None = None,
+        parameters: Mapping[str, str] = MappingProxyType({}),
+    ) -> Started:
+        return Started(
+            spec,
+            name,
+            alternative,
+            objective,
+            parameters,
+            self._count,
+            self._said,
+            lambda: len(self._events) < MOST_EVENTS,
+            self.warden,
+        )
 
     # --- events ---
 
@@ -123,7 +165,8 @@ class RobotRun:
                 if waiting.by is None or waiting.by.over:
                     continue  # what it tells of an objective that was left since
                 if waiting.event not in self.controller.possible:
-                    self._held.append(waiting)
+                    if waiting not in self._held:
+                        self._held.append(waiting)
                     continue
             try:
                 actions, failed = self.controller.react(waiting.event)
@@ -132,7 +175,9 @@ class RobotRun:
             for each in failed:
                 _log.error("an observer has failed %s", each, exc_info=each.error)
             self._after()
-            await self._carry_out(actions)
+            if self._ending:
+                return
+            self._carry_out(actions)
             self._events.extendleft(reversed(self._held))
             self._held.clear()
 
@@ -156,7 +201,7 @@ class RobotRun:
         if (first := self.controller.overdue or self._failure()) is not None:
             return Waiting(first)
         if not self._events:
-            self.busy = False
+            self._handling = False
             self._came.clear()
             left = min(self.controller.timers.values(), default=None)
             try:
@@ -164,69 +209,111 @@ class RobotRun:
             except TimeoutError:
                 return None
             finally:
-                self.busy = True
+                self._handling = True
         return self._events.popleft() if self._events else None
 
     # --- actions ---
 
-    async def _carry_out(self, actions: Sequence[Action]) -> None:
+    def _carry_out(self, actions: Sequence[Action]) -> None:
+        """Begins some actions; none is waited for here."""
         for number, action in enumerate(actions):
             name = action.activity
             if action.verb == "stop" and name is not None:
-                await self._stop(name)
+                self._stop(name)
             elif action.verb == "release" and action.hardware is not None:
-                await self._release(action.hardware)
+                self._release(action.hardware)
             elif action.verb == "select" and name is not None:
                 self._chosen[name] = action
                 starts = any(of.verb == "start" and of.activity == name for of in actions[number:])
                 if name in self.running and not starts:  # it goes on with another alternative
-                    await self._stop(name)
-                    await self._start(name)
+                    self._stop(name)
+                    self._start(name)
             elif action.verb == "start" and name is not None:
-                await self._start(name)
+                self._start(name)
 
-    async def _start(self, name: str) -> None:
+    def _turn(self, what: str, work: Callable[[], Awaitable[None]], started: Started) -> asyncio.Task[None]:
+        """Begins an action of an activity after those before it that have to do with the same things."""
+        row = self._tables.laws.activities[started.name]
+        assert started.alternative is not None
+        software = self._tables.laws.producers.keys()
+        consumed = set(row["alternatives"][started.alternative]["consumes"])
+
+        def waits(names: list[str]) -> None:
+            self._told(str(started), f"{what} waits for {', '.join(names)}")
+            waiting.append(what)
+
+        async def done() -> None:
+            await work()
+            if waiting:
+                self._told(str(started), f"{what} is done")
+
+        waiting: list[str] = []
+        changes = {started.name, *row["produces"], *(consumed - software)}
+        return self._turns.begin(done, changes, consumed & software, waits)
+
+    def _start(self, name: str) -> None:
         chosen = self._chosen[name]
         assert chosen.alternative is not None
         spec = self._plan.driver(name, chosen.alternative)
         assert spec is not None, "the plan has been held against the controller"
         parameters = {value.name: value.value for value in chosen.parameters}
         self._count += 1
-        started = Started(
-            spec, name, chosen.alternative, chosen.objective, parameters, self._count, self._said
-        )
+        started = self._made(spec, name, chosen.alternative, chosen.objective, parameters)
         self.running[name] = started
-        await started.start(self._plan.file.parent, self._buses)
 
-    async def _stop(self, name: str) -> None:
-        if (started := self.running.pop(name, None)) is not None:
-            self._stopping = [started]
+        async def start() -> None:
+            if not started.over:  # it was stopped before its turn came
+                await started.start(self._plan.file.parent, self._buses)
+
+        self._turn("start", start, started)
+
+    def _stop(self, name: str) -> asyncio.Task[None] | None:
+        if (started := self.running.pop(name, None)) is None:
+            return None
+        started.leave()
+
+        async def stop() -> None:
+            self._stopping.add(started)
             await started.stop(self._hurry)
-            self._stopping = []
+            self._stopping.discard(started)
 
-    async def _release(self, hardware: str) -> None:
+        return self._turn("stop", stop, started)
+
+    def _release(self, hardware: str) -> asyncio.Task[None] | None:
         spec = self._plan.releases.get(hardware)
         if spec is None:
-            return
+            return None
         self._count += 1
-        releasing = Started(spec, hardware, None, None, {}, self._count, self._said)
-        await releasing.start(self._plan.file.parent, self._buses)
-        try:
-            await asyncio.wait_for(releasing.ended(), spec.grace)
-        except TimeoutError:
-            _log.warning("the release of %s has not ended within %g seconds", hardware, spec.grace)
-        await releasing.stop(self._hurry)
+        releasing = self._made(spec, hardware)
+
+        async def release() -> None:
+            self._stopping.add(releasing)
+            await releasing.start(self._plan.file.parent, self._buses)
+            try:
+                await asyncio.wait_for(releasing.ended(), spec.grace)
+            except TimeoutError:
+                _log.warning("the release of %s has not ended within %g seconds", hardware, spec.grace)
+            await releasing.stop(self._hurry)
+            self._stopping.discard(releasing)
+
+        return self._turns.begin(release, (hardware,))
 
     async def _stop_all(self) -> None:
         """Stops each activity, what was started last first, releases its hardware, stops the sources."""
         had = dict[str, None]()
+        for started in self.running.values():
+            started.leave()
         for name, started in reversed(list(self.running.items())):
             row = self._tables.laws.activities[name]["alternatives"]
             had |= dict.fromkeys(row[started.alternative]["consumes"])
-            await self._stop(name)
+            if (stopping := self._stop(name)) is not None:
+                await asyncio.wait((stopping,))
         for hardware in had:
-            await self._release(hardware)
+            if (releasing := self._release(hardware)) is not None:
+                await asyncio.wait((releasing,))
+        await self._turns.over()
         for source in reversed(self._sources):
             await source.stop(self._hurry)
         for bus in self._buses.values():
             await asyncio.to_thread(bus.close)
+        self.warden.close()

@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import Protocol
 
 from mcpn.drivers.functions import Call, FunctionDriver, function_of
+from mcpn.drivers.inbox import Inbox
 from mcpn.drivers.plan import DriverSpec, filled
-from mcpn.drivers.processes import ProcessDriver
+from mcpn.drivers.processes import ProcessDriver, Warden
 from mcpn.drivers.topics import Bus, TopicDriver
 
 NOT_STARTED = "not_started"
@@ -39,6 +40,8 @@ class Started:
         number: How many drivers were started before.
         told: Called on the loop's thread with each text that ``lines`` or ``ends`` map to, and with ``None``
             and the line where they do not.
+        ready: Whether what it tells can be taken now; until then it waits.
+        keeper: Hears of the process that it is.
     """
 
     def __init__(
@@ -50,13 +53,17 @@ class Started:
         parameters: Mapping[str, str],
         number: int,
         told: Callable[[Started, str | None, str], None],
+        ready: Callable[[], bool],
+        keeper: Warden,
     ) -> None:
         self.spec, self.name, self.alternative, self.objective = spec, name, alternative, objective
         self.parameters, self.number, self._told = parameters, number, told
         self.over = False
-        """Whether it has been stopped."""
+        """Whether it has been stopped, or is to be."""
         self._driver: _Driver | None = None
         self._ended = asyncio.Event()
+        self._inbox = Inbox(self._line, ready)
+        self._warden = keeper
 
     async def start(self, folder: Path, buses: Mapping[str, Bus]) -> None:
         """Starts it; a driver that cannot be started has ended."""
@@ -69,21 +76,22 @@ class Started:
             self._has_ended(NOT_STARTED, error)
 
     def _made(self, folder: Path, buses: Mapping[str, Bus]) -> _Driver | None:
-        spec, loop = self.spec, asyncio.get_running_loop()
+        spec, say = self.spec, self._inbox.put
         own = {"activity": self.name, "alternative": self.alternative, "objective": self.objective}
         said = {key: value for key, value in own.items() if value is not None}
         values = {**self.parameters, **said, "run": str(self.number), "python": sys.executable}
 
-        def say(line: str) -> None:
-            if not loop.is_closed():
-                loop.call_soon_threadsafe(self._line, line)
+        def ended(how: str, error: Exception | None) -> None:
+            self._inbox.put(lambda: self._has_ended(how, error))  # behind what it told before
 
         if spec.kind == "process":
             command = [filled(text, values) for text in spec.command]
-            return ProcessDriver(command, folder, say, self._has_ended, spec.stop)
+            return ProcessDriver(
+                str(self), command, folder, self._inbox, self._has_ended, spec.stop, spec.grace, self._warden
+            )
         if spec.kind == "python":
             call = Call(self.name, self.alternative, self.objective, self.parameters, say)
-            return FunctionDriver(function_of(spec.function, folder), call, self._has_ended)
+            return FunctionDriver(function_of(spec.function, folder), call, ended)
         if spec.kind in buses:
             topics = spec.topics
             start, stop, says = (
@@ -110,13 +118,18 @@ class Started:
         if self.spec.kind in ("process", "python"):
             await self._ended.wait()
 
+    def leave(self) -> None:
+        """What it tells from now on counts no more."""
+        self.over = True
+        self._inbox.close()
+
     async def stop(self, hurry: bool = False) -> None:
         """Stops it.
 
         Args:
             hurry: Whether it has no time to end by itself.
         """
-        self.over = True
+        self.leave()
         if self._driver is None:
             return
         try:

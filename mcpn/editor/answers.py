@@ -18,6 +18,9 @@ from mcpn.errors import Problem
 from mcpn.mission.language.datatypes import BOOLEAN, NAME
 from mcpn.mission.language.forms import ROOTS, Tag, language
 
+_OPEN_VALUE = re.compile(r"(?<![\w.-])([A-Za-z_][\w.-]*)\s*=\s*[\"'][^\"']*\Z")
+"""An attribute whose value is not closed yet."""
+
 SOURCE = "mcpn"
 Findings = Callable[[str], str]
 """What is known of an objective or a resource by name, as Markdown; empty where nothing is."""
@@ -108,7 +111,7 @@ class Answers:
             roots = frozenset(root.TAG for root in ROOTS)
             tags = language().get(around.tag, Tag()).children if around else roots
             return [_item(tag, language()[tag].words, lsp.CompletionItemKind.Class) for tag in sorted(tags)]
-        quoted = re.search(r"([A-Za-z_][\w.-]*)\s*=\s*[\"'][^\"']*\Z", text[element.begin : offset])
+        quoted = _OPEN_VALUE.search(text[element.begin : offset])
         if quoted is None:
             known = language().get(element.tag)
             fields = known.attributes if known else {}

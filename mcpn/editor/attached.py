@@ -50,6 +50,12 @@ class RobotPage(Content):
             self._lines.append(f"id: {len(self._lines) + 1}\ndata: {line}\n\n")
             self._changed.notify_all()
 
+    def lost(self, what: str) -> None:
+        """Tells of a record that cannot be written."""
+        with self._changed:
+            self._lines.append(f"id: {len(self._lines) + 1}\nevent: lost\ndata: {json.dumps(what)}\n\n")
+            self._changed.notify_all()
+
     def end(self, outcome: str | None) -> None:
         """Tells that the robot has ended, and waits until all pages know it, but not for long."""
         with self._changed:

@@ -17,7 +17,7 @@ from mcpn.errors import McpnError
 
 def findings(file: Path) -> dict[str, Any]:
     """Modes and cut sets by objective, what each hardware resource can make fail, and problems."""
-    from mcpn.mission.static.copies import Copies, grouped
+    from mcpn.mission.expansion.copies import grouped
     from mcpn.opening import open_study
     from mcpn.report.words import modes_in_words
 
@@ -45,7 +45,7 @@ def findings(file: Path) -> dict[str, Any]:
         {"file": str(file), "line": 1, "message": f"{name}: {checked.verdicts[name].explanation}"}
         for name in checked.failing
     ]
-    copies, every = Copies(study.mission_net.mission), [answer.asked.name for answer in checked.requirements]
+    copies, every = study.mission_net.graph.copies, [answer.asked.name for answer in checked.requirements]
     unmet = [answer.asked for answer in checked.requirements if not answer.met]
     for source, same in grouped(unmet, lambda asked: asked.requirement.source).items():
         if source is not None:

@@ -8,12 +8,13 @@ from pathlib import Path
 
 from mcpn.editor.scan import Scan, scan
 from mcpn.errors import InputError, LimitError, Problem
+from mcpn.files import read_bounded
 from mcpn.mission.flatten import flatten
 from mcpn.mission.language.drafts import MissionDraft
 from mcpn.mission.model import Import, Mission
 from mcpn.mission.static.usage import Usage
 from mcpn.mission.static.warnings import static_warnings
-from mcpn.mission.xml import misfits_of, read_mission
+from mcpn.mission.xml import MAX_FILE_BYTES, misfits_of, read_mission
 
 MOST_FILES = 200
 """In how many files beside an open one, or above it, missions are looked for that import it."""
@@ -42,12 +43,12 @@ class Project:
         self.memory = memory or Memory()
 
     def text(self, file: Path) -> str | None:
-        """The text of a file; ``None`` where there is none to read."""
+        """The text of a file; ``None`` where it cannot be read, is no regular file, or is too large."""
         if file in self.unsaved:
             return self.unsaved[file]
         try:
-            return file.read_text("utf-8")
-        except (OSError, ValueError):
+            return read_bounded(file, MAX_FILE_BYTES).decode()
+        except (InputError, ValueError):
             return None
 
     def scan(self, file: Path) -> Scan:

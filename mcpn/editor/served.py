@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import secrets
+import sys
 import threading
 from collections.abc import Callable, Collection, Generator, Iterable, Iterator, Mapping
 from contextlib import closing, suppress
@@ -34,6 +35,9 @@ if TYPE_CHECKING:
 LOOPBACK = "127.0.0.1"
 EVERY = 0.5
 """Seconds between two looks at the files."""
+
+PATIENCE = 10.0
+"""Seconds that a question waits for another one: states are built by one at a time."""
 
 MOST_ASKED = 10_000
 """Bytes of one question."""
@@ -154,11 +158,14 @@ class ServedMission(Content):
         study = self.shown.study
         if study is None:
             return {"error": "the mission cannot be read: see the page"}
+        if not self._lock.acquire(timeout=PATIENCE):
+            return {"error": f"another question has been under way for {PATIENCE:g} seconds: ask again later"}
         try:
-            with self._lock:
-                return question(study)
+            return question(study)
         except McpnError as error:
             return {"error": str(error)}
+        finally:
+            self._lock.release()
 
 
 def _shows(study: Study, answer: Answer) -> dict[str, Any]:
@@ -192,6 +199,11 @@ class PageServer(ThreadingHTTPServer):
         self.content = content
         self.token = secrets.token_urlsafe(24)
         super().__init__((LOOPBACK, port), _Handler)
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Says nothing of a client that leaves before it has its answer; all else is a fault."""
+        if not isinstance(sys.exception(), OSError):
+            super().handle_error(request, client_address)
 
     @property
     def hosts(self) -> set[str]:
@@ -274,7 +286,10 @@ class _Handler(BaseHTTPRequestHandler):
     def _question(self) -> Any:
         """The question of a request; ``None`` where it has none."""
         length = self.headers.get("Content-Length", "")
-        if not (length.isascii() and length.isdigit() and int(length[:9]) <= MOST_ASKED):
+        digits = len(str(MOST_ASKED))  # more of them, zeros too, are no length that a browser sends
+        if not (
+            length.isascii() and length.isdigit() and len(length) <= digits and int(length) <= MOST_ASKED
+        ):
             return None
         try:
             return json.loads(self.rfile.read(int(length)))

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
 import sys
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, BinaryIO, cast
 
 from lsprotocol import types as lsp
 from pygls.lsp.server import LanguageServer
@@ -20,6 +21,10 @@ from mcpn.editor.project import Memory, Project
 
 PAUSE = 0.3
 """For how many seconds nothing is typed before it is looked for what is suspicious."""
+MOST_BYTES = 64 << 20
+"""Bytes of a message."""
+MOST_LINE = 1 << 16
+_LENGTH = re.compile(rb"Content-Length: ([0-9]++)\r\n\Z")
 SYNC = lsp.TextDocumentSyncKind.Incremental
 
 
@@ -116,7 +121,31 @@ class MissionServer(LanguageServer):
 def file_of(uri: str) -> Path | None:
     """The file of an address; ``None`` where it is of none."""
     path = to_fs_path(uri)
-    return None if path is None else Path(path).resolve()
+    return None if path is None or "\0" in path else Path(path).resolve()
+
+
+class Heard:
+    """What a client sends, without what no message is: it goes on with the next one that can be read.
+
+    Args:
+        stream: Standard input.
+    """
+
+    def __init__(self, stream: BinaryIO) -> None:
+        self._stream = stream
+
+    def readline(self) -> bytes:
+        """A line of a header; of what stands before the length of a message nothing."""
+        line = self._stream.readline(MOST_LINE)
+        if (length := _LENGTH.search(line)) is None:
+            return line
+        digits = length[1].lstrip(b"0") or b"0"
+        fits = len(digits) <= len(str(MOST_BYTES)) and int(digits) <= MOST_BYTES
+        return length[0] if fits else b"refused: larger than any message\r\n"
+
+    def read(self, count: int) -> bytes:
+        """The body of a message."""
+        return self._stream.read(count)
 
 
 def _is_error(diagnostic: lsp.Diagnostic) -> bool:

@@ -11,7 +11,6 @@ from mcpn.errors import InputError, Problem
 from mcpn.mission.flatten import requirements_of
 from mcpn.mission.language.forms import form_of
 from mcpn.mission.near import did_you_mean
-from mcpn.mission.static.copies import Copies
 from mcpn.mission.validate import valid
 from mcpn.report.findings import Findings
 from mcpn.report.pages.story import StoryLine, story, verdict_of_all
@@ -137,7 +136,7 @@ def compared(
     mission = study.mission_net.mission
     other = Study(supposed(mission, lost, ways))
     required, still = requirements_of(mission), requirements_of(other.mission_net.mission)
-    left_out = Copies(mission).told((name for name in required if name not in still), required)
+    left_out = study.mission_net.graph.copies.told((name for name in required if name not in still), required)
     asked: dict[str, list[tuple[str, str]]] = {}
     for number, of in enumerate((study, other)):
         for line in _told(of, engine, max_states):

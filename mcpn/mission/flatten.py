@@ -15,12 +15,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from mcpn.errors import InputError, LimitError
+from mcpn.errors import InputError, Source
+from mcpn.mission.expansion.copies import Copies
 from mcpn.mission.expansion.leads import Lead, Leads, by_facts
 from mcpn.mission.expansion.pauses import PAUSE, sheltered, suffix_at
 from mcpn.mission.expansion.recovery import entered, following, helping
 from mcpn.mission.expansion.routes import GO_ON, Interruption
-from mcpn.mission.expansion.scope import MAX_NESTING, MAX_OBJECTIVES, Scope, copies, several
+from mcpn.mission.expansion.scope import MAX_NESTING, MAX_OBJECTIVES, Scope, copies, limit_hit, several
 from mcpn.mission.graph import (
     Branch,
     ElementarySection,
@@ -78,7 +79,9 @@ def flatten(mission: Mission) -> ObjectivesGraph:
         LimitError: Uses of protocols expand to more than :data:`MAX_OBJECTIVES` objectives, to more than
             :data:`MAX_PARAMETERS` parameters of objectives, or to blocks more than :data:`MAX_NESTING` deep.
     """
-    return _Flattening(valid(mission)).graph(mission.blocks, Scope(), mission.handlers)
+    flattening = _Flattening(valid(mission))
+    graph = flattening.graph(mission.blocks, Scope(), mission.handlers)
+    return replace(graph, copies=flattening.standing)
 
 
 def requirements_of(mission: Mission) -> dict[str, tuple[str, Requirement]]:
@@ -102,33 +105,10 @@ def requirements_of(mission: Mission) -> dict[str, tuple[str, Requirement]]:
     return found
 
 
-def blocks_of(mission: Mission) -> dict[str, tuple[str, ...]]:
-    """The blocks of a mission, written out, with the objectives that they hold.
-
-    Args:
-        mission: A mission; as of :func:`flatten`.
-
-    Returns:
-        By qualified name the elementary objectives in a block, at any depth, in document order; an objective
-        holds itself. A block that is repeated or tried again stands beside its rounds and tries.
-
-    Raises:
-        InputError: As :func:`flatten`.
-        LimitError: As :func:`flatten`.
-    """
-    flattening = _Flattening(valid(mission))
-    flattening.graph(mission.blocks, Scope(), mission.handlers)
-    return {
-        name: tuple(objective.name for section in held for objective in section.walk())
-        for name, held in flattening.held.items()
-    }
-
-
 class _Flattening:
     def __init__(self, mission: Mission) -> None:
         self.requirements: dict[str, tuple[str, Requirement]] = {}
-        self.held: dict[str, list[Section]] = {}
-        """By qualified name of a block, the sections that were made of it."""
+        self.standing = Copies()
         self.protocols: dict[str, Protocol] = {p.name: p for p in mission.protocols}
         self.facts = facts_of(mission)
         self.pauses: dict[str, str] = {}
@@ -179,10 +159,9 @@ class _Flattening:
             else:
                 recovery = named[block.recover], scope, routes
                 self.recovered(block, inner, leads, recovery, sections)
-            end, own = len(sections), inner.handlers[: len(block.handlers)]
+            own = inner.handlers[: len(block.handlers)]
             if runs := {i.target: named[self.pauses[i.target]] for i in own if i.target in self.pauses}:
                 self.paused(before, runs, (scope, routes), leads.failure, sections)
-            self.held.setdefault(scope.name(block), []).extend(sections[before:end])
 
     def deciding(self, block: Block, routes: Mapping[str, Lead], leads: Leads) -> Leads:
         """The leads of a block, its routes with a condition on facts put before the others."""
@@ -211,7 +190,7 @@ class _Flattening:
             here = around.copy(by, f"{block.name}{number}")
             self.series(blocks, inside, leads._replace(failure=Lead(self.entry(by, here))).exits, sections)
             back = Lead(self.entry(again[0][0], again[1]))
-            self.helper(by, here, (around, routes), (back, leads.failure), sections)
+            self.helper(by, here, routes, (back, leads.failure), sections)
 
     def paused(
         self,
@@ -239,11 +218,11 @@ class _Flattening:
                 self.copied.add(here.name(by))
                 own = {mark for mark, of in runs.items() if of is by}
                 if isinstance(section, ElementarySection):
-                    self.helper(by, here, around, (Lead(section.name), failure), sections)
+                    self.helper(by, here, routes, (Lead(section.name), failure), sections)
                     entries |= dict.fromkeys(own, self.entry(by, here))
                     continue
-                copy, alone = list[Section](), (replace(scope, handlers=()), routes)
-                self.helper(by, replace(here, handlers=()), alone, (Lead(GO_ON), failure), copy)
+                copy = list[Section]()
+                self.helper(by, replace(here, handlers=()), routes, (Lead(GO_ON), failure), copy)
                 graph = ObjectivesGraph(tuple(copy), self.entry(by, here)).reachable()
                 section = sheltered(section, Shelter(graph, here.interruptions), own)
             led = (replace(i, target=entries.get(i.target, i.target)) for i in section.interruptions)
@@ -253,17 +232,15 @@ class _Flattening:
         self,
         by: Block,
         here: Scope,
-        around: tuple[Scope, Mapping[str, Lead]],
+        routes: Mapping[str, Lead],
         ways: tuple[Lead, Lead],
         sections: list[Section],
     ) -> None:
         """Adds a copy of a sibling that is run for another block; its success and failure lead two ways."""
-        (scope, routes), (success, failure) = around, ways
+        success, failure = ways
         late = by.timeout_goto if isinstance(by, Objective) else None
         leads = Leads(success, failure, routes[by.abort or ABORT], routes[late] if late else failure)
-        before = len(sections)
         self.block(by, self.handling(here, by.handlers, routes, by.name), leads, sections)
-        self.held.setdefault(scope.name(by), []).extend(sections[before:])
 
     def handling(
         self, scope: Scope, handlers: tuple[Handler, ...], routes: Mapping[str, Lead], block: str
@@ -309,7 +286,8 @@ class _Flattening:
             self.copies(block, scope, leads, sections)
         elif isinstance(block, Objective):
             parameters = scope.in_force(block.parameters)
-            self.count(len(parameters))
+            self.count(len(parameters), block.source)
+            self.standing.objectives[scope.name(block)] = scope.standing(block)
             sections.append(
                 ElementarySection(
                     scope.name(block),
@@ -378,11 +356,10 @@ class _Flattening:
         graph = self.graph((alone,), replace(scope, handlers=()))
         return Branch(name, child.mandatory, graph, child.source)
 
-    def count(self, parameters: int) -> None:
+    def count(self, parameters: int, source: Source | None) -> None:
         self.objectives += 1
         self.parameters += parameters
         if self.objectives > MAX_OBJECTIVES:
-            raise LimitError(f"more than {MAX_OBJECTIVES} objectives after expansion: the limit was hit")
+            raise limit_hit(f"more than {MAX_OBJECTIVES} objectives after expansion", source)
         if self.parameters > MAX_PARAMETERS:
-            message = f"more than {MAX_PARAMETERS} parameters of objectives after expansion"
-            raise LimitError(f"{message}: the limit was hit")
+            raise limit_hit(f"more than {MAX_PARAMETERS} parameters of objectives after expansion", source)

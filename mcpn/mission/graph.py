@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
 from mcpn.errors import Source
+from mcpn.mission.expansion.copies import Copies
 from mcpn.mission.expansion.routes import GO_ON, Interrupted, Interruption, Routes
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Parameter
@@ -228,11 +229,13 @@ class ObjectivesGraph(Drawn):
         sections: Those that some route reaches, in document order.
         entry: The first one's name.
         unreached: Those that no route reaches, in document order; they are part of nothing that follows.
+        copies: Of a whole mission: what its objectives and blocks are copies of.
     """
 
     sections: tuple[Section, ...]
     entry: str
     unreached: tuple[Section, ...] = ()
+    copies: Copies = field(default_factory=Copies, compare=False)
 
     def __repr__(self) -> str:
         return f"<objectives graph of {len(self.sections)} sections, from {self.entry}>"

@@ -41,6 +41,9 @@ from mcpn.mission.robot import Activity, Described, Element, Parameter
 from mcpn.mission.typecheck import find_misfits
 from mcpn.mission.world.fact_errors import fact_errors
 
+MAX_CONSUMED = 1_000
+"""Resources of one alternative: the net has arcs from the loss of each to all the others."""
+
 _VALUE = re.compile(r"[A-Za-z0-9_]{1,64}")
 
 
@@ -203,6 +206,10 @@ class _Checks:
                     activity.source, f"activity {activity.name} produces", resource, self.software
                 )
         for alternative in activity.alternatives:
+            if (number := len(alternative.consumes)) > MAX_CONSUMED:
+                who = f"alternative {alternative.name} of activity {activity.name} consumes"
+                message = f"{who} {number} resources, expected at most {MAX_CONSUMED}"
+                yield Problem(alternative.source, message)
             for resource in dict.fromkeys(alternative.consumes):
                 if resource not in self.resources:
                     who = f"alternative {alternative.name} of activity {activity.name} consumes"

@@ -8,12 +8,12 @@ nets then differ in names only, place by place and transition by transition.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Mapping, Sequence
+from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypeAlias
 
-from mcpn.errors import InputError
+from mcpn.errors import InputError, LimitError, Problem
 from mcpn.mission.expansion.faults import Crash, noticed
 from mcpn.mission.expansion.routes import Interrupted, exits_by_facts, exits_on
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
@@ -33,6 +33,12 @@ Element: TypeAlias = tuple[str, str]
 
 MOST_NAMED = 12
 """Sections that an error lists at most."""
+
+MOST_BRANCHES = 64
+"""Branches that may run at the same time in one section whose states are to be put on a diagram."""
+
+MOST_HARDWARE = 150
+"""Hardware resources that may fail in one such section."""
 
 
 class Used:
@@ -312,6 +318,42 @@ class SectionParts:
 def section_part(usage: Usage, section: Section) -> LocalPart:
     """A section alone."""
     return SectionParts(usage).alone(section)
+
+
+def refuse_wide(parts: Iterable[LocalPart]) -> None:
+    """Counts what makes the diagram of a section large, before work on it begins.
+
+    A diagram grows faster than with the square of what may happen at the same time, so that twice the limit
+    costs minutes and gigabytes.
+
+    Args:
+        parts: Each of one section alone.
+
+    Raises:
+        LimitError: A section has more than :data:`MOST_BRANCHES` branches or uses more than
+            :data:`MOST_HARDWARE` hardware resources that may fail; with its line.
+    """
+    for part in parts:
+        (section,) = part.graph.sections
+        for found, most, what in (
+            (_width(part.graph), MOST_BRANCHES, "branches that may run at the same time"),
+            (len(part.faulty), MOST_HARDWARE, "hardware resources that may fail"),
+        ):
+            if found > most:
+                message = (
+                    f"{section.name} has {found} {what}, the limit for composition and diagrams is {most}"
+                )
+                raise LimitError(str(Problem(section.source, message)))
+
+
+def _width(graph: ObjectivesGraph) -> int:
+    """How many objectives of a graph may run at the same time."""
+    return max(
+        sum(_width(branch.graph) for branch in section.branches)
+        if isinstance(section, ParallelSection)
+        else 1
+        for section in graph.sections
+    )
 
 
 def part_of(mission_net: MissionNet, name: str) -> LocalPart:

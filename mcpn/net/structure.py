@@ -34,6 +34,8 @@ Sparse: TypeAlias = dict[int, int]
 
 SEARCH_STEPS = 20_000
 """How many places the searches for units may try in vain: it bounds time, never exactness."""
+SEARCH_ARCS = 5_000_000
+"""How many arcs they may look at meanwhile, since places of many arcs take longer: about a second."""
 
 
 def incidence(net: PetriNet) -> tuple[Sparse, ...]:
@@ -194,7 +196,7 @@ def state_machine_units(net: PetriNet, *, steps: int = SEARCH_STEPS) -> tuple[tu
             search.covered.update(unit)
     budget = steps + 10 * len(net.places)
     for seed in range(len(net.places)):
-        if seed not in search.covered and budget > 0:
+        if seed not in search.covered and budget > 0 and search.looked_at < SEARCH_ARCS:
             budget -= search.grow(seed, min(steps // 10, budget))
             if search.group and _holds_one_token(search.rows, net.initial, search.group):
                 units.append(tuple(sorted(search.group)))
@@ -221,6 +223,8 @@ class _UnitSearch:
         self.barred: set[int] = set()
         self.balance: Sparse = {}
         self.tokens = 0
+        self.looked_at = 0
+        """Arcs, in all searches."""
 
     def grow(self, seed: int, steps: int) -> int:
         """Leaves in ``group`` a unit that holds the seed, or nothing; returns how many places it tried."""
@@ -245,6 +249,8 @@ class _UnitSearch:
             self.shift(place, 1)
             if not self.balance and self.tokens == 1:
                 return tried
+            if self.looked_at >= SEARCH_ARCS:
+                break
             place = self.choice()
         self.group = set()
         return steps
@@ -274,7 +280,9 @@ class _UnitSearch:
         """A place that balances the transition which leaves the least choice; ``None`` in a dead end."""
         fewest: list[int] | None = None
         for transition, change in islice(self.balance.items(), self.WIDTH):
-            fitting = [p for p in (self.takers if change > 0 else self.givers)[transition] if self.fits(p)]
+            ends = (self.takers if change > 0 else self.givers)[transition]
+            self.looked_at += sum(len(self.rows[p]) for p in ends)
+            fitting = [p for p in ends if self.fits(p)]
             if fewest is None or len(fitting) < len(fewest):
                 fewest = fitting
             if len(fewest) <= 1:

@@ -15,6 +15,7 @@ from mcpn.check.verdicts.mission import MissionCheck, check
 from mcpn.controller.generate import generate
 from mcpn.controller.targets.json import document
 from mcpn.errors import McpnError
+from mcpn.mission.static.intervals import at_their_means
 from mcpn.report.pictures.local_graphs import LocalPicture, local_pictures
 from mcpn.report.progress import Steps, counted, exploring
 
@@ -32,9 +33,6 @@ if TYPE_CHECKING:
 
 MOST_ROWS = 50
 """Objectives up to which a page has the FMECA table."""
-
-MOST_STATES = 200_000
-"""Markings that are listed at most for numbers of risk."""
 
 
 @dataclass(frozen=True)
@@ -130,13 +128,15 @@ def findings(
     risk = None
     if causes is not None and _has_rates(mission_net.mission):
         risk = tried("numbers of risk", lambda: _risk(causes.prospects))
+        if risk is not None and (means := at_their_means(mission_net.mission)):
+            notes.append(f"Numbers of risk are {means}; mcpn causes --rates tells bounds.")
     return Findings(checked, causes, rows, controller, notes, warnings, chosen, seconds, risk, local, missing)
 
 
 def _risk(prospects: Prospects[Any]) -> Risk:
     from mcpn.check.causes.risk import risk  # an extra
 
-    return risk(prospects, MOST_STATES)
+    return risk(prospects)
 
 
 def _has_rates(mission: Mission) -> bool:

@@ -10,7 +10,6 @@ from mcpn.report.terminal import Terminal
 from mcpn.report.words import in_words, modes_together, skipped_in_words, what_happens
 
 if TYPE_CHECKING:
-    from mcpn.check.compare import Measurement
     from mcpn.check.engines import Choice, NoSpace
     from mcpn.check.likeness import Likeness
     from mcpn.check.logic.questions import Answer
@@ -128,37 +127,6 @@ def likeness_lines(found: Likeness, names: tuple[str, str], mission: str) -> Ite
             yield f"       {one.ljust(width)}  {other}".rstrip()
 
 
-def print_comparison(found: Sequence[Measurement]) -> None:
-    """Prints what each engine found and took, and its speed against the slowest."""
-    terminal = Terminal()
-    ran = [m for m in found if m.sizes is not None]
-    slowest = max((m.seconds for m in ran), default=0.0)
-    counted = ("states", "edges", "stable_states", "dead_states")
-    heads = (
-        "engine",
-        "states",
-        "edges",
-        "stable",
-        "dead",
-        "seconds",
-        "speed",
-        "MB",
-        "nodes",
-        "peak",
-        "order",
-    )
-    rows: list[tuple[str, ...]] = [heads]
-    for m in ran:
-        sizes = {name: "" if size is None else str(size) for name, size in (m.sizes or {}).items()}
-        took = (f"{m.seconds:.3f}", f"{slowest / m.seconds:.1f} x", str(m.megabytes))
-        diagram = (sizes["nodes"], sizes["peak_nodes"], m.order or "")
-        rows.append((m.engine, *(sizes[name] for name in counted), *took, *diagram))
-    terminal.columns(rows)
-    for m in found:
-        if m.sizes is None:
-            terminal.print(f"{m.engine}: {m.reason}")
-
-
 def print_steps(
     terminal: Terminal, steps: Iterable[tuple[Event | str, str]], *, indent: int, identifiers: bool = False
 ) -> None:
@@ -265,7 +233,8 @@ def print_vocabulary(words: Vocabulary) -> None:
             ways = word.alternatives if isinstance(word, NamedActivity) else ()
             ways = word.values if isinstance(word, NamedFact) else ways
             of = [f"one of {', '.join(ways)}"] if len(ways) > 1 else []
-            of += [f"any of {len(word.copies)}, {word.copies[0]} to {word.copies[-1]}"] if word.copies else []
+            first, *more = word.copies or ("",)
+            of += [f"any of {len(word.copies)}, {first} to {more[-1]}"] if more else [first] if first else []
             of += [word.description] if word.description else []
             terminal.print(f"{word.name}{': ' * bool(of)}{'; '.join(of)}", indent=2, hang=4)
 
@@ -299,6 +268,7 @@ def print_check(
         terminal.print()
         _print_modes(terminal, check)
     terminal.print()
+    told = frozenset(told)  # two branches that contend are a warning: there are as many as pairs
     for problem in map(str, check.warnings):
         if problem not in told:
             terminal.print(f"warning: {problem}", style="yellow")

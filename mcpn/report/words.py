@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from mcpn.check.verdicts.modes import Mode, Situation, said_by
-from mcpn.mission.static.copies import Copies
 from mcpn.net.events import Event, What
 from mcpn.space.run import Run
 
@@ -111,7 +110,7 @@ def modes_together(check: MissionCheck) -> dict[tuple[str, ...], list[str]]:
 def folded(mission_net: MissionNet, objectives: Collection[str]) -> list[str]:
     """Objectives by name; where all rounds and tries of one are among them they are said together."""
     every = (objective.name for objective in mission_net.graph.walk())
-    return Copies(mission_net.mission).told(objectives, every)
+    return mission_net.graph.copies.told(objectives, every)
 
 
 def modes_in_words(modes: Iterable[Mode]) -> tuple[str, ...]:

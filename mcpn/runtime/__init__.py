@@ -27,9 +27,9 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from mcpn.runtime.controller import Controller, Step, Where
-    from mcpn.runtime.file_schema import ControllerFileError
+    from mcpn.runtime.file_schema import ControllerFileError, DamagedFile
     from mcpn.runtime.hooks import HookError, HookErrors
-    from mcpn.runtime.journal import Journal, Watchdog
+    from mcpn.runtime.journal import Journal, JournalError, Watchdog
     from mcpn.runtime.monitors import Decision, Monitors
     from mcpn.runtime.queue import AsyncController, EventQueue, QueueClosed, QueueFull
     from mcpn.runtime.restoring import SnapshotError
@@ -40,11 +40,13 @@ __all__ = [
     "AsyncController",
     "Controller",
     "ControllerFileError",
+    "DamagedFile",
     "Decision",
     "EventQueue",
     "HookError",
     "HookErrors",
     "Journal",
+    "JournalError",
     "Monitors",
     "ParameterValue",
     "QueueClosed",
@@ -62,11 +64,13 @@ _HOMES = {
     "AsyncController": "queue",
     "Controller": "controller",
     "ControllerFileError": "file_schema",
+    "DamagedFile": "file_schema",
     "Decision": "monitors",
     "EventQueue": "queue",
     "HookError": "hooks",
     "HookErrors": "hooks",
     "Journal": "journal",
+    "JournalError": "journal",
     "Monitors": "monitors",
     "ParameterValue": "tables",
     "QueueClosed": "queue",

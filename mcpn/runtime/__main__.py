@@ -5,8 +5,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from mcpn.runtime.file_schema import ControllerFileError
-from mcpn.runtime.monitors import Monitors, events_of, told
+from mcpn.runtime.journal import JournalError
+from mcpn.runtime.monitors import Monitors, told, watch
 
 
 def main(arguments: list[str]) -> int:
@@ -27,11 +27,14 @@ def main(arguments: list[str]) -> int:
             lines = Path(arguments[1]).read_text(encoding="utf-8").splitlines()
         else:
             lines = sys.stdin.read().splitlines()
-    except (ControllerFileError, OSError, ValueError) as error:
+        watch(monitors, lines)
+    except JournalError as error:
+        file = arguments[1] if len(arguments) == 2 else "standard input"
+        sys.stderr.write(f"error: {file}:{error.line}: {error}\n")
+        return 2
+    except (OSError, ValueError) as error:
         sys.stderr.write(f"error: {error}\n")
         return 2
-    for event in events_of(lines):
-        monitors.take(event)
     for line in told(monitors):
         sys.stdout.write(f"{line}\n")
     return 1 if monitors.violated else 0

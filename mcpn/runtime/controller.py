@@ -9,16 +9,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic, perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from mcpn.runtime.file_schema import ENDS, ControllerFileError
 from mcpn.runtime.hooks import Hook, HookError, Hooks
 from mcpn.runtime.restoring import BEFORE, RUNNING, Saved, actions_to, read_snapshot
 from mcpn.runtime.tables import START, Action, Inside, Refused, Tables, TableSection, read
 from mcpn.runtime.timers import Timers
-
-if TYPE_CHECKING:
-    from mcpn.runtime.monitors import Monitors
 
 _log = logging.getLogger("mcpn.runtime")
 
@@ -63,6 +60,13 @@ class Step:
     after: Where
 
 
+class Listener(Protocol):
+    """What watches the events that happen: :class:`mcpn.runtime.Monitors`."""
+
+    def take(self, event: str) -> object:
+        """Takes an event that has happened."""
+
+
 class Controller:
     """A mission controller; all its methods may be called from any thread.
 
@@ -99,7 +103,7 @@ class Controller:
         self._happened: set[str] = {*tables.true_at_first}
 
     @classmethod
-    def load(cls, path: str | Path, *, monitors: Monitors | None = None, **options: Any) -> Controller:
+    def load(cls, path: str | Path, *, monitors: Listener | None = None, **options: Any) -> Controller:
         """Reads a controller from its JSON file.
 
         Args:
@@ -358,8 +362,12 @@ class Controller:
 
     # --- snapshots ---
 
-    def snapshot(self) -> str:
-        """Where the controller is, as a text to be given to :meth:`restore`."""
+    def snapshot(self, beside: Mapping[str, Any] | None = None) -> str:
+        """Where the controller is, as a text to be given to :meth:`restore`.
+
+        Args:
+            beside: What is to stand in it besides, of JSON: where monitors are, which processes run.
+        """
         with self._lock:
             saved = Saved(
                 self._phase,
@@ -369,8 +377,17 @@ class Controller:
                 self._happened,
                 self.count,
                 self._timers.left,
+                beside or {},
             )
             return saved.text(self._tables.digest)
+
+    def beside(self, snapshot: str) -> Mapping[str, Any]:
+        """What stands beside in a snapshot of this very controller.
+
+        Raises:
+            SnapshotError: As of :meth:`restore`.
+        """
+        return read_snapshot(snapshot, self._tables).beside
 
     def restore(self, snapshot: str) -> tuple[Action, ...]:
         """Goes back to where a snapshot was taken; the log and the times stay. No hook is called.

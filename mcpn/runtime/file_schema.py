@@ -13,8 +13,12 @@ from math import inf
 from typing import Any
 
 
-class ControllerFileError(ValueError):
-    """A file is no controller that this runtime can run."""
+class DamagedFile(ValueError):
+    """A file that mcpn has written is read back, and is damaged, truncated, or of something else."""
+
+
+class ControllerFileError(DamagedFile):
+    """A file is no controller, or no monitors, that this runtime can run."""
 
 
 FORMAT, VERSIONS, MODULAR = "mcpn-controller", (2, 3, 4, 5, 6), (4, 6)
@@ -38,6 +42,50 @@ MOST_BITS = 1_000_000
 
 Check = Callable[[Any, str], None]
 """Raises :class:`ControllerFileError` where a value, at a place of the file, is not what is expected."""
+
+
+def parsed(text: bytes | str, error: type[DamagedFile] = ControllerFileError) -> dict[str, Any]:
+    """The JSON object that a text is: the one way in for all that this runtime reads back.
+
+    Args:
+        text: The text; bytes are UTF-8.
+        error: What is raised.
+
+    Raises:
+        DamagedFile: It is no JSON object, whatever is wrong with it.
+    """
+    try:
+        document = json.loads(text)
+    except (ValueError, RecursionError, OverflowError) as wrong:
+        raise error(f"no JSON: {wrong}") from wrong
+    if not isinstance(document, dict):
+        raise error(f"expected a JSON object, found {type(document).__name__}")
+    return document
+
+
+def check_digest(document: Mapping[str, Any]) -> str:
+    """Holds a document against the digest in it.
+
+    Returns:
+        The digest.
+
+    Raises:
+        ControllerFileError: It has none, or one of another text.
+    """
+    try:
+        found = digest_of(document)
+    except (ValueError, RecursionError, OverflowError) as wrong:  # what no file says, but an object may
+        raise ControllerFileError(f"it has no digest: {wrong}") from wrong
+    if document.get("digest") != found:
+        raise ControllerFileError("its digest is of another text: it has been changed since it was written")
+    return found
+
+
+def signed_line(document: Mapping[str, Any]) -> str:
+    """An object as one line of JSON, with the digest of all else in it at its end; one in it is left out."""
+    text = json.dumps({key: value for key, value in document.items() if key != "digest"})
+    digest = hashlib.sha256(text.encode()).hexdigest()
+    return f'{text[:-1]}, "digest": "{digest}"}}'
 
 
 def digest_of(document: Mapping[str, Any]) -> str:

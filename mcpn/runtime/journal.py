@@ -2,21 +2,33 @@
 
 from __future__ import annotations
 
-import json
 import threading
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from time import monotonic, time
-from typing import Any, TextIO
+from typing import Any, Protocol
 
 from mcpn.runtime.controller import Step, Where
+from mcpn.runtime.file_schema import DamagedFile, parsed, signed_line
+
+
+class Written(Protocol):
+    """What a journal is written to: a text file, for one."""
+
+    def write(self, text: str, /) -> object:
+        """Takes a line."""
+
+    def flush(self) -> None:
+        """Has it written."""
 
 
 class Journal:
     """Writes each step as a line of JSON; give it to :meth:`mcpn.runtime.Controller.observe`.
 
-    A line has ``time`` (seconds since 1970), ``event``, ``from`` and ``to`` (``phase``,
-    ``section``, ``state``, ``objectives``, ``mode``), ``actions`` (texts, in order) and ``refused``. Each
-    line is flushed before any hook is called, so that what a crash leaves says what had been ordered.
+    A line has ``time`` (seconds since 1970), ``number`` (of the event, from 1), ``event``, ``from`` and
+    ``to`` (``phase``, ``section``, ``state``, ``objectives``, ``mode``), ``actions`` (texts, in order),
+    ``refused`` and the ``digest`` of all this. Each line is flushed before any hook is called, so that what a
+    crash leaves says what had been ordered.
     ``mcpn simulate --events`` replays it, and so does the page of ``mcpn report``.
 
     Args:
@@ -24,12 +36,19 @@ class Journal:
         clock: Tells the time.
     """
 
-    def __init__(self, stream: TextIO, clock: Callable[[], float] = time) -> None:
+    def __init__(self, stream: Written, clock: Callable[[], float] = time) -> None:
         self._stream, self._clock = stream, clock
 
     def __call__(self, step: Step) -> None:
         """Writes a step."""
-        self._stream.write(json.dumps({"time": self._clock(), **step_object(step)}) + "\n")
+        self._write({"number": step.number, **step_object(step)})
+
+    def resumed(self, number: int) -> None:
+        """Writes that a run goes on behind an event."""
+        self._write({"resumed": number})
+
+    def _write(self, said: Mapping[str, Any]) -> None:
+        self._stream.write(signed_line({"time": self._clock(), **said}) + "\n")
         self._stream.flush()
 
 
@@ -54,29 +73,61 @@ def _place(where: Where) -> dict[str, Any]:
     }
 
 
-def events_of(lines: Iterable[str]) -> Iterator[tuple[int, str, bool]]:
-    """Reads a journal.
+@dataclass(frozen=True, slots=True)
+class JournalLine:
+    """An event in a journal.
+
+    Args:
+        line: The number of its line, from 1.
+        event: Its text.
+        refused: Whether the controller refused it.
+        number: The number of the event, where the journal says it.
+    """
+
+    line: int
+    event: str
+    refused: bool
+    number: int | None
+
+
+class JournalError(DamagedFile):
+    """A line is none of a journal.
+
+    Attributes:
+        line: Its number.
+    """
+
+    def __init__(self, message: str, line: int) -> None:
+        super().__init__(message)
+        self.line = line
+
+
+def read_journal(lines: Iterable[str]) -> Iterator[JournalLine]:
+    """The events of a journal; lines that say that a run was resumed are passed over.
 
     Args:
         lines: Its lines.
 
-    Yields:
-        The number of a line, its event, and whether the controller refused it.
-
     Raises:
-        ValueError: A line is none of a journal; its number is the second argument.
+        JournalError: A line is none of a journal, or has been changed since it was written.
     """
-    for number, line in enumerate(lines, 1):
-        if not line.strip():
+    for line, text in enumerate(lines, 1):
+        if not text.strip():
             continue
         try:
-            said = json.loads(line)
-            event, refused = said["event"], said["refused"]
-        except (ValueError, KeyError, TypeError, RecursionError) as error:
-            raise ValueError(f"no line of a journal: {error!r}", number) from error
+            said = parsed(text)
+        except DamagedFile as error:
+            raise JournalError(f"no line of a journal: {error}", line) from error
+        if "digest" in said and text.strip() != signed_line(said):
+            raise JournalError("the line has been changed since it was written: its digest is another", line)
+        if "resumed" in said and "event" not in said:
+            continue
+        event, refused, number = said.get("event"), said.get("refused"), said.get("number")
         if type(event) is not str or type(refused) is not bool:
-            raise ValueError("expected an event, a text, and whether it was refused", number)
-        yield number, event, refused
+            raise JournalError("expected an event, a text, and whether it was refused", line)
+        if number is not None and type(number) is not int:
+            raise JournalError(f"expected the number of the event, found {number!r}", line)
+        yield JournalLine(line, event, refused, number)
 
 
 class Watchdog:

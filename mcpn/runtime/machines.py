@@ -14,7 +14,7 @@ from typing import Any, Protocol
 
 from mcpn.runtime.file_schema import LISTS, MODES
 
-Step = tuple[int | str, int, Set[int], Set[int]]
+Moved = tuple[int | str, int, Set[int], Set[int]]
 """The state after an event, or the outcome with which the section is left; the number of the list of actions;
 handlers that have happened and flags that became true; flags that became false."""
 
@@ -33,7 +33,7 @@ class MachineProtocol(Protocol):
     def entry(self, gone: Set[int], happened: Set[int]) -> Entered | None:
         """The first state and the actions, with some hardware out of service, if it may be entered so."""
 
-    def move(self, state: int, event: int, happened: Set[int]) -> Step | None:
+    def move(self, state: int, event: int, happened: Set[int]) -> Moved | None:
         """What an event does; ``None`` where it cannot be taken."""
 
     def possible(self, state: int, happened: Set[int]) -> Iterator[int]:
@@ -123,7 +123,7 @@ class TypeTables:
         bits = [*gone, *(first + i for i in happened if i in self.entering)]
         return self.entries[sum(1 << bit for bit in bits)]
 
-    def move(self, state: int, event: int, happened: Set[int]) -> Step | None:
+    def move(self, state: int, event: int, happened: Set[int]) -> Moved | None:
         """What an event does; ``None`` where it cannot be taken."""
         for move in self.moves[state].get(event, ()):
             if move.allowed(happened):
@@ -203,7 +203,7 @@ class RuleTables:
                 return state ^ changes, actions, *self._true(state ^ changes)
         return None
 
-    def move(self, state: int, event: int, happened: Set[int]) -> Step | None:
+    def move(self, state: int, event: int, happened: Set[int]) -> Moved | None:
         """What an event does; ``None`` where it cannot be taken."""
         for bits, (changes, actions, to) in self.rules[event]:
             if bits.hold(state):

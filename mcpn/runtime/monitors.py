@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import logging
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mcpn.runtime.file_schema import ControllerFileError
+from mcpn.runtime.file_schema import ControllerFileError, check_digest, parsed
+from mcpn.runtime.journal import JournalError, read_journal
 
-FORMAT, VERSION = "mcpn-monitors", 1
+FORMAT, VERSION = "mcpn-monitors", 2
 VALUES = ("violated", "satisfied", "open")
 VIOLATED = VALUES[0]
 
@@ -63,10 +63,13 @@ class Monitors:
             if (document["format"], document["version"]) != (FORMAT, VERSION):
                 found = f"{document['format']} of version {document['version']}"
                 raise ControllerFileError(f"expected {FORMAT} of version {VERSION}, found {found}")
+            self.digest = check_digest(document)
             self.mission: str = document["mission"]
             self._events = {str(event): number for number, event in enumerate(document["events"])}
             self._monitors = [_Machine(each, len(self._events)) for each in document["monitors"]]
-        except (KeyError, TypeError, ValueError, IndexError) as error:
+        except ControllerFileError:
+            raise
+        except (KeyError, TypeError, ValueError, IndexError, AttributeError, OverflowError) as error:
             raise ControllerFileError(f"no monitors: {type(error).__name__}: {error}") from error
         self._on_found = on_found
         self.restart()
@@ -83,12 +86,9 @@ class Monitors:
             ControllerFileError: The file is none of monitors.
         """
         try:
-            document = json.loads(Path(path).read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
+            return cls(parsed(Path(path).read_bytes()), **options)
+        except (OSError, ControllerFileError) as error:
             raise ControllerFileError(f"{path}: {error}") from error
-        if not isinstance(document, dict):
-            raise ControllerFileError(f"{path}: expected a JSON object")
-        return cls(document, **options)
 
     def restart(self) -> None:
         """Begins again, before the first event."""
@@ -189,12 +189,33 @@ class _Machine:
         return self.value != before
 
 
-def events_of(lines: Iterable[str]) -> Iterator[str]:
-    """The events of a log: of each line what stands in brackets at its end, else its last word."""
-    for line in lines:
+def watch(monitors: Monitors, lines: Iterable[str]) -> None:
+    """Gives monitors the events of a log, from their start.
+
+    A log is a journal, of which refused events count for nothing, or has an event in each line: what stands
+    in brackets at its end, else its last word; ``#`` begins a comment.
+
+    Raises:
+        JournalError: A line has no event of the mission, or is none of a journal.
+    """
+    lines = [*lines]
+    first = next((line for line in lines if line.strip()), "")
+    for number, event in _in_journal(lines) if first.lstrip().startswith("{") else _in_lines(lines):
+        monitors.take(event)
+        if monitors.unknown:
+            raise JournalError(f"{event!r} is no event of the mission", number)
+
+
+def _in_journal(lines: Iterable[str]) -> Iterator[tuple[int, str]]:
+    yield from ((told.line, told.event) for told in read_journal(lines) if not told.refused)
+
+
+def _in_lines(lines: Iterable[str]) -> Iterator[tuple[int, str]]:
+    for number, line in enumerate(lines, 1):
         text = line.strip()
         if text and not text.startswith("#"):
-            yield text[text.rindex("[") + 1 : -1] if text.endswith("]") and "[" in text else text.split()[-1]
+            in_brackets = text.endswith("]") and "[" in text
+            yield number, text[text.rindex("[") + 1 : -1] if in_brackets else text.split()[-1]
 
 
 def told(monitors: Monitors) -> Iterator[str]:
@@ -202,4 +223,3 @@ def told(monitors: Monitors) -> Iterator[str]:
     yield from map(str, monitors.findings)
     still = (name for name, value in monitors.values.items() if value == VALUES[2])
     yield from (f"open after {monitors.count} events: {name}" for name in still)
-    yield from (f"event {number}, {event}: none of the mission" for number, event in monitors.unknown)

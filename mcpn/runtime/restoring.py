@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
-from mcpn.runtime.file_schema import ENDS
+from mcpn.runtime.file_schema import ENDS, DamagedFile, parsed, signed_line
 from mcpn.runtime.tables import Action, Inside, Laws, Tables, TableSection
 
 SNAPSHOT, SNAPSHOT_VERSION = "mcpn-controller-snapshot", 2
 BEFORE, RUNNING = "before", "running"
 
+snapshot_text = signed_line
+"""The text of a snapshot, from what it says."""
 
-class SnapshotError(ValueError):
+
+class SnapshotError(DamagedFile):
     """A snapshot is truncated, changed, or of another controller."""
 
 
 @dataclass(frozen=True)
 class Saved:
-    """What a snapshot says."""
+    """What a snapshot says; ``beside`` is what its writer keeps with it (monitors, processes)."""
 
     phase: str
     section: TableSection | None
@@ -30,6 +31,7 @@ class Saved:
     happened: set[str]
     count: int
     timers: Mapping[str, float]
+    beside: Mapping[str, Any] = field(default_factory=dict)
 
     def text(self, digest: str) -> str:
         """The snapshot.
@@ -49,19 +51,9 @@ class Saved:
                 "happened": sorted(self.happened),
                 "count": self.count,
                 **({"timers": dict(self.timers)} if self.timers else {}),
+                **({"beside": dict(self.beside)} if self.beside else {}),
             }
         )
-
-
-def snapshot_text(document: Mapping[str, Any]) -> str:
-    """The text of a snapshot, with the digest of all else in it at its end.
-
-    Args:
-        document: What it says; a digest in it is left out.
-    """
-    text = json.dumps({key: value for key, value in document.items() if key != "digest"})
-    digest = hashlib.sha256(text.encode()).hexdigest()
-    return f'{text[:-1]}, "digest": "{digest}"}}'
 
 
 def read_snapshot(text: str, tables: Tables) -> Saved:
@@ -71,7 +63,7 @@ def read_snapshot(text: str, tables: Tables) -> Saved:
         SnapshotError: It is truncated, changed, or of another controller.
     """
     try:
-        document = json.loads(text)
+        document = parsed(text, SnapshotError)
         if document["format"] != SNAPSHOT or document["version"] != SNAPSHOT_VERSION:
             raise SnapshotError("no snapshot of a version that is known here")
         if document["controller"] != tables.digest:
@@ -82,8 +74,9 @@ def read_snapshot(text: str, tables: Tables) -> Saved:
         gone, count = set(document["out_of_service"]), document["count"]
         happened = set(document.get("happened", ()))
         left = {name: float(seconds) for name, seconds in document.get("timers", {}).items()}
+        beside = dict(document.get("beside", {}))
         section = None if name is None else tables.sections[name]
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError, OverflowError) as error:
         if isinstance(error, SnapshotError):
             raise
         raise SnapshotError(f"the snapshot is not whole: {error!r}") from error
@@ -108,7 +101,7 @@ def read_snapshot(text: str, tables: Tables) -> Saved:
     whole = whole and all(0 <= seconds <= timeouts[name] for name, seconds in left.items())
     if not whole:
         raise SnapshotError("the snapshot says what cannot be")
-    return Saved(phase, section, state, gone, happened, count, left)
+    return Saved(phase, section, state, gone, happened, count, left, beside)
 
 
 def actions_to(inside: Inside, laws: Laws) -> Iterator[Action]:

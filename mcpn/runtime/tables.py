@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from mcpn.runtime.file_schema import MODULAR, ControllerFileError, check_shape, digest_of
+from mcpn.runtime.file_schema import MODULAR, ControllerFileError, check_digest, check_shape, parsed
 from mcpn.runtime.machines import MachineProtocol, RuleTables, TypeTables
 
 
@@ -247,9 +246,7 @@ class Tables:
 
     def __init__(self, document: Mapping[str, Any]) -> None:
         check_shape(document)
-        self.digest = digest_of(document)
-        if document["digest"] != self.digest:
-            raise ControllerFileError("its digest is of another text: the controller has been changed")
+        self.digest = check_digest(document)
         make = RuleTables if document["version"] in MODULAR else TypeTables
         self.mission: str = document["mission"]
         self.hardware: list[str] = document["hardware"]
@@ -330,12 +327,12 @@ class Tables:
 
     def changed(self, event: str, true: Set[str]) -> set[str]:
         """The flags that are true after an event that the section does not handle itself."""
-        changes, known = self.changing.get(event, _NOTHING), self.late.get(self.repairs.get(event, ""))
+        changes, known = self.changing.get(event, _NO_CHANGE), self.late.get(self.repairs.get(event, ""))
         return {*true, *changes["true"]}.difference(changes["false"], [known])
 
 
 START = "MISSION_EV_START"
-_NOTHING: dict[str, list[str]] = {"true": [], "false": []}
+_NO_CHANGE: dict[str, list[str]] = {"true": [], "false": []}
 
 
 def read(path: Path) -> Tables:
@@ -345,10 +342,6 @@ def read(path: Path) -> Tables:
         ControllerFileError: It cannot be read or is no controller.
     """
     try:
-        document = json.loads(path.read_bytes())
-    except (OSError, ValueError, RecursionError) as error:
-        raise ControllerFileError(f"{path}: {error}") from error
-    try:
-        return Tables(document)
-    except ControllerFileError as error:
+        return Tables(parsed(path.read_bytes()))
+    except (OSError, ControllerFileError) as error:
         raise ControllerFileError(f"{path}: {error}") from error

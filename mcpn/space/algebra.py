@@ -12,6 +12,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
+from functools import reduce
+from operator import or_
 from typing import Any, Generic, Protocol, Self, TypeAlias, TypeVar
 
 from mcpn._kernel import Zdd
@@ -37,6 +39,7 @@ class States(Protocol):
 
 S = TypeVar("S", bound=States)
 Known = TypeVar("Known")
+T = TypeVar("T")
 
 
 Guards: TypeAlias = Mapping[int, S] | None
@@ -205,8 +208,21 @@ class Space(Protocol[S]):
 
     # --- steps and closures ---
 
-    def before(self, states: S, transitions: Collection[int] | None = None, guards: Guards[S] = None) -> S:
-        """States with an edge into some states."""
+    def before(
+        self,
+        states: S,
+        transitions: Collection[int] | None = None,
+        guards: Guards[S] = None,
+        among: S | None = None,
+    ) -> S:
+        """States with an edge into some states.
+
+        Args:
+            states: The states that edges lead to.
+            transitions: What the edges may carry.
+            guards: From where some of them may be taken.
+            among: The states that are asked; a space with parts visits these parts alone.
+        """
 
     def after(self, states: S, transitions: Collection[int] | None = None, guards: Guards[S] = None) -> S:
         """States that an edge leads to from some states."""
@@ -295,3 +311,28 @@ def partition(
         marked = frozenset(places[number] for number in numbers)
         unmarked = [p for p in places if p not in marked]
         yield marked, states if len(family) == 1 else space.restricted(states, marked, unmarked)
+
+
+def by_region(space: Space[S], unmet: Sequence[tuple[T, S]]) -> Iterator[tuple[S, list[T]]]:
+    """The regions of a space, each with the constraints that some of its states do not meet.
+
+    Regions are bisected, so that a constraint that most of the space meets is not asked of each region.
+
+    Args:
+        space: The space.
+        unmet: Constraints, each with the states that do not meet it.
+
+    Yields:
+        Each region with its constraints, in the order of :attr:`Space.regions`.
+    """
+
+    def halved(regions: Sequence[S], unmet: Sequence[tuple[T, S]]) -> Iterator[tuple[S, list[T]]]:
+        if len(regions) == 1 or not unmet:
+            yield from ((region, [constraint for constraint, _ in unmet]) for region in regions)
+            return
+        half = len(regions) // 2
+        for part in (regions[:half], regions[half:]):
+            together = reduce(or_, part, space.nothing)
+            yield from halved(part, [(c, states) for c, states in unmet if together & states])
+
+    return halved(space.regions, unmet)

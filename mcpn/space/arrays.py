@@ -168,9 +168,11 @@ class ArraySpace:
         states: ArraySet,
         transitions: Collection[int] | None = None,
         guards: Guards[ArraySet] = None,
+        among: ArraySet | None = None,
     ) -> ArraySet:
         """States with an edge into some states."""
-        return ArraySet(self.graph.before(states.mask, self._edges(transitions, guards)))
+        before = ArraySet(self.graph.before(states.mask, self._edges(transitions, guards)))
+        return before if among is None else before & among
 
     def after(
         self,

@@ -14,11 +14,7 @@ if TYPE_CHECKING:
     from mcpn.space.pyeda_reference import ReferenceCounts
 
 ENGINES = ("explicit", "symbolic", "pyeda")
-"""The engines that count: marking by marking, by decision diagrams, and the small independent reference."""
-
-
-MOST_PLACES_FOR_PYEDA = 24
-"""Beyond, pyeda's BDDs may take hours."""
+"""The engines that count: marking by marking, by decision diagrams, and the independent reference."""
 
 
 @dataclass(frozen=True)
@@ -93,15 +89,19 @@ def summary_of_counts(
         engine: Who has counted.
         started: When counting began, by :func:`time.perf_counter`.
     """
+    nodes = peak_nodes = None
     if isinstance(counts, Counts):
         stable, dead = counts.stable if net.priorities else None, counts.dead
     else:
         stable, dead = counts.stable_states, counts.dead_states
+        nodes, peak_nodes = counts.nodes, counts.peak_nodes
     bounds: tuple[int, ...] = getattr(counts, "bounds", (min(counts.max_tokens, 1),))
     return SpaceSummary(
         *(len(net.places), len(net.transitions)),
         *(counts.states, counts.edges, stable, dead, counts.max_tokens, max(bounds, default=0)),
-        None,
+        nodes,
         engine,
         time.perf_counter() - started,
+        None if nodes is None else "clustered",
+        peak_nodes,
     )

@@ -8,7 +8,7 @@ from typing import Literal, TypeVar
 from hypothesis import strategies as st
 
 from mcpn.mission.expansion.pauses import pause_problems
-from mcpn.mission.expansion.recovery import problems
+from mcpn.mission.expansion.recovery import helping, problems
 from mcpn.mission.model import (
     ABORT,
     FAIL,
@@ -110,7 +110,7 @@ class MissionDrawing(RobotDrawing):
             blocks.append(block)
             taken += size
         routed = tuple(self.routed(block, i, blocks) for i, block in enumerate(blocks))
-        return self.pausing(self.recovering(routed)), taken
+        return self.led(self.pausing(self.recovering(routed))), taken
 
     def recovering(self, blocks: tuple[Block, ...]) -> tuple[Block, ...]:
         """A series, perhaps with a block that recovers by another one, where it may."""
@@ -134,6 +134,16 @@ class MissionDrawing(RobotDrawing):
         handlers = (*(other for other in block.handlers if other.event != on), handler)
         pausing = tuple(replace(b, handlers=handlers) if b is block else b for b in blocks)
         return blocks if any((*pause_problems(pausing, ()), *problems(pausing, ()))) else pausing
+
+    def led(self, blocks: tuple[Block, ...]) -> tuple[Block, ...]:
+        """A series, perhaps with a route to a block that is run for another, where it may be."""
+        helpers = sorted(helping(blocks))
+        if not helpers or not self.rarely(self.shape.led):
+            return blocks
+        by, way = self.draw(st.sampled_from(helpers)), self.draw(st.sampled_from(["failure", "abort"]))
+        block = self.draw(st.sampled_from([other for other in blocks if other.name != by]))
+        led = tuple(replace(b, **{way: by}) if b is block else b for b in blocks)  # type: ignore[arg-type]
+        return blocks if any(problems(led, ())) else led
 
     def routed(self, block: Block, index: int, blocks: list[Block]) -> Block:
         """A block of a series with its routes and handlers."""

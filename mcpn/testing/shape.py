@@ -32,6 +32,7 @@ class Shape:
         timeouts: How many of ten objectives end by themselves when their time is over.
         recovers: How many of ten series have a block that recovers by another one.
         pauses: How many of ten series have a block that pauses on an event, while another one is run.
+        led: In how many of ten series with a block that is run for another a route leads to it as well.
         early: How many of ten parallel blocks end as soon as some children have, how many of ten fail so.
         events: Most declared events; with some, blocks and the mission handle them.
         interrupted: Whether most blocks handle each event, most handlers happen once, and half of the blocks
@@ -73,6 +74,7 @@ class Shape:
     early: int = 0
     recovers: int = 0
     pauses: int = 0
+    led: int = 0
     events: int = 0
     interrupted: bool = False
     facts: int = 0

@@ -363,7 +363,10 @@ def test_a_script_of_faults_is_played(written: str, tmp_path: Path) -> None:
     assert said["outcomes"]["failure"]["count"] == 50
 
 
-def test_a_mission_without_durations_is_told_where() -> None:
-    found = mcpn("bench", str(ULYSSE))
-    assert found.returncode == 2
-    assert "protocols.xml:6: objective coral_head.manual_moving has no duration" in found.stderr
+def test_a_mission_without_durations_runs_untimed() -> None:
+    """Nothing fails in Ulysse but by chance of its objectives, of which it gives none: all succeed."""
+    said = json.loads(mcpn("bench", str(ULYSSE), "--runs", "50", "--json").stdout)
+    assert said["outcomes"]["success"]["count"] == 50
+    assert (said["hours"], said["no_risk"][:27]) == (None, "objectives have no duration")
+    assert said["outcomes"]["success"]["risk"] is None
+    assert "mean hours" not in mcpn("bench", str(ULYSSE), "--runs", "5").stdout

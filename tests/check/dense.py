@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TypeVar
 
 import networkx as nx
@@ -244,11 +245,7 @@ class Dense:
 
 
 class Jumps:
-    """The chain of jumps under given rates of hardware.
-
-    Attributes:
-        matrix: The probability of a jump from one state to another.
-    """
+    """The chain of jumps under given rates of hardware."""
 
     def __init__(self, of: Dense, rates: Rates, demands: Demands) -> None:
         self.of, self.demands = of, demands
@@ -262,17 +259,31 @@ class Jumps:
             for share, end in of.leads(edge.target, edge.started, demands)
             if share
         ]
-        total = np.zeros(of.states)
+
+    @cached_property
+    def total(self) -> npt.NDArray[np.float64]:
+        """The rate at which each state is left."""
+        total = np.zeros(self.of.states)
         for edge, w in self.weights:
             total[edge.source] += w
-        self.matrix = np.zeros((of.states, of.states))
-        self.gained = np.zeros(of.states)
+        return total
+
+    @cached_property
+    def matrix(self) -> npt.NDArray[np.float64]:
+        """The probability of a jump from one state to another."""
+        matrix = np.zeros((self.of.states, self.of.states))
         for edge, w in self.weights:
-            share = w / total[edge.source]
-            self.matrix[edge.source, edge.target] += share
-            self.gained[edge.source] += (
-                share * (self.mode(edge.source) != self.mode(edge.target)) * (self.counts(edge.target))
-            )
+            matrix[edge.source, edge.target] += w / self.total[edge.source]
+        return matrix
+
+    @cached_property
+    def gained(self) -> npt.NDArray[np.float64]:
+        """The expected number of jumps into another, degraded mode, by state."""
+        gained = np.zeros(self.of.states)
+        for edge, w in self.weights:
+            into = self.mode(edge.source) != self.mode(edge.target) and self.counts(edge.target)
+            gained[edge.source] += w / self.total[edge.source] * into
+        return gained
 
     def own_rate(self, event: Event, rates: Rates) -> float:
         """How often hardware changes, or a declared event happens, per hour."""
@@ -504,6 +515,8 @@ def any_missions(draw: st.DrawFn) -> Mission:
             missions(small, pauses=8, sections=4, own_hardware=True, shared_activities=False),
             missions(aborting, lasting=True, own_hardware=True, shared_activities=False),
             missions(aborting, own_hardware=True, shared_activities=False),
+            missions(small, facts=2, sections=4),
+            missions(aborting, facts=2, own_hardware=True, shared_activities=False),
         )
     )
     return draw(with_numbers(chosen, demands=draw(st.booleans())))

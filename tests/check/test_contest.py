@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from unittest.mock import patch
 from xml.sax.saxutils import escape
 
 import numpy as np
@@ -15,20 +16,22 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from mcpn.check.engines import Asked
-from mcpn.check.logic.contest import read_properties
+from mcpn.check.logic.contest import Property, read_properties
 from mcpn.check.logic.evaluate import largest
 from mcpn.check.logic.names import Names
 from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.verdicts import answer_all
-from mcpn.errors import InputError, UnboundedError
+from mcpn.errors import InputError, LimitError, Source, UnboundedError
 from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.arrays import ArraySpace
 from mcpn.space.diagrams import runners
 from mcpn.space.diagrams.bounded import reach_markings
 from mcpn.space.diagrams.runners import OneByOne
+from mcpn.testing.nets import FAMILIES
 from tests.check.formulas import RELATIONS, Written, edges_of, formulas, read, satisfying
 from tests.draws import fewer
 from tests.net.nets import graph_of, nets, state_machines, token_nets
+from tests.space.search.goals import all_markings
 
 PLAIN = (
     token_nets()
@@ -231,8 +234,10 @@ def test_an_unbounded_net_is_answered_as_far_as_few_markings_decide(tmp_path: Pa
     assert {verdict.name: verdict.value for verdict in islice(found, len(expected))} == expected
     with pytest.raises(UnboundedError):  # what is known comes before the error
         next(found)
-    with pytest.raises(UnboundedError):
-        list(answer_all(Questions(net), (), ["Liveness"]))
+    (live,) = answer_all(
+        Questions(net), (), ["Liveness"]
+    )  # a siphon without a marked trap: no space is asked
+    assert live.value == "FALSE"
 
 
 @pytest.mark.parametrize(
@@ -286,3 +291,37 @@ def test_a_property_needs_a_name_and_a_formula(tmp_path: Path, missing: str) -> 
     path.write_text("<property-set/>")
     with pytest.raises(InputError, match="expected <property-set> of the namespace"):
         read_properties(path, Names(growing()))
+
+
+def test_what_a_search_leaves_open_is_named_and_no_space_is_built() -> None:
+    net = FAMILIES["component_ring"].net(12)
+    asked = [
+        Property("pair", (0, 1), Source("ring")),
+        Property("stays", read(("EG", ("place", net.places[0].name)), net), Source("ring")),
+    ]
+    examinations = ["OneSafe", "QuasiLiveness", "StableMarking", "Liveness"]
+    given: dict[str, str] = {}
+
+    def search() -> None:
+        for verdict in answer_all(Questions(net, engine="search"), asked, examinations):
+            given[verdict.name.removeprefix("ring-12-")] = verdict.value
+
+    with (
+        patch("mcpn.check.spaces.Spaces.space", side_effect=AssertionError),
+        patch("mcpn.check.spaces.Spaces.go_on", side_effect=AssertionError),
+        pytest.raises(LimitError, match=r"engine search leaves open: ring-12-Liveness$"),
+    ):
+        search()
+    expected = {verdict.name: verdict.value for verdict in answer_all(Questions(net), asked)}
+    assert {name: given[name] for name in expected} == expected
+    assert given.keys() - expected.keys() == {"OneSafe", "QuasiLiveness", "StableMarking"}
+
+
+@given(PLAIN)
+def test_examinations_that_imply_each_other_are_answered_as_by_the_space(net: PetriNet) -> None:
+    assume(all_markings(net, 500) is not None)
+    examinations = ["Liveness", "QuasiLiveness", "StableMarking", "OneSafe", "ReachabilityDeadlock"]
+    expected = {v.name: v.value for v in answer_all(Questions(net, engine="explicit"), (), examinations)}
+    with patch("mcpn.check.spaces.Spaces.go_on", return_value=False):  # what is known without the space first
+        searched = {v.name: v.value for v in answer_all(Questions(net), (), examinations)}
+    assert searched == expected

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.check.causes.elimination import Elimination
-from mcpn.check.causes.linear_systems import Floats
+from mcpn.check.causes.linear_systems import Floats, resolvent
 
 
 @given(st.data())
@@ -29,13 +30,16 @@ def test_blocks_give_what_one_dense_system_gives(data: st.DataObject) -> None:
 
     def matrix(name: Hashable) -> Floats:
         asked.append(name)
+        if isinstance(name, tuple):
+            return np.asarray(dense[name[1] * size : (name[1] + 1) * size].sum(axis=1)[:, None])
         assert isinstance(name, int)
         return np.asarray(matrices[name])
 
-    found = Elimination(names, count).factored_with(matrix)(right)
+    leaving = [("leaving", i) for i in range(count)]
+    found = Elimination(names, leaving).factored_with(matrix)(right)
     expected = np.linalg.solve(dense, right.reshape(-1, 2)).reshape(right.shape)
     assert found == pytest.approx(expected, abs=1e-12)
-    assert sorted(asked, key=repr) == sorted(set(names.values()))
+    assert sorted(asked, key=repr) == sorted({*names.values(), *leaving}, key=repr)
 
 
 @pytest.mark.parametrize("back", ["first", "before", "last leads to first"])
@@ -46,6 +50,24 @@ def test_a_row_of_equal_blocks_takes_as_many_products_as_its_length_has_digits(b
             to = {"first": 0, "before": max(0, i - 1), "last leads to first": 0}[back]
             if i == length - 1 or back != "last leads to first":
                 names[i, to] = "back"
-        return Elimination(names, length).products
+        return Elimination(names, ["out"] * length).products
 
     assert products(2000) - products(1000) <= products(1000) - products(500) + 8 <= 50
+
+
+@given(st.integers(1, 12), st.integers(0, 99), st.sampled_from([1.0, 1e-9, 1e-15]))
+def test_a_resolvent_is_exact_however_rarely_it_is_left(size: int, seed: int, rare: float) -> None:
+    """Against fractions: each entry relative to itself, where rows sum to nearly 1."""
+    random = np.random.default_rng(seed)
+    steps, leaving = random.random((size, size)), random.random(size) * rare
+    np.fill_diagonal(steps, 0.0)
+    rows = [[Fraction(x) for x in row] for row in steps]
+    matrix = [[-x for x in row] + [Fraction(int(i == j)) for j in range(size)] for i, row in enumerate(rows)]
+    for i, row in enumerate(rows):
+        matrix[i][i] += sum(row) + Fraction(leaving[i])
+    for i in range(size):  # Gauss and Jordan
+        matrix[i] = [x / matrix[i][i] for x in matrix[i]]
+        for j in set(range(size)) - {i}:
+            matrix[j] = [x - matrix[j][i] * y for x, y in zip(matrix[j], matrix[i], strict=True)]
+    inverse = [[float(x) for x in row[size:]] for row in matrix]
+    assert resolvent(steps, leaving) == pytest.approx(np.array(inverse), rel=1e-12)

@@ -18,7 +18,6 @@ from mcpn.check.spaces import Spaces
 from mcpn.check.verdicts.nets import EXAMINATIONS
 from mcpn.errors import Source
 from mcpn.net.petri import PetriNet
-from mcpn.space.diagrams.symbolic import reach_briefly
 from tests.check.formulas import Edges, edges_of, formulas, read, satisfying
 from tests.check.test_behaviour import ahead
 from tests.commands import mcpn, output
@@ -74,16 +73,13 @@ def test_all_are_answered_as_the_definitions_say_on_one_space(
 
         return counting
 
-    with (
-        patch("mcpn.check.spaces.Spaces.space", counted(Spaces.space)),
-        patch("mcpn.check.spaces.reach_briefly", counted(reach_briefly)),
-    ):
+    with patch("mcpn.check.spaces.Spaces.space", counted(Spaces.space)):
         answers = [
             (found.name, found.value) for found in answer_all(questions, asked, (*EXAMINATIONS, "OneSafe"))
         ]
     assert len(answers) == len(expected)
     assert dict(answers) == expected
-    assert sum(space is not None for space in made) == 1
+    assert len(made) == 1 or (engine == "auto" and not made)
 
 
 @pytest.mark.parametrize("engine", ENGINES)

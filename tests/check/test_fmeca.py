@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from hypothesis import event, given
 from hypothesis import strategies as st
 
 from mcpn.check.causes.effects import Severity, changes
-from mcpn.check.causes.fmeca import Row, fmeca
+from mcpn.check.causes.fmeca import Others, Row, fmeca
 from mcpn.check.engines import Engine
 from mcpn.check.verdicts.modes import Situation
 from mcpn.errors import ConfluenceError, LimitError
@@ -242,6 +242,35 @@ def test_severities_are_those_of_plain_search(mission: Mission, engine: Engine) 
     assert_severities(found, rows)
 
 
+def told_once(severity: Severity, costs: Mapping[Severity, Collection[frozenset[str]]]) -> list[Others]:
+    """The minimal sets of a class without those with which it may be worse."""
+    worse = {tuple(sorted(others)) for cost, sets in costs.items() if cost > severity for others in sets}
+    return [others for others in minimal(costs[severity]) if others not in worse]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_set_of_losses_is_told_in_its_worst_class(engine: Engine, tmp_path: Path) -> None:
+    """Where its sibling has failed too the mission is lost with a spare, and else the objective alone."""
+    (tmp_path / "m.xml").write_text("""<mission name="m" xmlns="urn:mcpn:mission:1">
+      <robot name="r"><hardware name="h"/><hardware name="g"/><activity name="free"/>
+        <activity name="go">
+          <alternative name="one" consumes="h"/><alternative name="two" consumes="g"/>
+        </activity>
+      </robot>
+      <parallel name="p" success_when="1">
+        <objective name="x" activities="free"/><objective name="y" activities="go"/>
+      </parallel></mission>""")
+    rows = fmeca(Asked(compose(read_mission(tmp_path / "m.xml")), engine).prospects)
+    (row,) = (row for row in rows if (row.hardware, row.objective) == ("h", "y"))
+    assert row.with_others == ((Severity.MISSION_LOST, (("g",),)),)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_one_class_for_each_set_of_a_file(faults: Path, engine: Engine) -> None:
+    found = compose(read_mission(faults / "fmeca_two_classes.xml"))
+    assert_severities(found, fmeca(Asked(found, engine).prospects))
+
+
 def assert_severities(found: MissionNet, rows: list[Row]) -> None:
     expected = severities(found)
     assert {(row.hardware, row.objective) for row in rows} == set(expected)
@@ -249,9 +278,15 @@ def assert_severities(found: MissionNet, rows: list[Row]) -> None:
         costs = expected[row.hardware, row.objective]
         every = [severity for severity, sets in costs.items() if frozenset() in sets]
         alone = max(every, default=Severity.NO_EFFECT)  # what is never repaired may be out all the time
-        worse = {severity: minimal(sets) for severity, sets in costs.items() if severity > alone}
+        worse = {
+            severity: only
+            for severity, sets in costs.items()
+            if severity > alone and (only := told_once(severity, costs))
+        }
         assert row.severity == alone
         assert {severity: list(sets) for severity, sets in row.with_others} == worse
+        told = [others for _, sets in row.with_others for others in sets]
+        assert len(told) == len(set(told))
 
 
 class Words:

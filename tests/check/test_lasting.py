@@ -19,7 +19,6 @@ from mcpn.net.compose import compose
 from mcpn.runtime.controller import Controller
 from tests.check.asked import ENGINES, Asked
 from tests.controller.test_c import build, run_lines
-from tests.controller.test_python import Generated
 from tests.controller.test_scxml import INTERPRETERS
 from tests.controller.test_scxml import check as check_scxml
 from tests.controller.traces import Traced, random_events
@@ -114,8 +113,6 @@ def test_generated_code_knows_it_too(form: Form, tmp_path: Path) -> None:
     events = HISTORY + random_events(traced, random.Random(1), 300)
     traced.restart()
     lines = traced.lines(events)
-    ((_, text),) = files(controller, net, "python").items()
-    assert Generated(text).lines(events) == lines
     assert run_lines(build(files(controller, net, "c"), tmp_path), events) == lines
 
 

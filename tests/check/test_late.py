@@ -270,7 +270,7 @@ RATES = st.sampled_from([0.0, 0.2, 0.5, 3.0])
 def test_what_is_beside_a_section(
     fails: float, back: float | None, apart: float, hours: float, late: bool
 ) -> None:
-    """Sums of exponentials are the exponential of the generator, also of rates that are (nearly) equal."""
+    """Its clock tells what the exponential of the generator says, also of rates that are (nearly) equal."""
     back = fails * (1 + apart) if back is None else back
     beside = Beside(fails, back, late)
     generator = np.array([[-fails, fails], [back, -back]])
@@ -278,7 +278,13 @@ def test_what_is_beside_a_section(
     if late:
         generator = np.array([[-fails, fails, 0.0], [0.0, 0.0, 0.0], [back, 0.0, -back]])
         statuses = [0, 2, 3]  # of two bits: well, lost, known to be
-    after = beside.columns * np.exp(-beside.exponents * hours) @ beside.rows
+    clock = np.zeros((len(beside.clock),) * 2)
+    for phase, each in enumerate(beside.clock):
+        for rate, later in each:
+            clock[phase, [phase, later]] += -rate, rate
+    ringing = expm(hours * clock)[0]
+    after = sum(ringing @ term.phases * np.outer(term.column, term.row) for term in beside.terms)
+    assert isinstance(after, np.ndarray)
     expected = expm(hours * generator)
     assert after[np.ix_(statuses, statuses)] == pytest.approx(expected, abs=1e-10)
     possible = beside.possible[np.ix_(statuses, statuses)]

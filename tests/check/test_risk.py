@@ -350,7 +350,7 @@ def test_sections_that_lead_back_are_those_of_the_whole(found: MissionNet, way: 
 
 @pytest.mark.parametrize("back", ["x0", "x{before}"])
 def test_equal_sections_in_a_row_are_eliminated_once(back: str) -> None:
-    """Forty sections that lead back where they fail: few products, and the numbers of iteration."""
+    """Forty sections that lead back where they fail: few products, and the numbers of one system."""
     hardware = [Hardware(name=f"h{i}", failure_rate=0.1 * (i + 1), repair_rate=1.0) for i in range(3)]
     blocks = [
         replace(
@@ -371,7 +371,7 @@ def test_equal_sections_in_a_row_are_eliminated_once(back: str) -> None:
         patch.setattr(passages, "Elimination", planned)
         by_sections = sections_numbers(found)
     assert max(plan.products for plan in plans) <= 40
-    with solved("by iteration"):
+    with solved("directly"):
         assert_same(by_sections, sections_numbers(found))
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import sys
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,19 +24,22 @@ from mcpn.check.causes.risk import Risk, risk
 from mcpn.check.engines import Engine
 from mcpn.check.spaces import spaces_of
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
-from mcpn.mission.model import Block, Handler, Mission, Objective, Parallel, Recursive
-from mcpn.mission.robot import DeclaredEvent, Hardware
+from mcpn.mission.model import Block, FactRoute, Handler, Mission, Objective, Parallel, Recursive
+from mcpn.mission.robot import Alternative, DeclaredEvent, Fact, FactChange, Hardware
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.space.arrays import ArraySpace
 from mcpn.space.stable.alternatives import direct
 from tests.check.asked import ENGINES
 from tests.check.dense import Dense, Numbers, any_missions, interrupted_missions
+from tests.check.exact import exact_ends, scaled
 from tests.draws import MOST_TRANSITIONS, fewer
 from tests.small import activity, mission, robot
 
 DRAWN = st.one_of(interrupted_missions(), any_missions())
 MOST_STATES = 300
+RARE = (1e-4, 1e-12)
+"""How many times as often as drawn hardware fails."""
 
 
 def assert_same(found: Risk, numbers: Numbers) -> None:
@@ -53,6 +57,29 @@ def assert_same(found: Risk, numbers: Numbers) -> None:
 def by(engine: Engine, mission: Mission) -> Risk:
     found = compose(mission)
     return risk(Prospects(found, spaces_of(found).space(engine, "alternatives")))
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(("name", "success"), [("rk2", 0.0), ("rk5", 0.5), ("rk8", 6 / 11)])
+def test_facts_are_as_at_the_start(faults: Path, name: str, success: float, engine: Engine) -> None:
+    found = by(engine, read_mission(faults / f"risk_facts_at_start_{name}.xml"))
+    assert found.success == pytest.approx(success)
+    assert found.failure == pytest.approx(1 - success)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("rate", [None, 0.5])
+def test_what_an_event_may_change_before_the_start_is_not_changed(rate: float | None, engine: Engine) -> None:
+    """The door is closed, unless somebody opens it meanwhile; a closed one lets nobody through."""
+    of = robot((), activity("go", ()), activity("free", ()))
+    opened = DeclaredEvent(name="opens", sets=(FactChange(fact="open", to="true"),), rate=rate)
+    of = replace(of, facts=(Fact(name="open"),), events=(opened,))
+    through = FactRoute(on="success", goto="fail", when=("!open",))
+    of_mission = mission(of, replace(other("wait"), duration=2.0, routes=(through,)))
+    found = by(engine, of_mission)
+    success = 0.0 if rate is None else rate / (rate + 1 / 2.0)
+    assert (found.success, found.failure) == pytest.approx((success, 1 - success))
+    assert found.importance == {}
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -240,6 +267,13 @@ def test_interruptions_count_in_importance() -> None:
     assert by("local", leaking(RHO, leg(to("fail")))).importance == pytest.approx({"h": END / (END + RHO)})
 
 
+def tangled(mission: Mission) -> bool:
+    """Whether an event with a rate changes several facts or one of many values: sections do not know that."""
+    values = {fact.name: fact.values for robot in mission.robots for fact in robot.facts}
+    changing = (event.sets for event in mission.events if event.rate)
+    return any(len(sets) > 1 or any(len(values[s.fact]) > 2 for s in sets) for sets in changing)
+
+
 def judge(mission: Mission) -> str:
     """Compares the numbers of each engine with those of the dense solve; says what kind of mission it was."""
     found = compose(mission)
@@ -253,14 +287,71 @@ def judge(mission: Mission) -> str:
     numbers = Dense(found, graph).numbers()
     assert_same(risk(Prospects(found, ArraySpace(graph))), numbers)
     for engine in ("symbolic", "local"):
-        assert_same(risk(Prospects(found, spaces_of(found).space(engine, "alternatives"))), numbers)
+        if engine == "symbolic" or not tangled(mission):
+            assert_same(risk(Prospects(found, spaces_of(found).space(engine, "alternatives"))), numbers)
     handled = {i.event for section in found.graph.all_sections() for i in section.interruptions}
     rates = {event.name for event in mission.events if event.rate}
+    assert_exact(mission)
     if found.abort is not None:
         return "interruptions and abort" if handled & rates else "no interruption but abort"
     if not handled:
         return "no interruption"
     return "interruptions with rates" if handled & rates else "interruptions without rates"
+
+
+def assert_exact(mission: Mission, rare: Sequence[float] = RARE) -> None:
+    """Each end by each engine, relative to itself, however rare failures are."""
+    for factor in rare:
+        found = compose(scaled(mission, factor))
+        graph = direct(found.net, proof=False)
+        ends = exact_ends(Dense(found, graph))
+        local = () if tangled(mission) else (spaces_of(found).space("local", "alternatives"),)
+        for space in (ArraySpace(graph), *local):
+            numbers = risk(Prospects(found, space))
+            for one, exact in zip(
+                (numbers.success, numbers.failure, numbers.abort or 0.0), ends, strict=True
+            ):
+                assert one == pytest.approx(float(exact), rel=1e-9, abs=1e-300)
+
+
+@pytest.mark.parametrize("factor", [1.0, 1e-6, 1e-12])
+def test_a_late_loss_beside_a_section(factor: float) -> None:
+    """Two of three spares are lost before they are needed: 1e-24 and less, by sections as on the whole."""
+    hardware = tuple(Hardware(name=n, failure_rate=0.1 * factor) for n in ("a", "b", "c"))
+    go = replace(
+        activity("go", ("a",)),
+        alternatives=tuple(Alternative(name=f"by_{n}", consumes=(n,)) for n in ("a", "b", "c")),
+    )
+    of = robot(hardware, go, activity("free", ()))
+    leg = Objective(name="leg", activities=("go",), duration=3.0)
+    assert_exact(mission(of, other("wait", 5.0), leg, other("rest")), (factor,))
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_the_small_probabilities_of_a_file(faults: Path, engine: Engine) -> None:
+    of = read_mission(faults / "risk_small_probabilities.xml")
+    _, failure, _ = exact_ends(Dense(found := compose(of), direct(found.net, proof=False)))
+    assert by(engine, of).failure == pytest.approx(float(failure), rel=1e-12)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("factor", [1.0, 1e-6, 1e-12])
+def test_what_goes_round_before_it_ends(factor: float, engine: Engine) -> None:
+    """It tries again and again: what ends it is rare against what goes round."""
+    hardware = (
+        Hardware(name="h", failure_rate=5.0, repair_rate=3.0),
+        Hardware(name="g", failure_rate=factor),
+    )
+    of = robot(hardware, activity("go", ("h",)), activity("hold", ("g",)))
+    first = Objective(name="x", activities=("hold",), duration=1.0, failure="y")
+    again = replace(first, name="z", success="x", failure="fail", failure_probability=factor / 2)
+    both = mission(
+        of, replace(first, success="z"), again, Objective(name="y", activities=("go",), duration=1.0)
+    )
+    graph = direct((net := compose(both)).net, proof=False)
+    exact = exact_ends(Dense(net, graph))
+    found = by(engine, both)
+    assert (found.success, found.failure) == pytest.approx(tuple(map(float, exact[:2])), rel=1e-9, abs=1e-300)
 
 
 @fewer(0.2)

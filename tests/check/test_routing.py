@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -13,12 +14,15 @@ from mcpn.check.logic.syntax import parse
 from mcpn.check.verdicts.mission import MissionCheck, check
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
-from mcpn.mission.static.copies import Copies
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
+from mcpn.report.findings import findings
+from mcpn.report.page import page
 from mcpn.testing import missions
 from tests.commands import mcpn
 from tests.conftest import ROOT
+from tests.draws import composed, fewer
+from tests.judge.drawn import PAUSING, PAUSING_APART
 from tests.shares import returns_early
 
 ROBOT = """<robot name="r">
@@ -103,6 +107,45 @@ def test_strict_lets_warnings_fail(tmp_path: Path) -> None:
     assert mcpn("check", ulysse, "--strict").returncode == 0
 
 
+AWAY = """
+<on event="rain" goto="pack"/>
+<parallel name="work" success="succeed">
+  <on event="wind" pause="shelter"/>
+  <objective name="map" activities="look"><on event="rain" goto="fail"/></objective>
+</parallel>
+<objective name="pack" activities="wait"/>
+<parallel name="shelter" failure="succeed"><objective name="anchor" activities="drive"/></parallel>
+"""
+
+
+@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize(
+    ("handler", "cause"),
+    [
+        ('<on event="rain" goto="work"/>', "event rain never happens while block work runs"),
+        ('<on event="rain" goto="fail"/>', "event rain never happens while block work runs"),
+    ],
+)
+def test_what_only_a_pause_would_lead_to_is_told_with_its_cause(
+    tmp_path: Path, handler: str, cause: str, engine: str
+) -> None:
+    events = ROBOT.replace("</robot>", '<event name="rain"/><event name="wind"/></robot>')
+    blocks = AWAY.replace('failure="succeed">', f'failure="succeed">{handler}')
+    path = tmp_path / "mission.xml"
+    path.write_text(f'<mission xmlns="urn:mcpn:mission:1" name="m">\n{events}{blocks}\n</mission>\n')
+    found = check(compose(read_mission(path)), engine=engine)  # type: ignore[arg-type]
+    said = [problem.message for problem in found.unselectable]
+    assert f"objective pack can never be entered: {cause}" in said
+
+
+@fewer(0.5)
+@given(PAUSING | PAUSING_APART)
+def test_pauses_are_answered_whatever_they_lead_to(mission: Mission) -> None:
+    """Verdicts, causes, the page and a controller of what pauses raise nothing but errors that say why."""
+    with suppress(LimitError, SemanticsError):
+        page(findings(composed(mission), max_states=500))
+
+
 @given(missions())
 def test_what_is_told_is_so(mission: Mission) -> None:
     found_of = compose(mission)
@@ -117,7 +160,7 @@ def test_what_is_told_is_so(mission: Mission) -> None:
         return
     evaluation = Evaluation(space)
     told = [problem.message for problem in found.futile]
-    copies = Copies(mission)
+    copies = found_of.graph.copies
     for section in found_of.graph.sections:
         plain = copies.plain(section.name)
         if any(f"objective {of} lead" in m for of in (section.name, f"{plain} (all") for m in told):

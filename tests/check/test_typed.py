@@ -182,7 +182,7 @@ def no_space(*_: object, **__: object) -> Any:
 def test_a_search_answers_without_the_space(formula: str, holds: bool) -> None:
     net = ring(40)
     needed = "EG" in formula  # a path that stays: no search finds one
-    with patch("mcpn.check.spaces.reach_briefly", lambda _: None):
+    with patch("mcpn.check.spaces.Spaces.go_on", lambda *_: False):
         if needed:
             answer = Questions(net).answer(formula)
         else:
@@ -199,7 +199,7 @@ def test_formulas_of_one_call_share_a_search_and_keep_their_order() -> None:
     asked = ["EF (eat1 & eat5)", "EF deadlock", "think0 & EF deadlock", "EF deadlock"]
     with (
         patch("mcpn.check.spaces.Spaces.space", no_space),
-        patch("mcpn.check.spaces.reach_briefly", lambda _: None),
+        patch("mcpn.check.spaces.Spaces.go_on", lambda *_: False),
     ):
         found = answer_typed(Questions(ring(30)), asked)
     assert [answer.formula for answer in found] == asked
@@ -212,7 +212,7 @@ def test_where_no_space_can_be_had_an_answer_says_that_no_run_is_shown() -> None
 
     with (
         patch("mcpn.check.spaces.Spaces.space", none),
-        patch("mcpn.check.spaces.reach_briefly", lambda _: None),
+        patch("mcpn.check.spaces.Spaces.go_on", lambda *_: False),
     ):
         answer = Questions(ring(8)).answer("EG think0")
         assert answer.holds

@@ -14,15 +14,14 @@ from mcpn.controller.minimise import is_bisimulation, minimise, partition
 from mcpn.controller.modular import AnyController
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
-from mcpn.mission.model import Mission, Objective, Parallel, Recursive
-from mcpn.mission.robot import Activity, Alternative, Fault, Hardware, Robot
+from mcpn.mission.model import Objective, Parallel, Recursive
+from mcpn.mission.robot import Fault, Hardware, Robot
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import Controller as Runtime
 from mcpn.runtime import ControllerFileError, Refused
 from tests.controller.test_c import build, run_lines
 from tests.controller.test_lockstep import walk
-from tests.controller.test_python import Generated
 from tests.controller.test_scxml import check
 from tests.controller.traces import Traced, random_events, tour
 from tests.runtime.damage import signed
@@ -89,7 +88,7 @@ def test_flat_hierarchical_and_the_net_do_the_same(watch: MissionNet, both: list
         walk(watch, [*both, *small, generate(watch, "modular")], random.Random(seed), 60)
 
 
-@pytest.mark.parametrize("target", ["c", "python", "scxml"])
+@pytest.mark.parametrize("target", ["c", "scxml"])
 def test_every_edge_in_every_target(
     target: str, watch: MissionNet, both: list[TableController], tmp_path: Path
 ) -> None:
@@ -112,10 +111,7 @@ def test_every_edge_in_every_target(
             continue
         traced.restart()
         expected = traced.lines(events)
-        if target == "c":
-            assert run_lines(build(texts, tmp_path / str(number)), events) == expected
-        else:
-            assert Generated(next(iter(texts.values()))).lines(events) == expected
+        assert run_lines(build(texts, tmp_path / str(number)), events) == expected
 
 
 def test_an_abort_in_every_target(tmp_path: Path) -> None:
@@ -140,8 +136,6 @@ def test_an_abort_in_every_target(tmp_path: Path) -> None:
         assert any("| abort" in line for line in expected)
         program = build(files(controller, mission_net, "c"), tmp_path / str(number))
         assert run_lines(program, events) == expected
-        (text,) = files(controller, mission_net, "python").values()
-        assert Generated(text).lines(events) == expected
         if isinstance(controller, TableController) and controller.form == "hierarchical":
             path = tmp_path / "abort.scxml"
             path.write_text(next(iter(files(controller, mission_net, "scxml").values())))
@@ -168,8 +162,6 @@ def test_a_common_cause_in_every_target(tmp_path: Path) -> None:
         expected = traced.lines(events)
         program = build(files(controller, mission_net, "c"), tmp_path / str(number))
         assert run_lines(program, events) == expected
-        (text,) = files(controller, mission_net, "python").values()
-        assert Generated(text).lines(events) == expected
     controller = generate(mission_net)
     traced, path = Traced(document(controller, mission_net)), tmp_path / "fault.scxml"
     path.write_text(next(iter(files(controller, mission_net, "scxml").values())))
@@ -195,7 +187,6 @@ def test_more_outcomes_than_a_byte_has_numbers(tmp_path: Path) -> None:
     assert sum("| failure" in line for line in expected) == 2 * 130
     program = build(files(controller, mission_net, "c"), tmp_path / "c")
     assert run_lines(program, given) == expected
-    assert Generated(next(iter(files(controller, mission_net, "python").values()))).lines(given) == expected
 
 
 def test_an_exit_without_a_route_is_no_controller(watch: MissionNet, both: list[TableController]) -> None:
@@ -203,22 +194,3 @@ def test_an_exit_without_a_route_is_no_controller(watch: MissionNet, both: list[
     del said["sections"][0]["routes"]["on storm"]
     with pytest.raises(ControllerFileError, match="routes"):
         Runtime.from_document(signed(said))
-
-
-def test_names_that_the_generated_python_uses_itself() -> None:
-    blocks = (
-        Objective(name="SUCCESS", activities=("a",), success="FAILURE", failure="succeed"),
-        Objective(name="FAILURE", activities=("a",), success="success", failure="fail"),
-        Objective(name="success", activities=("a",), success="succeed", failure="fail"),
-    )
-    robot = Robot(name="r", activities=(Activity(name="a", alternatives=(Alternative(name="a"),)),))
-    mission_net = compose(Mission(name="BEFORE", robots=(robot,), blocks=blocks))
-    for form in ("flat", "hierarchical"):
-        controller = generate(mission_net, "flat" if form == "flat" else "hierarchical")
-        traced = Traced(document(controller, mission_net))
-        events, _ = tour(traced)
-        traced.restart()
-        ((_, text),) = files(controller, mission_net, "python").items()
-        found = Generated(text)
-        assert found.module["OBJECTIVES"] == ("SUCCESS", "FAILURE", "success")
-        assert found.lines(events) == traced.lines(events)

@@ -16,9 +16,9 @@ from hypothesis import strategies as st
 from mcpn.controller.monitors.merging import merged
 from mcpn.controller.monitors.writing import files, monitors_of
 from mcpn.opening import open_study
-from mcpn.runtime import Controller, ControllerFileError, Decision, Monitors, Refused
+from mcpn.runtime import Controller, ControllerFileError, Decision, Journal, Monitors, Refused
 from mcpn.runtime.__main__ import main
-from mcpn.runtime.monitors import events_of
+from mcpn.runtime.file_schema import digest_of
 from tests.commands import mcpn, output
 from tests.conftest import ROOT
 from tests.controller import ltl3
@@ -152,13 +152,11 @@ def test_a_controller_has_its_events_watched(survey: Path) -> None:
 
 def test_logs_are_read(survey: Path, capsys: pytest.CaptureFixture[str]) -> None:
     log = survey / "robot.log"
-    log.write_text(f"# dive 7\n12:00:01 {START}\n2. objective come succeeds  [{COME}]\n\n{LOST}\nodd\n")
-    assert list(events_of(log.read_text().splitlines())) == [START, COME, LOST, "odd"]
+    log.write_text(f"# dive 7\n12:00:01 {START}\n2. objective come succeeds  [{COME}]\n\n{LOST}\n")
     told = mcpn("monitor", survey / "survey.xml", "--log", log)
     assert told.returncode == 1
     assert "violated by event 3, camera_EV_OOS: sees: From the first moment" in told.stdout
     assert "could: not watched" in told.stdout
-    assert "event 4, odd: none of the mission" in told.stdout
     found = output("monitor", survey / "survey.xml", "--log", log, code=1)
     assert found["log"]["values"]["sees"] == "violated"
     assert found["log"]["findings"][-1] == {
@@ -169,6 +167,11 @@ def test_logs_are_read(survey: Path, capsys: pytest.CaptureFixture[str]) -> None
     }
     assert main([str(survey / "monitors.json"), str(log)]) == 1
     assert "violated by event 3, camera_EV_OOS: sees" in capsys.readouterr().out
+    log.write_text(f"{START}\nodd\n")
+    told = mcpn("monitor", survey / "survey.xml", "--log", log)
+    assert (told.returncode, told.stdout) == (2, "")
+    assert f"{log}:2: 'odd' is no event of the mission" in told.stderr
+    assert main([str(survey / "monitors.json"), str(log)]) == 2
     log.write_text(START)
     assert main([str(survey / "monitors.json"), str(log)]) == 0
     assert main([str(survey / "none.json")]) == 2
@@ -207,7 +210,7 @@ def test_c_says_what_python_says(path: str, survey: Path, tmp_path: Path) -> Non
     "change",
     [
         {"format": "other"},
-        {"version": 2},
+        {"version": 1},
         {"monitors": [{"name": "r", "words": "", "values": [], "moves": []}]},
         {"monitors": [{"name": "r", "words": "", "values": [2], "moves": [[[99, 0]]]}]},
         {"monitors": [{"name": "r", "words": "", "values": [2], "moves": [[[0, 1]]]}]},
@@ -218,8 +221,31 @@ def test_c_says_what_python_says(path: str, survey: Path, tmp_path: Path) -> Non
 )
 def test_a_broken_file_is_an_error(change: dict[str, Any], survey: Path) -> None:
     document = json.loads((survey / "monitors.json").read_text())
+    changed = {**document, **change}
     with pytest.raises(ControllerFileError):
-        Monitors({**document, **change})
+        Monitors({**changed, "digest": digest_of(changed)})
+    with pytest.raises(ControllerFileError, match="digest"):
+        Monitors({**document, "mission": "other"})
+
+
+def test_a_journal_is_a_log(survey: Path) -> None:
+    """What the robot's own controller has written is read as it happened, refused events aside."""
+    log = survey / "log.jsonl"
+    controller = Controller.load(survey / "controller.json", on_refused=lambda refused: None)
+    with log.open("w") as stream:
+        journal = Journal(stream)
+        controller.observe(journal)
+        controller.handle(START)
+        controller.handle(COME)
+        controller.handle(COME)
+        journal.resumed(controller.count)
+        controller.handle(LOST)
+    found = output("monitor", survey / "survey.xml", "--log", log, code=1)["log"]
+    assert (found["events"], found["values"]["sees"]) == (3, "violated")
+    log.write_text(log.read_text().replace(COME, LOST))
+    told = mcpn("monitor", survey / "survey.xml", "--log", log)
+    assert (told.returncode, told.stdout) == (2, "")
+    assert f"{log}:2: the line has been changed" in told.stderr
 
 
 def test_there_must_be_something_to_watch(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""The Python target: one file, whose code is not the runtime's, does what the runtime does."""
+"""The Python target: one file, which needs no mcpn, does what the runtime does."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ import random
 import subprocess
 import sys
 from pathlib import Path
-from typing import get_args
+from types import ModuleType
+from typing import Any, get_args
 
 import pytest
 from hypothesis import event as seen
@@ -15,12 +16,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.controller.generate import Form, generate
-from mcpn.controller.targets import files
+from mcpn.controller.targets import files, python
 from mcpn.controller.targets.json import document
-from mcpn.controller.targets.python import quoted
+from mcpn.controller.targets.python import bundle
 from mcpn.errors import LimitError, SemanticsError
-from mcpn.mission.model import Mission
+from mcpn.mission.model import Mission, Objective
+from mcpn.mission.robot import Activity, Alternative, Parameter, Robot
 from mcpn.net.compose import MissionNet, compose
+from mcpn.runtime import Controller as Runtime
 from mcpn.testing import missions
 from tests.controller.traces import Traced, canonical, random_events, tour
 from tests.draws import fewer
@@ -30,26 +33,27 @@ class Generated:
     """The generated file, run in this process."""
 
     def __init__(self, text: str) -> None:
-        self.module: dict[str, object] = {"__name__": "generated"}
-        exec(compile(text, "generated.py", "exec"), self.module)
+        self.module: Any = ModuleType("generated")
+        sys.modules["generated"] = self.module  # dataclasses look their module up there
+        exec(compile(text, "generated.py", "exec"), self.module.__dict__)
+
+    def controller(self, **options: Any) -> Any:
+        """A new controller."""
+        return self.module.Controller(self.module.TABLES, **options)
 
     def lines(self, events: list[str]) -> list[str]:
-        make: type = self.module["Controller"]  # type: ignore[assignment]
-        refused: type[Exception] = self.module["EventRefused"]  # type: ignore[assignment]
-        controller, found = make(), []
+        controller, found = self.controller(), []
         for event in events:
             if not event:
-                controller = make()
+                controller = self.controller()
                 continue
             try:
                 actions, status = controller.handle(event), "taken"
-            except refused:
-                actions = []
-                status = "refused" if event in self.module["EVENTS"] else "unknown"  # type: ignore[operator]
-            said = "; ".join(" ".join(part for part in action[:3] if part) for action in actions)
+            except self.module.Refused as refused:
+                actions, status = (), "refused" if refused.known else "unknown"
             mode = " ".join(f"{a}.{w}" for a, w in controller.mode.items())
-            rest = f"{mode} | {' '.join(controller.possible())} | {controller.outcome or '-'}"
-            found.append(canonical(f"{status}: {said} | {rest}"))
+            rest = f"{mode} | {' '.join(controller.possible)} | {controller.outcome or '-'}"
+            found.append(canonical(f"{status}: {'; '.join(map(str, actions))} | {rest}"))
         return found
 
 
@@ -64,11 +68,12 @@ def test_every_edge_of_ulysse(form: Form, ulysse_net: MissionNet, tmp_path: Path
     traced.restart()
     expected = traced.lines(events)
     assert Generated(text).lines(events) == expected
-    (tmp_path / name).write_text(text)
-    command = [sys.executable, "-I", str(tmp_path / name), "all"]
+    (tmp_path / name).write_text(text, encoding="utf-8")
+    # Without its site packages, so without mcpn.
+    command = [sys.executable, "-I", "-S", str(tmp_path / name), "all"]
     run = subprocess.run(command, input="\n".join(events) + "\n", capture_output=True, text=True, check=True)
     assert [canonical(line) for line in run.stdout.splitlines()] == expected
-    assert '"depth": ("10", "m")' in text
+    assert run.stderr == ""
 
 
 @fewer(0.4)
@@ -94,7 +99,92 @@ def test_any_mission(mission: Mission, seed: int, form: Form) -> None:
     assert Generated(text).lines(events) == traced.lines(events)
 
 
-@given(st.text())
-def test_texts_are_read_back(text: str) -> None:
-    assert quoted(text).isascii()
-    assert ast.literal_eval(quoted(text)) == text
+def test_a_snapshot_of_one_is_one_of_the_other(ulysse_net: MissionNet) -> None:
+    controller = generate(ulysse_net)
+    ((_, text),) = files(controller, ulysse_net, "python").items()
+    generated, runtime = Generated(text), Runtime.from_document(document(controller, ulysse_net))
+    one, other = generated.controller(), generated.controller()
+    one.handle("MISSION_EV_START")
+    runtime.restore(one.snapshot())
+    assert (runtime.section, runtime.mode) == (one.section, one.mode)
+    runtime.handle(runtime.possible[0])
+    other.restore(runtime.snapshot())
+    assert (other.section, other.mode, other.possible) == (runtime.section, runtime.mode, runtime.possible)
+    with pytest.raises(generated.module.SnapshotError):
+        other.restore(runtime.snapshot()[:-9])
+
+
+def test_it_imports_python_alone(ulysse_net: MissionNet) -> None:
+    ((_, text),) = files(generate(ulysse_net), ulysse_net, "python").items()
+    imported = set[str]()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            imported |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.module is not None
+            assert not node.level
+            imported.add(node.module)
+    assert "hashlib" in imported
+    assert {name.partition(".")[0] for name in imported} <= sys.stdlib_module_names
+
+
+@given(st.text() | st.text(st.sampled_from("\"\\'\r\n\u2028a")))
+def test_any_text_of_a_mission(said: str) -> None:
+    """The tables stand in a raw string, and no text of the mission ends it."""
+    told = Parameter(name="depth", value=said, unit=said)
+    robot = Robot(name="r", activities=(Activity(name="a", alternatives=(Alternative(name="w"),)),))
+    block = Objective(name="x", activities=("a",), parameters=(told,))
+    mission_net = compose(Mission(name="m", robots=(robot,), blocks=(block,)))
+    ((_, text),) = files(generate(mission_net), mission_net, "python").items()
+    (select,) = (a for a in Generated(text).controller().handle("MISSION_EV_START") if a.verb == "select")
+    assert [(p.name, p.value, p.unit) for p in select.parameters] == [("depth", said, said)]
+
+
+@pytest.mark.parametrize(
+    ("source", "message"),
+    [
+        ("from mcpn.runtime.other import thing as that\n", "gives two names"),
+        ("from mcpn.runtime.other import thing\nfree = 2\n", "different things by free"),
+        ("from mcpn.runtime.other import thing\nfrom os import free\n", "different things by free"),
+        ("from mcpn.runtime.other import thing\nimport free\n", "different things by free"),
+    ],
+)
+def test_modules_that_cannot_be_one(
+    source: str, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "one.py").write_text(source)
+    (tmp_path / "other.py").write_text("free = thing = 1\n")
+    monkeypatch.setattr(python, "files", lambda package: tmp_path)
+    bundle.cache_clear()
+    with pytest.raises(ValueError, match=message):
+        bundle("one")
+
+
+def test_modules_in_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "one.py").write_text(
+        '"""First.\n\nMore."""\n\nfrom json import (\n    loads,\n    dumps,\n)\n'
+        "from mcpn.runtime.two import b\nfrom mcpn.runtime.three import (\n    c,\n)\n\n"
+        '# Why.\na = b + c\n\n__all__ = [\n    "a",\n]\n'
+    )
+    (tmp_path / "two.py").write_text("import sys\nfrom mcpn.runtime.three import c\n\nb = 2 * c\n")
+    (tmp_path / "three.py").write_text("import sys\nfrom json import dumps\n\nc = 1\n")
+    monkeypatch.setattr(python, "files", lambda package: tmp_path)
+    bundle.cache_clear()
+    text = bundle("one")
+    bundle.cache_clear()
+    assert [line for line in text.splitlines() if line] == [
+        "import sys",
+        "from json import dumps, loads",
+        "# --- mcpn.runtime.three ---",
+        "#",
+        "c = 1",
+        "# --- mcpn.runtime.two ---",
+        "#",
+        "b = 2 * c",
+        "# --- mcpn.runtime.one ---",
+        "# First.",
+        "#",
+        "# More.",
+        "# Why.",
+        "a = b + c",
+    ]

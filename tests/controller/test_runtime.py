@@ -47,7 +47,7 @@ def test_it_is_read_from_its_file(ulysse_net: MissionNet, tmp_path: Path) -> Non
 
 
 def test_it_needs_nothing_but_python() -> None:
-    imported = "import sys; before = {*sys.modules}; from mcpn.runtime import *"
+    imported = "import sys; before = {*sys.modules}; from mcpn.runtime import *; import mcpn.runtime.program"
     script = f"{imported}; print(*{{*sys.modules}} - before)"
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     loaded = run.stdout.split()

@@ -16,7 +16,6 @@ from mcpn.controller.generate import generate
 from mcpn.controller.minimise import minimise
 from mcpn.controller.modular import AnyController
 from mcpn.controller.simulator import Simulation
-from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
@@ -27,24 +26,22 @@ from tests.conftest import ULYSSE
 from tests.controller.oracle import NetRobot
 from tests.controller.test_exits import WATCH
 from tests.controller.test_lockstep import plain
-from tests.controller.test_python import Generated
 
 
 @cache
-def made(path: Path) -> tuple[MissionNet, list[tuple[AnyController, dict[str, Any], Generated]]]:
+def made(path: Path) -> tuple[MissionNet, list[tuple[AnyController, dict[str, Any]]]]:
     """The controllers of a mission: flat and hierarchical, minimised and not; modular."""
     net = compose(read_mission(path))
     tables = [generate(net, "flat"), generate(net, "hierarchical")]
     controllers: list[AnyController] = [*tables, *map(minimise, tables), generate(net, "modular")]
     rows = []
     for controller in controllers:
-        ((_, text),) = files(controller, net, "python").items()
-        rows.append((controller, document(controller, net), Generated(text)))
+        rows.append((controller, document(controller, net)))
     return net, rows
 
 
 class Beside(RuleBasedStateMachine):
-    """The plain net, the simulator, five runtimes and five generated programs."""
+    """The plain net, the simulator and five runtimes."""
 
     mission: ClassVar[Path] = ULYSSE
 
@@ -54,8 +51,7 @@ class Beside(RuleBasedStateMachine):
         self.seed = seed
         self.robot = NetRobot(self.net, random.Random(seed))
         self.simulation = Simulation(self.net)
-        self.runtimes = [Runtime.from_document(said) for _, said, _ in rows]
-        self.programs: list[Any] = [generated.module["Controller"]() for _, _, generated in rows]  # type: ignore[operator]
+        self.runtimes = [Runtime.from_document(said) for _, said in rows]
         self.events: list[str] = []
 
     def take(self, event: str) -> None:
@@ -65,9 +61,6 @@ class Beside(RuleBasedStateMachine):
         self.events.append(event)
         for runtime in self.runtimes:
             assert plain(runtime.handle(event)) == expected
-        for program in self.programs:
-            actions = [tuple(part for part in action[:3] if part) for action in program.handle(event)]
-            assert sorted(actions) == expected
 
     @precondition(lambda self: bool(self.robot.possible))
     @rule(data=st.data())
@@ -82,9 +75,6 @@ class Beside(RuleBasedStateMachine):
         for runtime in self.runtimes:
             with pytest.raises(Refused):
                 runtime.handle(event)
-        for program in self.programs:
-            with pytest.raises(Exception, match=r"is not possible now|is no event"):
-                program.handle(event)
 
     @precondition(lambda self: bool(self.events))
     @rule()
@@ -94,11 +84,10 @@ class Beside(RuleBasedStateMachine):
         events = self.events[:-1]
         _, rows = made(self.mission)
         self.robot = NetRobot(self.net, random.Random(self.seed))
-        self.runtimes = [Runtime.from_document(said) for _, said, _ in rows]
-        self.programs = [generated.module["Controller"]() for _, _, generated in rows]  # type: ignore[operator]
+        self.runtimes = [Runtime.from_document(said) for _, said in rows]
         for event in events:
             self.robot.handle(event)
-            for controller in (*self.runtimes, *self.programs):
+            for controller in self.runtimes:
                 controller.handle(event)
         self.events = events
 
@@ -118,10 +107,6 @@ class Beside(RuleBasedStateMachine):
             assert list(runtime.possible) == possible
             assert dict(runtime.mode) == self.robot.mode
             assert runtime.outcome == self.robot.outcome
-        for program in self.programs:
-            assert sorted(program.possible()) == possible
-            assert program.mode == self.robot.mode
-            assert program.outcome == self.robot.outcome
 
 
 TestBeside = Beside.TestCase

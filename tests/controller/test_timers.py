@@ -21,6 +21,7 @@ from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import AsyncController, Controller, EventQueue, Refused, SnapshotError
 from mcpn.runtime.restoring import snapshot_text
 from tests.controller.test_c import SANITIZE, build
+from tests.controller.test_python import Generated
 from tests.runtime.damage import signed
 from tests.small import activity, hw, mission, robot
 
@@ -261,17 +262,16 @@ def test_generated_python_ticks_as_the_runtime_does(form: Form, net: MissionNet,
     made = generate(net, form)
     lines, said = plan(Controller.from_document(document(made, net), clock=clock), clock)
     ((_, text),) = files(made, net, "python").items()
-    names: dict[str, Any] = {"__name__": "generated"}
-    exec(text, names)
-    other, found = names["Controller"](), list[str]()
+    generated, later = Generated(text), Clock()
+    other, found = generated.controller(clock=later), list[str]()
     for line in lines:
         if line.startswith("+"):
-            over = other.tick(int(line) / 1000)
-            found.append(over[0] if over else "-")
+            later.time += int(line)
+            found.append(other.overdue or "-")
         else:
             try:
                 other.handle(line)
                 found.append("taken")
-            except names["EventRefused"]:
+            except generated.module.Refused:
                 found.append("no")
     assert found == said

@@ -69,10 +69,11 @@ def test_what_runs_is_the_functioning_mode(mission: Mission, seed: int) -> None:
             runner.end()
 
     async def run() -> None:
-        going, idle = asyncio.create_task(runner.run()), 0
+        going, idle, count = asyncio.create_task(runner.run()), 0, 0
         while not going.done():
             await asyncio.sleep(0)
-            idle = 0 if runner.busy else idle + 1
+            idle = 0 if runner.busy or controller.count != count else idle + 1
+            count = controller.count
             if idle:
                 assert {name: of.alternative for name, of in runner.running.items()} == controller.mode
             if idle > LONGEST:  # nobody has anything more to say

@@ -10,10 +10,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mcpn.controller.generate import generate
+from mcpn.controller.targets.json import document
+from mcpn.drivers.mapping import check_plan
 from mcpn.drivers.reading import lines_of, read_drivers
-from mcpn.errors import InputError
+from mcpn.drivers.skeleton import skeleton
+from mcpn.errors import InputError, LimitError, SemanticsError
+from mcpn.mission.model import Mission
+from mcpn.runtime.tables import Tables
+from mcpn.testing import missions
 from tests.commands import mcpn
+from tests.draws import composed
 from tests.drivers.robots import MISSION, NEVER
+from tests.shares import returns_early
+from tests.test_linear import SECONDS, cpu_limit
 
 GOOD = f"""never = {json.dumps([*NEVER, "called_back"])}
 [activities.lidar_driver]
@@ -63,7 +73,7 @@ def test_a_good_one(tmp_path: Path) -> None:
         ("nothing = true", "nothing = true\nstop = 'SIGTERM'", [":7: stop: a signal is for a process"]),
         ("nothing = true", "nothing = true\nends = {}", [":7: ends: nothing does not end by itself"]),
         ("nothing = true", "nothing = true\npython = 'a:b'", [":5: activities.localisation: expected one"]),
-        ("nothing = true", "nothing = true\ngrace = -1", [":7: grace: expected seconds, found -1"]),
+        ("nothing = true", "nothing = true\ngrace = -1", [":7: grace: expected seconds, from 0 to 86400"]),
         ('["true"]', '["true"]\nstop = "SIGHURRY"', [":4: stop: expected the name of a signal"]),
         ('["true"]', "[1]", [":3: process: expected a list of texts, found [1]"]),
         ('["true"]', "[]", [":3: process: expected a command and its arguments"]),
@@ -176,3 +186,116 @@ def test_any_bytes_are_read_or_refused_with_a_place(data: bytes) -> None:
             problems = ()
             assert plan.specs == () or b"true" in data
     assert all(problem.source is not None for problem in problems)
+
+
+DIGITS = "9" * 4_300
+
+
+@pytest.mark.parametrize(
+    ("added", "expected"),
+    [
+        (f"grace = {DIGITS}", ":7: grace: expected seconds, from 0 to 86400, found 999"),
+        ("grace = 1e400", ":7: grace: expected seconds, from 0 to 86400, found inf"),
+        (f"grace = {DIGITS}9", ": no TOML: "),
+        (
+            f"grace = 0x{DIGITS}",
+            ":7: grace: expected seconds, from 0 to 86400, found a number of too many digits",
+        ),
+        (f"[mqtt]\nport = {DIGITS}", ":8: port: expected 0 to 65535, found 999"),
+        (f"[mqtt]\nport = 0x{DIGITS}", ":8: port: expected 0 to 65535, found a number of too many digits"),
+        (f"[mqtt]\nhost = [{DIGITS}]", ":8: host: expected a text, found [999"),
+    ],
+)
+def test_numbers_of_many_digits(tmp_path: Path, added: str, expected: str) -> None:
+    """They ended in an internal error."""
+    before, nothing, behind = GOOD.partition("nothing = true\n")
+    (line,) = said(tmp_path, f"{before}{nothing}{added}\n{behind}")
+    assert line.startswith(expected)
+    assert len(line) < 300
+
+
+def test_long_lists_are_read_in_linear_time(tmp_path: Path) -> None:
+    """A list of 3,000 lines was read once for each of them."""
+    long = "never = [\n" + '"lidar_EV_OOS", # [\n' * 30_000 + "]\nmisspelt = 1\n"
+    (tmp_path / "drivers.toml").write_text(long)
+    with cpu_limit(SECONDS), pytest.raises(InputError, match=":30003: unknown key 'misspelt'"):
+        read_drivers(tmp_path / "drivers.toml")
+
+
+def test_statements_of_several_lines(tmp_path: Path) -> None:
+    texts = ('"""[\n\\"""]"""""', "'''{\n''''", '"#["', "'\\'", "[ # ]\n[],\n]", "{a = [\n]}")
+    text = "".join(f"k{number} = {value}\n" for number, value in enumerate(texts))
+    found = lines_of(f"[x]\n{text}[x.y]\nlast = 1\n")
+    assert [found["x", f"k{number}"] for number in range(len(texts))] == [2, 4, 6, 7, 8, 11]
+    assert (found["x", "y"], found["x", "y", "last"]) == (13, 14)
+
+
+@pytest.mark.parametrize("name", ["bigint.toml", "list3000.toml"])
+def test_files_that_were_slow_or_ended_badly(faults: Path, name: str) -> None:
+    with cpu_limit(SECONDS):
+        found = mcpn("run", faults / "robot/mission.xml", "--drivers", faults / "robot" / name, "--check")
+    assert found.returncode == 2
+    assert "internal error" not in found.stderr
+
+
+@pytest.mark.parametrize(
+    ("text", "value", "expected"),
+    [
+        ('process = ["true", "{room}"]', "--version", "'--version' would be an option of the program"),
+        ('process = ["true", "--room={room}"]', "--version", None),
+        ('mqtt = { start = "robot/{room}" }', "#", "'robot/#' would have a wildcard"),
+        ('mqtt = { start = "robot/{room}" }', "a/+/b", "'robot/a/+/b' would have a wildcard"),
+        ('zenoh = { says = "robot/{room}" }', "**", "'robot/**' would have a wildcard"),
+        ('mqtt = { start = "robot/{room}", says = "robot/+/{room}" }', "12", None),
+    ],
+)
+def test_values_of_a_mission_are_values(text: str, value: str, expected: str | None, tmp_path: Path) -> None:
+    """No value of a parameter becomes an option of a command, or more than one topic."""
+    (tmp_path / "mission.xml").write_text(MISSION.replace('value="12"', f'value="{value}"'))
+    (tmp_path / "hand.py").write_text("def over(call):\n    return True\n")
+    ends = "" if text.startswith("process") else 'lines = { "done" = "success", "no" = "failure" }'
+    drivers = GOOD.replace('process = ["true", "{room}"]', f"{text}\n{ends}")
+    if ends:
+        drivers = drivers.replace('ends = {0 = "success", other = "failure"}\n', "")
+    (tmp_path / "drivers.toml").write_text(drivers)
+    found = mcpn("run", tmp_path / "mission.xml", "--drivers", tmp_path / "drivers.toml", "--check")
+    assert found.returncode == (0 if expected is None else 2), found.stderr
+    assert expected is None or expected in found.stderr
+
+
+def test_a_skeleton_lacks_nothing_but_programs(tmp_path: Path) -> None:
+    """Once these are there, the mission runs with it as it is, to its end."""
+    (tmp_path / "mission.xml").write_text(MISSION)
+    drivers = tmp_path / "drivers.toml"
+    arguments = ["run", tmp_path / "mission.xml", "--drivers", drivers]
+    assert mcpn(*arguments, "--init").stdout == f"{drivers}\n"
+    activities = ("lidar_driver", "localisation", "drive", "hand_over")
+    lacks = mcpn(*arguments, "--check").stderr.splitlines()
+    assert len(lacks) == len(activities)
+    assert all(any(f"no program './{name}' is found" in line for line in lacks) for name in activities)
+    for name in activities:
+        wait = "exec sleep 1000" if name in ("lidar_driver", "localisation") else f'echo "$@" > {name}.told'
+        (tmp_path / name).write_text(f"#!/bin/sh\n{wait}\n")
+        (tmp_path / name).chmod(0o755)
+    found = mcpn(*arguments)
+    assert (found.returncode, found.stderr) == (0, "")
+    assert "success" in found.stdout
+    assert (tmp_path / "drive.told").read_text() == "base\n"
+    assert "is not overwritten" in mcpn(*arguments, "--init").stderr
+
+
+@given(missions(max_events=1))
+def test_a_skeleton_of_any_mission_is_read(mission: Mission) -> None:
+    """All that is said of it is which programs are not there."""
+    found = composed(mission)
+    try:
+        tables = Tables(document(generate(found, max_states=2000), found))
+    except (LimitError, SemanticsError) as error:
+        returns_early(type(error).__name__)
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "drivers.toml"
+        file.write_text(skeleton(tables))
+        with pytest.raises(InputError) as wrong:
+            check_plan(read_drivers(file), tables)
+    assert all("no program './" in problem.message for problem in wrong.value.problems)

@@ -36,6 +36,7 @@ process = ["{python}", "{robot}", "drive_{room}", "stubborn"]
 lines = {arrived = "success"}
 ends = {other = "failure"}
 grace = 0.2
+repeat = "safe"
 
 [activities.hand_over]
 process = ["{python}", "{robot}", "hand"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import time
 from collections.abc import Iterator
@@ -138,3 +139,36 @@ def test_what_states_say_comes_after_a_save(client: Client, folder: Path) -> Non
 def hovered(client: Client, protocols: Path) -> str | None:
     found = client.ask("textDocument/hover", **place(protocols, protocols.read_text(), 'name="diving"', 8))
     return None if found is None else str(found["contents"]["value"])
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs devices")
+def test_what_is_no_regular_file_is_not_read(client: Client, folder: Path) -> None:
+    """Reading `/dev/zero` or a FIFO never ended, also one beside the file that is asked for."""
+    os.mkfifo(folder / "fifo.xml")
+    for uri in (
+        "file:///dev/zero",
+        (folder / "fifo.xml").as_uri(),
+        folder.as_uri(),
+        "file:///a%00b",
+        "untitled:1",
+    ):
+        at = {"textDocument": {"uri": uri}, "position": {"line": 0, "character": 0}}
+        assert client.ask("textDocument/hover", **at) is None
+        client.ask("textDocument/completion", **at)
+        client.tell("textDocument/didSave", textDocument={"uri": uri})
+    beside = (folder / "nothing.xml").as_uri()
+    client.tell("textDocument/didSave", textDocument={"uri": beside})
+    at = {"textDocument": {"uri": beside}, "position": {"line": 0, "character": 0}}
+    assert client.ask("textDocument/hover", **at) is None
+
+
+@pytest.mark.parametrize("length", ["99999999999", "9" * 30, "9" * 5000, "-5", "x", "0"])
+@pytest.mark.parametrize("body", ["", "{}", "\n\n"])
+def test_lengths_that_no_message_has_are_passed_over(
+    client: Client, folder: Path, length: str, body: str
+) -> None:
+    """A length beyond memory ended the server."""
+    assert client.process.stdin is not None
+    client.process.stdin.write(f"Content-Length: {length}\r\n\r\n{body}".encode())
+    at = {"textDocument": {"uri": (folder / "no.xml").as_uri()}, "position": {"line": 0, "character": 0}}
+    assert client.ask("textDocument/hover", **at) is None

@@ -56,7 +56,9 @@ class Node:
         children: By written name (of copies: by number), in order; none for an elementary objective.
         activities: What an elementary objective runs.
         parameters: Those in force in an elementary objective.
-        written: Its name in the text.
+        written: Its name in the text; that of a copy is its block's.
+        copy: Whether it is a copy of its parent: a round, a try, a run or a value of it.
+        use: Whether what it holds is written in a protocol.
         sets: Facts that an elementary objective changes.
         deciding: Its own routes that facts decide, in order.
         pauses: What is run while it pauses, by the written name of that and the objective, or parallel block,
@@ -79,6 +81,8 @@ class Node:
     activities: tuple[str, ...] = ()
     parameters: Values = field(default_factory=dict)
     written: str = ""
+    copy: bool = False
+    use: bool = False
     sets: tuple[FactChange, ...] = ()
     deciding: tuple[FactRoute, ...] = ()
     pauses: dict[tuple[str, str], Node] = field(default_factory=dict)
@@ -222,7 +226,7 @@ class _Writing:
 
     def block(self, block: Block, parent: Node, scope: _Scope) -> Node:
         """A block without what its parent sees of it: rounds, in each its tries, in each the block."""
-        node = Node(f"{scope.prefix}{block.name}{scope.suffix}", parent)
+        node = Node(f"{scope.prefix}{block.name}{scope.suffix}", parent, written=block.name)
         if isinstance(block, Objective) and block.timeout_goto is not None:
             node.timed_out = TIMED_OUT  # of a copy; what its parent sees of a block comes later
         if block.recover is not None:
@@ -247,7 +251,7 @@ class _Writing:
             self.copies(node, values)
         elif isinstance(block, Objective):
             node.activities, node.timeout = block.activities, block.timeout
-            node.written, node.sets = block.name, block.sets
+            node.sets = block.sets
             node.parameters = {**scope.defaults, **scope.said, **_values(block.parameters)}
         elif isinstance(block, Parallel):
             node.parallel, node.hasty = True, block.failure_when == "any"
@@ -259,6 +263,7 @@ class _Writing:
         else:
             protocol = self.protocols[block.protocol]
             self.series(node, protocol.blocks, scope.protocol(block, protocol))
+            node.use = True
         return node
 
     def copies(self, parent: Node, copies: list[Node], *, tries: bool = False) -> None:
@@ -267,4 +272,4 @@ class _Writing:
             following = str(number + 1) if number + 1 < len(copies) else None
             node.success = SUCCEED if tries else following or SUCCEED
             node.failure = following or FAIL if tries else FAIL
-            parent.children[str(number)] = node
+            node.copy, parent.children[str(number)] = True, node

@@ -66,6 +66,20 @@ PAUSING_APART = missions(
     timeouts=1,
 )
 """Blocks with branches that pause, where nothing contends."""
+LED = missions(
+    sections=6,
+    objectives=4,
+    depth=2,
+    hardware=1,
+    producers=1,
+    alternatives=1,
+    events=2,
+    aborts=3,
+    recovers=5,
+    pauses=9,
+    led=8,
+)
+"""Siblings that are run for others, by pauses and recoveries, and that routes lead to as well."""
 PAUSING_FACTS = missions(
     sections=6,
     depth=3,
@@ -95,6 +109,8 @@ APART = missions(sections=5, outputs=3, own_hardware=True, shared_activities=Fal
 """Nothing contends, whatever runs together."""
 SHARING = data_sharing_missions()
 """The same, with data that branches share."""
+SHARING_FACTS = data_sharing_missions(facts=True)
+"""The same, with facts that make a branch give data up as another begins to use it."""
 DISJOINT = missions(sections=6, outputs=3, disjoint_branches=True)
 WIDE = missions(sections=8, branches=8, hardware=2, producers=1, objectives=2, alternatives=2)
 CHAINS = stacked_missions() | missions(sections=4, producers=4, alternatives=2, awkward_names=True)
@@ -116,6 +132,7 @@ MISSIONS: st.SearchStrategy[Mission] = st.one_of(
     PAUSING,
     PAUSING_APART,
     PAUSING_FACTS,
+    LED,
     TIMED,
     WORLD,
     WORLD_ABORTED,
@@ -123,6 +140,7 @@ MISSIONS: st.SearchStrategy[Mission] = st.one_of(
     IN_ROUNDS,
     APART,
     SHARING,
+    SHARING_FACTS,
     DISJOINT,
     WIDE,
     CHAINS,

@@ -53,7 +53,21 @@ INNER = Parallel(name="inner", blocks=(one("a"), one("b")), success_when="any")
 NESTED = both(Recursive(name="r", blocks=(INNER, one("d"))), one("c"), success_when="any")
 ABORTS = both(on_leak("a", "succeed"), on_leak("b", "abort"), one("c"), success_when="any", abort="g")
 AGAIN = mission(ROBOT, Parallel(name="both", blocks=THREE, success_when="any", success="both"))
+
+
+def decided_at_two_depths(**others: Any) -> Mission:
+    """One event fails ``a``, and ends the inner block in success: early, or since all in it have ended."""
+    rest = on_leak("d", "succeed") if not others else one("d")
+    inner = Parallel(name="inner", blocks=(on_leak("b", "succeed"), rest), **others)
+    branches = on_leak("a", "fail"), Recursive(name="r", blocks=(inner,))
+    return both(*branches, success_when="any", failure_when="any")
+
+
+BOTH_EARLY = decided_at_two_depths(success_when="any")
+INNER_OVER = decided_at_two_depths()
 MISSIONS = {
+    "both early": BOTH_EARLY,
+    "inner over": INNER_OVER,
     "any": ANY,
     "two": TWO,
     "hasty": HASTY,
@@ -100,6 +114,8 @@ LEAK = (DECLARED, "leak")
         (NESTED, [OK["b"]], {"c", "d"}),
         (NESTED, [OK["b"], OK["d"]], {"f"}),
         (ABORTS, [LEAK], {"g"}),
+        (BOTH_EARLY, [LEAK], {"g"}),
+        (INNER_OVER, [LEAK], {"f"}),
         (AGAIN, [OK["b"]], {"a", "b", "c"}),
     ],
 )

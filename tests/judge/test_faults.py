@@ -16,6 +16,7 @@ from tests.judge.interpreter import (
     REPAIRED,
     START,
     SUCCESS,
+    TIMEOUT,
     Happening,
     Interpreter,
     Seen,
@@ -46,6 +47,13 @@ def fault(folder: Path, name: str) -> Path:
         "return_by_unrelated_handler",
         "parameters_precedence",
         "hw_fails_while_waiting",
+        "producer_restarted_pr3",
+        "producer_restarted_pr4",
+        "end_around_first",
+        "end_around_first_not",
+        "failed_pause_not_recovered",
+        "timeout_goto_of_shelter",
+        "key_error_away",
     ],
 )
 def test_every_engine_and_controller_does_what_the_page_says(faults: Path, name: str) -> None:
@@ -127,6 +135,31 @@ def test_the_innermost_parameter_counts_by_the_page(faults: Path) -> None:
     assert interpreter.parameters("x_12", "a", "a0") == {"k": "act", "k2": "alt", "room": "12"}
 
 
+@pytest.mark.parametrize("name", ["producer_restarted_pr3", "producer_restarted_pr4"])
+def test_a_producer_that_is_needed_when_all_is_over_goes_on_by_the_page(faults: Path, name: str) -> None:
+    now, _ = seen(read_mission(fault(faults, name)), BEGIN, (SUCCESS, "o1"))
+    assert now.refused == {"b"}
+    assert ("d", "y1") in now.mode
+
+
+@pytest.mark.parametrize(
+    ("name", "events", "running"),
+    [
+        ("end_around_first", [(DECLARED, "e")], {"s2"}),
+        ("end_around_first_not", [(DECLARED, "e")], {"s1"}),
+        ("failed_pause_not_recovered", [(DECLARED, "e"), (FAILURE, "X_at_A_run1")], {"z1"}),
+        ("failed_pause_not_recovered", [(FAILURE, "A_run1")], {"Y_A1"}),
+        ("timeout_goto_of_shelter", [(DECLARED, "e"), (TIMEOUT, "X_at_A")], {"z2"}),
+        ("timeout_goto_of_shelter", [(DECLARED, "e"), (FAILURE, "X_at_A")], {"z1"}),
+    ],
+)
+def test_what_leads_on_by_the_page(
+    faults: Path, name: str, events: list[Happening], running: set[str]
+) -> None:
+    now, _ = seen(read_mission(fault(faults, name)), BEGIN, *events)
+    assert now.running == running
+
+
 def test_a_wide_block_is_as_the_page_says(faults: Path) -> None:
     verdict = Judge(read_mission(fault(faults, "wide_parallel_7"))).judge()
     assert verdict.kind == "agree"
@@ -138,3 +171,9 @@ def test_a_recovery_that_the_way_falls_into_is_told(faults: Path) -> None:
     found = mcpn("check", fault(faults, "recovery_falls_into"))
     assert found.returncode == 1
     assert 'a block after which all is done says success="succeed"' in found.stdout
+
+
+def test_a_pause_that_leads_to_what_is_never_entered_is_told(faults: Path) -> None:
+    found = mcpn("check", fault(faults, "key_error_away"))
+    assert found.returncode == 0
+    assert "objective o5 can never be entered: event e1 never happens while block u4 runs" in found.stdout

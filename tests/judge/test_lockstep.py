@@ -174,6 +174,14 @@ def test_branches_that_share_data(of: Mission) -> None:
     check(of)
 
 
+@fewer(0.5)
+@given(drawn.SHARING_FACTS)
+def test_branches_that_share_data_and_facts(of: Mission) -> None:
+    mission_net = composed(of)
+    event(f"keeps a producer: {mission_net.usage.sharing.anything_kept}")
+    assert check(of) != "undetermined"
+
+
 @fewer(0.25)
 @given(drawn.DISJOINT)
 def test_missions_with_disjoint_branches(of: Mission) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from mcpn.errors import InputError
-from mcpn.mission.flatten import blocks_of, flatten
+from mcpn.mission.flatten import flatten
 from mcpn.mission.model import Block, Each, Handler, Mission, Objective, Parallel, Protocol, Recursive, Use
 from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.writer import written
@@ -243,8 +243,8 @@ def test_a_pause_that_happens_once() -> None:
 def test_a_sibling_that_is_only_run_in_pauses_is_no_warning() -> None:
     assert [s.name for s in flatten(PLAIN).sections] == ["a", "b", "s_at_a", "s_at_b", "d", "e"]
     assert not [w.message for w in find_warnings(PLAIN) if "entered" in w.message or " s " in w.message]
-    assert blocks_of(PLAIN)["r"] == ("a", "b")
-    assert blocks_of(PLAIN)["s"] == ("s_at_a", "s_at_b")
+    assert flatten(PLAIN).copies.held["r"] == ("a", "b")
+    assert flatten(PLAIN).copies.held["s"] == ("s_at_a", "s_at_b")
 
 
 @pytest.mark.parametrize("of", MISSIONS)

@@ -13,6 +13,8 @@ from tests.judge.test_abort import BEGIN, ROBOT, one
 from tests.judge.test_interpreter import play
 from tests.small import mission
 
+LEAK: Happening = (DECLARED, "leak")
+
 
 def again(name: str, times: int = 1, **others: object) -> Objective:
     """An objective with the activity of its name that recovers by b."""
@@ -42,7 +44,25 @@ FIRST = mission(ROBOT, one("b"), again("a"), one("c"))
 AROUND = mission(
     ROBOT, Recursive(name="r", blocks=(again("a"), one("b"))), one("c", success="r", failure="succeed")
 )
-MISSIONS = (TWICE, TRIES, TIMED, LATE, SHARED, BLOCKS, ROUNDS, FIRST, AROUND)
+PAUSED = mission(
+    ROBOT,
+    again("a", failure="d", retries=1, handlers=(Handler(event="leak", pause="e"),)),
+    one("b"),
+    one("c"),
+    one("d"),
+    one("e"),
+)
+"""Recovers, and pauses for another block."""
+LATE_HELP = mission(
+    ROBOT,
+    again("a", failure="d", handlers=(Handler(event="leak", pause="e"),)),
+    Objective(name="b", activities=("b",), timeout=5.0, timeout_goto="c"),
+    one("c"),
+    one("d"),
+    Objective(name="e", activities=("e",), timeout=5.0, timeout_goto="c", failure="c"),
+)
+"""What runs for a block, in pauses and to recover, leads elsewhere when its time is over."""
+MISSIONS = (PAUSED, LATE_HELP, TWICE, TRIES, TIMED, LATE, SHARED, BLOCKS, ROUNDS, FIRST, AROUND)
 
 
 @pytest.mark.parametrize("of", MISSIONS)
@@ -79,6 +99,11 @@ def bad(name: str) -> Happening:
         (BLOCKS, [bad("r_run1.a"), *ok("s_r1.b", "s_r1.d", "r_run2.a", "r_run2.c")], {"e"}),
         (ROUNDS, [bad("a_x_run1"), *ok("b_x_a1", "a_x_run2", "c_x"), bad("a_y_run1")], {"b_y_a1"}),
         (FIRST, ok("b"), {"a_run1"}),
+        (PAUSED, [LEAK, bad("e_at_a_run1_try1")], {"d"}),
+        (PAUSED, [LEAK, *ok("e_at_a_run1_try1"), bad("a_run1_try1"), bad("a_run1_try2")], {"b_a1"}),
+        (LATE_HELP, [LEAK, (TIMEOUT, "e_at_a_run1")], {"c"}),
+        (LATE_HELP, [LEAK, bad("e_at_a_run1")], {"d"}),
+        (LATE_HELP, [bad("a_run1"), (TIMEOUT, "b_a1")], {"c"}),
         (AROUND, [bad("a_run1"), *ok("b_a1", "a_run2", "c"), bad("a_run1")], {"b_a1"}),
     ],
 )

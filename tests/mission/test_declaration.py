@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from lxml import etree
 
 from mcpn.errors import InputError
-from mcpn.mission.language.datatypes import NAME, Datatype
+from mcpn.mission.language.datatypes import NAME, Datatype, Interval
 from mcpn.mission.language.forms import NAMESPACE, Field, form_of, language
 from mcpn.mission.model import FAIL, SUCCEED, Mission, Objective
 from mcpn.mission.renaming import renamed
@@ -73,7 +73,8 @@ def test_every_attribute_and_element_has_words() -> None:
 OTHERS: dict[type, st.SearchStrategy[Any]] = {
     bool: st.booleans(),
     int: st.integers(0, 3),
-    float: st.sampled_from([0.0, 0.25, 1.0, 1e-30, 5e20, 1 / 3]) | st.integers(0, 7),
+    float: st.sampled_from([0.0, 0.25, 1.0, 1e-30, 5e20, 1 / 3, Interval(1e-30, 1 / 3), Interval(0.25, 0.25)])
+    | st.integers(0, 7),
     str: st.text(
         st.characters(codec="utf-8", exclude_categories=("Cc", "Cs"), exclude_characters="\ufffe\uffff")
     ),

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import Phase, find, given, settings
 from hypothesis import strategies as st
 
-from mcpn.errors import LimitError
+from mcpn.errors import InputError, LimitError
 from mcpn.mission.flatten import ParallelSection, flatten
 from mcpn.mission.model import (
     FAIL,
@@ -407,7 +407,7 @@ def test_too_many_rounds_hit_the_limit(tmp_path: Path) -> None:
         '<each name="site" in="1 2 3"><objective name="visit" repeat="1000" retries="50">'
         '<objective name="x" activities="go"/></objective></each>',
     )
-    with pytest.raises(LimitError, match="100000 objectives"):
+    with pytest.raises(LimitError, match=r"m.*\.xml:\d+: more than 50000 objectives"):
         flatten(found)
 
 
@@ -458,3 +458,38 @@ def test_rounds_are_interrupted_as_one(tmp_path: Path) -> None:
         "rest_b": [("home", None)],
         "home": [],
     }
+
+
+VALUES = " ".join(f"v{number}" for number in range(50_001))
+
+
+@pytest.mark.parametrize(
+    "block",
+    [
+        '<objective name="o" activities="go" repeat="100000"/>',
+        '<objective name="o" activities="go" retries="99999"/>',
+        f'<each name="e" in="{VALUES}"><objective name="o" activities="go"/></each>',
+    ],
+)
+def test_more_copies_than_there_may_be_are_refused_before_one_is_made(
+    tmp_path: Path, block: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = mission(tmp_path, block)
+    monkeypatch.setattr("mcpn.mission.expansion.scope.Scope.copy", None)
+    with pytest.raises(LimitError, match=r"m.*\.xml:\d+: more than 50000 objectives after expansion"):
+        flatten(found)
+
+
+def test_an_alternative_consumes_no_more_than_it_may(tmp_path: Path) -> None:
+    def text(number: int) -> str:
+        names = [f"h{i}" for i in range(number)]
+        declared = "".join(f'<hardware name="{name}"/>' for name in names)
+        robot = f'<robot name="r">{declared}\n<activity name="a" consumes="{" ".join(names)}"/></robot>'
+        block = '<objective name="o" activities="a"/>'
+        return f'<mission name="m" xmlns="urn:mcpn:mission:1">{robot}{block}</mission>'
+
+    (tmp_path / "m.xml").write_text(text(1000))
+    read_mission(tmp_path / "m.xml")
+    (tmp_path / "m.xml").write_text(text(1001))
+    with pytest.raises(InputError, match=r"m\.xml:2: .* consumes 1001 resources, expected at most 1000"):
+        read_mission(tmp_path / "m.xml")

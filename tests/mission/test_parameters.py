@@ -24,6 +24,7 @@ from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.runtime import Controller as Runtime
 from mcpn.testing import missions
+from tests.controller.test_python import Generated
 
 Said = tuple[dict[str, str], ...]
 """What is said around an objective, by name: the innermost first, defaults of protocols last."""
@@ -205,12 +206,14 @@ def test_the_objective_s_count_before_the_alternative_s_and_these_before_the_act
     of_the_robot = {"k": "act", "x": "alt", "room": "alt"}
     controller = generate(found)
     runtime = Runtime.from_document(document(controller, found))
-    carried = {}
+    ((_, text),) = files(controller, found, "python").items()
     events = ["MISSION_EV_START", *(f"OBJ_{name}_EV_OK" for name in list(SAID)[:-1])]
-    for event in events:
-        (select,) = [a for a in runtime.handle(event) if a.verb == "select"]
-        carried[select.objective] = {p.name: p.value for p in select.parameters}
-    assert carried == {name: of_the_robot | own for name, own in SAID.items()}
+    for each in (runtime, Generated(text).controller()):
+        carried = {}
+        for event in events:
+            (select,) = [a for a in each.handle(event) if a.verb == "select"]
+            carried[select.objective] = {p.name: p.value for p in select.parameters}
+        assert carried == {name: of_the_robot | own for name, own in SAID.items()}
 
 
 HOSTILE = "\"'<&>]]>\n\t\\u0041 --> {{ é"
@@ -230,19 +233,3 @@ def test_scxml_carries_what_counts_whatever_it_is(form: Form, fault: Mission) ->
     of_the_robot = {"k": HOSTILE, "x": "alt", "room": "alt"}
     assert [said_ for said_ in carried if said_ not in [of_the_robot | own for own in SAID.values()]] == []
     assert all(of_the_robot | own in carried for own in SAID.values())
-
-
-def test_generated_programs_hold_what_each_says(fault: Mission) -> None:
-    """The host of a generated program merges: each table has what its own element says."""
-    found = compose(fault)
-    ((_, text),) = files(generate(found), found, "python").items()
-    program: dict[str, object] = {"__name__": "controller"}
-    exec(compile(text, "controller.py", "exec"), program)
-    tables = program["PARAMETERS"]
-    assert isinstance(tables, dict)
-    values = {
-        kind: {n: {p: v for p, (v, _) in of.items()} for n, of in t.items()} for kind, t in tables.items()
-    }
-    assert values["objective"] == {name: own for name, own in SAID.items() if own}
-    assert values["activity"] == {"a": {"k": "act", "x": "act", "room": "act"}}
-    assert values["alternative"] == {"a.a0": {"x": "alt", "room": "alt"}}

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
-from mcpn.check.compare import Measurement
+from mcpn.check.compare import Measured, Measurement
 from mcpn.cli.line import run
 from mcpn.errors import InputError, LimitError
 from mcpn.report.pictures.plots import Bars, Curves, plotted, save_engines, save_plot
@@ -52,7 +52,7 @@ def test_engines_are_plotted(suffix: str, tmp_path: Path) -> None:
         assert plot.read_bytes().startswith(b"\x89PNG")
         return
     told = texts(etree.parse(plot).getroot())
-    assert {"explicit", "symbolic", "pyeda", "seconds", "megabytes", "Engines on n"} <= {*told}
+    assert {"explicit", "symbolic", "pyeda", "CPU seconds", "megabytes", "Engines on n"} <= {*told}
 
 
 def test_nodes_are_plotted_with_their_order(tmp_path: Path) -> None:
@@ -60,7 +60,7 @@ def test_nodes_are_plotted_with_their_order(tmp_path: Path) -> None:
     sizes = {"states": 7, "nodes": 41, "peak_nodes": 1234}
     ran = Measurement("symbolic", sizes, 1.0, 20, order="force")
     gave_up = Measurement("pyeda", None, 0.0, 20, "too large")
-    save_engines(tmp_path / "p.svg", [ran, gave_up], "title")
+    save_engines(tmp_path / "p.svg", [Measured("n", 1, 1, 1, [ran, gave_up])])
     told = texts(etree.parse(tmp_path / "p.svg").getroot())
     assert {"nodes, symbolic, order force", "in the end", "41", "at the peak", "1,234"} <= {*told}
     assert "pyeda" not in told

@@ -5,6 +5,7 @@ from __future__ import annotations
 import http.client
 import json
 import socket
+import struct
 import subprocess
 import sys
 import threading
@@ -118,6 +119,34 @@ def test_questions_have_the_answers_of_a_study(ulysse_served: PageServer) -> Non
 def test_what_is_no_question_is_refused(ulysse_served: PageServer, body: bytes) -> None:
     status, _, _ = asked(ulysse_served, "POST", f"/{ulysse_served.token}/ask", body, **JSON)
     assert status == 400
+
+
+@pytest.mark.parametrize("length", [f"{'0' * 9}{MOST_ASKED * 9}", "9" * 30, "-1", "1 ", "\u0661"])
+def test_a_length_that_is_none_is_refused(ulysse_served: PageServer, length: str) -> None:
+    """Zeros before a length do not make it a small one: nothing is read of such a request."""
+    with socket.create_connection(("127.0.0.1", ulysse_served.server_port), 60) as client:
+        head = [
+            f"POST /{ulysse_served.token}/ask HTTP/1.1",
+            f"Host: 127.0.0.1:{ulysse_served.server_port}",
+            "Content-Type: application/json",
+            f"Content-Length: {length}",
+        ]
+        client.sendall("\r\n".join([*head, "", ""]).encode())
+        assert client.recv(4096).split()[1] == b"400"
+
+
+def test_a_client_that_leaves_causes_no_traceback(
+    ulysse_served: PageServer, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """It asks for the page and resets the connection, again and again; the page is still served."""
+    for _ in range(20):
+        client = socket.create_connection(("127.0.0.1", ulysse_served.server_port), 60)
+        client.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        host = f"127.0.0.1:{ulysse_served.server_port}"
+        client.sendall(f"GET /{ulysse_served.token}/ HTTP/1.1\r\nHost: {host}\r\n\r\n".encode())
+        client.close()
+    assert asked(ulysse_served, "GET", f"/{ulysse_served.token}/")[0] == 200
+    assert "Traceback" not in capfd.readouterr().err
 
 
 def test_a_served_page_follows_an_edit(browser: Any, tmp_path: Path) -> None:

@@ -21,7 +21,8 @@ from mcpn.controller.targets.json import document
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.model import Mission
 from mcpn.runtime import Action, Controller, Journal, Refused
-from mcpn.runtime.journal import events_of
+from mcpn.runtime.file_schema import signed_line
+from mcpn.runtime.journal import read_journal
 from mcpn.testing import missions
 from tests.conftest import ULYSSE
 from tests.draws import composed, fewer
@@ -126,7 +127,7 @@ def test_a_journal_says_what_happened(ulysse_document: dict[str, Any]) -> None:
     assert all(after["from"] == before["to"] for before, after in pairwise(lines))
     assert lines[-1]["to"]["section"] == controller.section
     assert lines[-1]["to"]["mode"] == dict(controller.mode)
-    assert [event for _, event, _ in events_of(text.splitlines())] == [line["event"] for line in lines]
+    assert [told.event for told in read_journal(text.splitlines())] == [line["event"] for line in lines]
 
 
 def test_a_journal_is_replayed_by_the_simulator(ulysse_document: dict[str, Any], tmp_path: Path) -> None:
@@ -146,8 +147,9 @@ def test_a_journal_is_replayed_by_the_simulator(ulysse_document: dict[str, Any],
     [
         (lambda lines: lines[:1] + lines, "log.jsonl:2: found MISSION_EV_START, which is not possible here"),
         (lambda lines: ["{" + lines[0]], "log.jsonl:1: no line of a journal"),
-        (lambda lines: [lines[0].replace('"refused": false', '"refused": 1')], ":1: expected an event"),
-        (lambda lines: [lines[0].replace('"refused": false', '"refused": true')], "which is possible here"),
+        (lambda lines: [lines[0].replace('"refused": false', '"refused": true')], "line has been changed"),
+        (lambda lines: [signed_line({**json.loads(lines[0]), "refused": 1})], ":1: expected an event"),
+        (lambda lines: [signed_line({**json.loads(lines[0]), "refused": True})], "which is possible here"),
     ],
 )  # fmt: skip
 def test_a_journal_that_the_mission_does_not_allow(

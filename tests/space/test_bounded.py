@@ -25,8 +25,9 @@ from mcpn.space.arrays import ArraySpace
 from mcpn.space.diagrams.bounded import reach_markings, reach_tokens
 from mcpn.space.diagrams.counters import TokenEncoding
 from mcpn.space.diagrams.order import candidates
+from mcpn.space.diagrams.race import finished
 from mcpn.space.diagrams.spaces import DiagramMarkings
-from mcpn.space.diagrams.symbolic import SymbolicSpace, closure
+from mcpn.space.diagrams.symbolic import SymbolicSpace, closing
 from mcpn.space.markings import widths
 from mcpn.space.markings.counted import count_tokens, explore_tokens
 from tests.check.formulas import formulas, read, satisfying
@@ -142,7 +143,7 @@ def high_first(net: PetriNet, wider: int = 0) -> SymbolicSpace:
     widths = [bound.bit_length() + wider for bound in count_tokens(net).bounds]
     encode = partial(TokenEncoding, widths=widths, low_first=False)
     order = tuple(range(len(net.places)))
-    return closure(net, encode, order=order, seed=None, memory_limit=1 << 28)
+    return finished(closing(net, encode, order=order, seed=None, memory_limit=1 << 28))
 
 
 @fewer(0.5)

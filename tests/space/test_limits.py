@@ -19,10 +19,12 @@ from mcpn.check.spaces import spaces_of
 from mcpn.controller.generate import generate
 from mcpn.errors import LimitError, UnboundedError
 from mcpn.mission.model import SUCCEED, Handler, Mission, Objective, Parallel
+from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.net.events import Event
 from mcpn.net.mortal import mortal
 from mcpn.net.petri import EVENTS, NetBuilder, PetriNet
+from mcpn.net.sections import MOST_BRANCHES, MOST_HARDWARE
 from mcpn.net.siphons import p_semiflows, siphons, t_semiflows, traps
 from mcpn.net.templates import interrupting
 from mcpn.space import images
@@ -341,3 +343,51 @@ def test_weighted_sums_of_searches(weight: int, bound: int) -> None:
     found = Searches(net).seek(AtMost(((0, weight),), bound), max_states=100)
     met = any(n * weight <= bound for n in range(13))
     assert found.outcome == ("reached" if met else "unreachable")
+
+
+def wide(folder: Path, branches: int, hardware: int) -> Path:
+    """A mission of two lines: hardware that may fail, and a section of branches that use all of it."""
+    names = [f"h{i}" for i in range(hardware)]
+    declared = "".join(f'<hardware name="{name}" shared="true"/>' for name in names)
+    robot = f'<robot name="r">{declared}<activity name="a" consumes="{" ".join(names)}"/></robot>'
+    inner = "".join(f'<objective name="o{i}" activities="a"/>' for i in range(branches - 1))
+    nested = (
+        '<objective name="s"><parallel name="q"><objective name="x" activities="a"/></parallel></objective>'
+    )
+    block = f'<parallel name="p">{inner}{nested}</parallel>'
+    path = folder / "wide.xml"
+    path.write_text(f'<mission name="m" xmlns="urn:mcpn:mission:1">{robot}\n{block}</mission>')
+    return path
+
+
+@pytest.mark.parametrize("engine", ["symbolic", "local"])
+@pytest.mark.parametrize(
+    ("branches", "hardware", "found"),
+    [
+        (MOST_BRANCHES + 1, 1, "65 branches that may run at the same time, .* is 64"),
+        (1, MOST_HARDWARE + 1, "151 hardware resources that may fail, .* is 150"),
+    ],
+)
+def test_a_wide_section_is_refused_before_a_diagram_is_made(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    engine: Literal["symbolic", "local"],
+    branches: int,
+    hardware: int,
+    found: str,
+) -> None:
+    class Begun(Exception):
+        pass
+
+    def begun(*_: object, **__: object) -> None:
+        raise Begun
+
+    monkeypatch.setattr("mcpn.space.local.composing._explored", begun)
+    monkeypatch.setattr("mcpn.space.local.composing.nearest_fault", lambda *_: None)
+    monkeypatch.setattr("mcpn.check.spaces.reaching", begun)
+    refused = spaces_of(compose(read_mission(wide(tmp_path, branches, hardware))))
+    with pytest.raises(LimitError, match=rf"wide\.xml:2: p has {found}"):
+        refused.space(Choice(engine), "alternatives")
+    allowed = wide(tmp_path, min(branches, MOST_BRANCHES), min(hardware, MOST_HARDWARE))
+    with pytest.raises(Begun):
+        spaces_of(compose(read_mission(allowed))).space(Choice(engine), "alternatives")

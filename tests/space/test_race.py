@@ -16,12 +16,11 @@ from hypothesis import strategies as st
 from mcpn._kernel import BudgetExceeded, Cancelled, MemoryLimit
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import NetBuilder, PetriNet
-from mcpn.space.diagrams import symbolic
 from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.order import cuthill_mckee
-from mcpn.space.diagrams.race import LEAST_BUDGET, SIDE_BY_SIDE, Race
+from mcpn.space.diagrams.race import FIRST_BUDGET, LEAST_BUDGET, SIDE_BY_SIDE, Race, Resting
 from mcpn.space.diagrams.runners import ByOrder, OneByOne
-from mcpn.space.diagrams.symbolic import SymbolicSpace, reach, reach_briefly
+from mcpn.space.diagrams.symbolic import SymbolicSpace, reach, reaching
 from tests.net.nets import nets
 
 
@@ -267,22 +266,34 @@ def test_the_winner_s_order_is_told(mcc: Path) -> None:
     assert again.states == space.states
 
 
-def test_a_brief_race_gives_all_markings_or_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    def ring(places: int) -> PetriNet:
-        builder = NetBuilder("ring")
-        for place in range(places):
-            builder.place(f"p{place}", initial=int(place == 0))
-        for place in range(places):
-            builder.transition(f"t{place}", consume=[f"p{place}"], produce=[f"p{(place + 1) % places}"])
-        return builder.build()
+def test_a_race_that_rests_ends_as_one_that_does_not(mcc: Path) -> None:
+    from mcpn.net.formats import read_net
 
-    found = reach_briefly(ring(9))
-    assert found is not None
-    assert found.states == 9
+    net = read_net(mcc / "Dekker-PT-010" / "model.pnml")
+    rests = [0]
+    resting = Resting(reaching(net))
+    while not resting.go_on(FIRST_BUDGET * 2 ** len(rests)):
+        rests.append(1)
+    assert resting.made.states == reach(net).states
+
+
+def test_a_race_rests_between_rounds_and_keeps_its_error() -> None:
+    builder = NetBuilder("ring")
+    for place in range(9):
+        builder.place(f"p{place}", initial=int(place == 0))
+    for place in range(9):
+        builder.transition(f"t{place}", consume=[f"p{place}"], produce=[f"p{(place + 1) % 9}"])
+    resting = Resting(reaching(builder.build()))
+    assert not resting.go_on(FIRST_BUDGET - 1)
+    assert resting.go_on(FIRST_BUDGET)
+    assert resting.made.states == 9
     builder = NetBuilder("unsafe")
     builder.place("p", initial=1)
     builder.place("q")
     builder.transition("t", consume=[], read=["p"], produce=["q"])
-    assert reach_briefly(builder.build()) is None
-    monkeypatch.setattr(symbolic, "BRIEF", 1)
-    assert reach_briefly(ring(9)) is None
+    unsafe = Resting(reaching(builder.build()))
+    for _ in range(2):
+        assert not unsafe.go_on(FIRST_BUDGET)
+        assert unsafe.ended
+        with pytest.raises(UnsafeError):
+            _ = unsafe.made

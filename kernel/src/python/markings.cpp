@@ -129,6 +129,24 @@ const Places& checked(const SafeNet& net, const Places& places) {
   return places;
 }
 
+constexpr std::uint32_t kMostPlaces = 1u << 28;
+
+// The places that a net is to have.
+std::uint32_t checked(std::uint32_t places) {
+  if (places > kMostPlaces) throw std::invalid_argument("a net has at most 2^28 places");
+  return places;
+}
+
+// Markings of a net: their rows mark no bit beyond its places.
+const Rows& checked(const SafeNet& net, const Rows& markings) {
+  const std::size_t words = net.words();
+  if (markings.shape(1) != words) throw std::invalid_argument("markings of another net");
+  const std::size_t last = net.places() - std::min<std::size_t>(net.places(), (words - 1) * 64);
+  for (std::size_t s = 0; s < markings.shape(0) && last < 64; ++s)
+    if (markings(s, words - 1) >> last) throw std::invalid_argument("no such place");
+  return markings;
+}
+
 Orders orders_named(const std::string& name) {
   if (name == "one") return Orders::kOne;
   if (name == "enough") return Orders::kEnough;
@@ -142,7 +160,7 @@ nb::tuple passages(const SafeNet& net, const Rows& markings, const Column<std::i
                    const std::vector<Places>& leaving, const std::vector<std::tuple<Places, Places>>& given) {
   const std::size_t states = markings.shape(0), edges = targets.shape(0);
   if (!net.priorities()) throw std::invalid_argument("a net with priorities");
-  if (markings.shape(1) != net.words()) throw std::invalid_argument("markings of another net");
+  checked(net, markings);
   if (offsets.shape(0) != states + 1 || offsets(0) != 0 || offsets(states) != std::int64_t(edges))
     throw std::invalid_argument("one row of targets for each state");
   for (std::size_t i = 0; i < states; ++i)
@@ -206,7 +224,7 @@ CountedNet counted(const std::vector<Field>& given, const std::vector<Counted>& 
 
 void bind_explorer(nb::module_& module) {
   // NOLINTNEXTLINE(bugprone-throw-keyword-missing,bugprone-unused-raii): it declares a class of Python in the module.
-  nb::exception<StateLimit>(module, "StateLimit");
+  nb::exception<StateLimit>(module, "StateLimit", PyExc_RuntimeError);
   module.def("stable_ends", [](const Column<std::int64_t>& offsets, const Column<std::int64_t>& targets,
                                const Column<bool>& transient) {
     const std::size_t states = transient.shape(0);
@@ -268,7 +286,7 @@ void bind_explorer(nb::module_& module) {
             throw std::invalid_argument("transitions in the order of their ranks");
           firings.push_back({need, take, put, rank, overflow});
         }
-        new (self) SafeNet(places, std::move(firings), priorities);
+        new (self) SafeNet(checked(places), std::move(firings), priorities);
       }, nb::arg("places"), nb::arg("transitions"), nb::arg("priorities"))
       .def("explore", [](const SafeNet& net, const Places& initial, bool edges, std::uint64_t max_states,
                          std::uint64_t max_bytes, const nb::object& progress) {
@@ -280,8 +298,7 @@ void bind_explorer(nb::module_& module) {
         return new PyExplorer(net, checked(net, initial), max_bytes, edges);
       }, nb::arg("initial"), nb::arg("max_bytes"), nb::arg("edges") = false, nb::keep_alive<0, 1>())
       .def("labels", [](const SafeNet& net, const Rows& markings) {
-        if (markings.shape(1) != net.words()) throw std::invalid_argument("markings of another net");
-        return array(net.labels(markings.data(), markings.shape(0)));
+        return array(net.labels(checked(net, markings).data(), markings.shape(0)));
       }, nb::arg("markings"))
       .def("passages", [](const SafeNet& net, const Rows& markings, const Column<std::int64_t>& offsets,
                           const Column<std::int64_t>& targets, const Column<std::uint32_t>& events,

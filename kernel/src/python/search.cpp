@@ -30,6 +30,9 @@ using GivenEdge = std::tuple<std::vector<std::uint32_t>, std::uint64_t, std::uin
                              std::optional<std::vector<Transition>>, bool>;
 using Spoken = std::tuple<std::string, std::vector<std::uint32_t>, std::vector<Arc>, Tokens>;
 
+constexpr std::uint32_t kMostPlaces = 1u << 28;
+constexpr std::uint32_t kDeepest = 1000;  // searches recurse into what is nested
+
 constexpr const char* kKinds[] = {"all", "any", "at_most", "dead", "not_dead"};
 constexpr const char* kOperators[] = {"goal", "not", "all", "any", "next", "until", "always"};
 constexpr std::size_t kOperands[] = {1, 1, 0, 0, 1, 2, 1};  // 0: any number
@@ -48,6 +51,21 @@ void check(const Marking& marking, const TokenNet& net) {
   if (marking.size() != net.places) throw std::invalid_argument("one number of tokens for each place");
   for (const Tokens tokens : marking)
     if (tokens < 0 || tokens > kMost) throw std::invalid_argument("tokens beyond what search follows");
+}
+
+// Some goals among those of a net.
+void check(const Goals& goals, const std::vector<std::uint32_t>& roots, const TokenNet& net) {
+  if (goals.watch.size() != net.places) throw std::invalid_argument("goals of another net");
+  for (const std::uint32_t root : roots)
+    if (root >= goals.nodes.size()) throw std::invalid_argument("no such goal");
+}
+
+// How deep a node is nested that stands on others, whose depths are given.
+std::uint32_t nested(const std::vector<std::uint32_t>& inside, const std::vector<std::uint32_t>& depths) {
+  std::uint32_t deepest = 0;
+  for (const std::uint32_t node : inside) deepest = std::max(deepest, depths[node]);
+  if (deepest >= kDeepest) throw std::invalid_argument("nested deeper than 1,000");
+  return deepest + 1;
 }
 
 template <class Body> auto run(Body body) {
@@ -72,13 +90,16 @@ template <class Body> auto run(Body body) {
 void bind_search(nb::module_& module) {
   nb::class_<Goals>(module, "Goals")
       .def("__init__", [](Goals* self, std::uint32_t places, const std::vector<Spoken>& nodes) {
+        if (places > kMostPlaces) throw std::invalid_argument("a net has at most 2^28 places");
         Goals goals(places);
+        std::vector<std::uint32_t> depths;
         for (const auto& [kind, inside, terms, bound] : nodes) {
           const auto* known = std::find(std::begin(kKinds), std::end(kKinds), kind);
           if (known == std::end(kKinds)) throw std::invalid_argument("no such kind of goal");
           for (const std::uint32_t node : inside)
             if (node >= goals.nodes.size()) throw std::invalid_argument("a goal names a later one");
           check(terms, places);
+          depths.push_back(nested(inside, depths));
           goals.add(Goals::Kind(known - kKinds), inside, terms, bound);
         }
         new (self) Goals(std::move(goals));
@@ -87,6 +108,7 @@ void bind_search(nb::module_& module) {
   nb::class_<TokenNet>(module, "TokenNet")
       .def("__init__", [](TokenNet* self, std::uint32_t places, const std::vector<Given>& transitions,
                           bool priorities) {
+        if (places > kMostPlaces) throw std::invalid_argument("a net has at most 2^28 places");
         std::vector<Rule> rules;
         for (const auto& [need, change, rank] : transitions) {
           check(need, places);
@@ -99,8 +121,7 @@ void bind_search(nb::module_& module) {
                       const std::vector<std::uint32_t>& roots, std::uint64_t steps, std::uint64_t length,
                       std::uint64_t seed, bool unsafe, const std::vector<Tokens>& counts) {
         check(initial, net);
-        for (const std::uint32_t root : roots)
-          if (root >= goals.nodes.size()) throw std::invalid_argument("no such goal");
+        check(goals, roots, net);
         if (!counts.empty() && counts.size() != net.rules.size())
           throw std::invalid_argument("one count for each transition");
         const std::vector<Reached> found = run([&](const GoOn& go_on) {
@@ -115,7 +136,7 @@ void bind_search(nb::module_& module) {
       .def("seek", [](const TokenNet& net, const Marking& initial, const Goals& goals, std::uint32_t root,
                       bool stubborn, std::uint64_t max_states, std::uint64_t max_bytes) {
         check(initial, net);
-        if (root >= goals.nodes.size()) throw std::invalid_argument("no such goal");
+        check(goals, {root}, net);
         const Search found = run([&](const GoOn& go_on) {
           return seek(net, initial, goals, root, stubborn, max_states, max_bytes, go_on);
         });
@@ -127,8 +148,7 @@ void bind_search(nb::module_& module) {
                        std::uint64_t marks, const std::vector<bool>& accepting_all, std::uint64_t max_steps,
                        std::uint64_t max_bytes, std::uint64_t seed) {
         check(initial, net);
-        for (const std::uint32_t root : roots)
-          if (root >= goals.nodes.size()) throw std::invalid_argument("no such goal");
+        check(goals, roots, net);
         if (edges.empty() || edges.size() != accepting_all.size())
           throw std::invalid_argument("an automaton without states, or not told of each what it accepts");
         Automaton automaton{{}, marks, accepting_all};
@@ -155,7 +175,9 @@ void bind_search(nb::module_& module) {
                           const std::vector<std::pair<std::string, std::vector<std::uint32_t>>>& given,
                           std::uint64_t max_bytes) {
         check(initial, net);
+        check(goals, {}, net);
         std::vector<Operator> operators;
+        std::vector<std::uint32_t> depths;
         for (const auto& [kind, inside] : given) {
           const auto* found = std::find(std::begin(kOperators), std::end(kOperators), kind);
           if (found == std::end(kOperators)) throw std::invalid_argument("no such operator");
@@ -164,6 +186,7 @@ void bind_search(nb::module_& module) {
             throw std::invalid_argument("a wrong number of operands");
           for (const std::uint32_t operand : inside)
             if (operand >= known) throw std::invalid_argument("an operator names a later one, or no goal");
+          depths.push_back(number ? nested(inside, depths) : 1);
           operators.push_back({Operator::Kind(number), inside});
         }
         new (self) Checker(net, initial, goals, std::move(operators), max_bytes);

@@ -143,7 +143,7 @@ class PyBigSteps {
  public:
   PyBigSteps(const SafeNet& net, const Numbers& initial, const std::vector<std::int64_t>& places,
              const std::vector<std::tuple<std::uint32_t, Level>>& partners, std::uint64_t max_bytes, std::uint64_t max_transient)
-      : net_(net), levels_(places.size()), steps_(net, checked(initial), levelled(places), partnered(partners), max_bytes, max_transient),
+      : net_(with_priorities(net)), levels_(places.size()), steps_(net, checked(initial), levelled(places), partnered(partners), max_bytes, max_transient),
         evolution_(net, checked(initial), by_place(net.places(), levelled(places), partnered(partners))) {}
 
   std::optional<Handle> start(const std::shared_ptr<PyStore>& s) {
@@ -171,6 +171,7 @@ class PyBigSteps {
     if (!net_.is_event(event)) throw std::invalid_argument("no such event");
     bool found = false;
     const Handle made = computed(markings.owner, [&](Store& store) {
+      evolved_ = markings.owner;
       const std::optional<Node> node = evolution_.after(store, markings.node, event);
       found = node.has_value();
       return node.value_or(0);
@@ -182,6 +183,7 @@ class PyBigSteps {
     if (!net_.is_event(event)) throw std::invalid_argument("no such event");
     std::optional<Numbers> table;
     markings.owner->run([&] {
+      evolved_ = markings.owner;
       markings.owner->store.begin();
       table = evolution_.function(markings.owner->store, markings.node, event);
     });
@@ -191,6 +193,10 @@ class PyBigSteps {
   }
 
  private:
+  static const SafeNet& with_priorities(const SafeNet& net) {
+    if (!net.priorities()) throw std::invalid_argument("a net with priorities");
+    return net;
+  }
   static SetEvolution::Levels by_place(std::size_t places, const Numbers& levelled, const std::vector<std::pair<std::uint32_t, Level>>& partners) {
     SetEvolution::Levels levels(places, {kNoLevel, false});
     for (Level at = 0; at < levelled.size(); ++at)
@@ -231,6 +237,7 @@ class PyBigSteps {
   const std::size_t levels_;
   BigSteps steps_;
   SetEvolution evolution_;
+  std::shared_ptr<PyStore> evolved_;  // kept, for the evolution knows the last store by its place in memory
   bool ended_ = false;
 };
 

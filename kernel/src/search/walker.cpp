@@ -16,8 +16,9 @@ enum Mode { random, guided, ordered, counted };
 class Walker {
  public:
   Walker(const TokenNet& net, const Marking& initial, const Goals& goals, const std::vector<std::uint32_t>& roots)
-      : touched(roots.size(), true), net_(net), goals_(goals), initial_(initial), missing0_(net.rules.size(), 0),
-        sums0_(goals.sums(initial)), askers_(goals.bounds.size()), always_(), lists_(net.ranks) {
+      : net_(net), goals_(goals), initial_(initial), missing0_(net.rules.size(), 0),
+        sums0_(goals.sums(initial)), askers_(goals.bounds.size()), lists_(net.ranks),
+        is_touched_(roots.size(), false) {
     std::vector<std::uint32_t> atoms;
     for (std::uint32_t g = 0; g < roots.size(); ++g) {
       atoms.clear();
@@ -63,10 +64,22 @@ class Walker {
         const bool held = sums_[atom] <= goals_.bounds[atom];
         sums_[atom] += sign * weight * change;
         if (held != (sums_[atom] <= goals_.bounds[atom]))
-          for (const std::uint32_t g : askers_[atom]) touched[g] = true;
+          for (const std::uint32_t g : askers_[atom]) touch(g);
       }
     }
-    for (const std::uint32_t g : always_) touched[g] = true;
+    for (const std::uint32_t g : always_) touch(g);
+  }
+  void touch(std::uint32_t goal) {
+    if (!is_touched_[goal]) touched_.push_back(goal);
+    is_touched_[goal] = true;
+  }
+  // Goals that may have changed since they were looked at, the first ones first.
+  const std::vector<std::uint32_t>& touched() {
+    for (const std::uint32_t goal : touched_) is_touched_[goal] = false;
+    looked_.swap(touched_);
+    touched_.clear();
+    std::sort(looked_.begin(), looked_.end());
+    return looked_;
   }
   bool holds(std::uint32_t root) const { return goals_.holds(root, sums_, enabled().size()); }
   Tokens distance(std::uint32_t root) const { return goals_.distance(root, sums_, enabled().size()); }
@@ -88,7 +101,6 @@ class Walker {
   }
 
   bool crowded = false, flooded = false;
-  std::vector<bool> touched;  // goals that may have changed since they were looked at
 
  private:
   void shift(Transition t, Tokens sign) {
@@ -118,6 +130,8 @@ class Walker {
   std::vector<std::uint32_t> missing_, at_;
   std::vector<Tokens> sums_;
   std::vector<std::vector<Transition>> lists_;  // enabled, by the place of their rank
+  std::vector<std::uint32_t> touched_, looked_;
+  std::vector<bool> is_touched_;
 };
 
 }  // namespace
@@ -131,15 +145,13 @@ std::vector<Reached> walk(const TokenNet& net, const Marking& initial, const Goa
   for (const std::uint32_t root : roots) asks_dead.push_back(goals.asks_dead(root));
   std::size_t left = roots.size() + options.unsafe;
   bool unsafe = options.unsafe;
-  std::vector<Transition> run;
+  std::vector<Transition> run, candidates;
   std::vector<std::uint32_t> keys(net.rules.size());
   std::vector<Tokens> remaining;
 
   const auto look = [&] {
-    for (std::uint32_t g = 0; g < roots.size(); ++g)
-      if (walker.touched[g] && open[g]) {
-        walker.touched[g] = false;
-        if (!walker.holds(roots[g])) continue;
+    for (const std::uint32_t g : walker.touched())
+      if (open[g] && walker.holds(roots[g])) {
         found.push_back({g, run});
         open[g] = false;
         --left;
@@ -156,7 +168,7 @@ std::vector<Reached> walk(const TokenNet& net, const Marking& initial, const Goa
     walker.begin();
     walker.crowded = walker.flooded = false;
     run.clear();
-    if (round == 0) walker.touched.assign(roots.size(), true);
+    for (std::uint32_t g = 0; round == 0 && g < roots.size(); ++g) walker.touch(g);
     look();
     Mode mode = Mode(round % 3);
     if (!options.counts.empty() && round % 2 == 0) mode = counted;
@@ -180,10 +192,10 @@ std::vector<Reached> walk(const TokenNet& net, const Marking& initial, const Goa
       Transition chosen = enabled[draw.below(count)];
       if (mode == guided && draw.below(8) != 0) {
         Tokens least = kFar + 1;
-        const std::vector<Transition> candidates(enabled);
         const std::uint32_t start = draw.below(count), most = std::min(count, asks_dead[focus] ? kSampledDead : kSampled);
-        for (std::uint32_t i = 0; i < most; ++i) {
-          const Transition t = candidates[(start + i) % count];
+        candidates.clear();  // what is fired and undone changes the order of those that are enabled
+        for (std::uint32_t i = 0; i < most; ++i) candidates.push_back(enabled[(start + i) % count]);
+        for (const Transition t : candidates) {
           const Tokens far = walker.distance_after(t, roots[focus], asks_dead[focus]);
           spent += asks_dead[focus] ? 2u : 1u;
           if (far < least || (far == least && draw.below(2))) {

@@ -1,25 +1,26 @@
 """A section of a mission, or the whole mission taken as one, as a continuous-time Markov chain.
 
-The model is that of :mod:`mcpn.check.causes.risk`. The chain starts in the first state of the section, given
-the status of the hardware at its entry, and is absorbed at the exits. Probabilities of absorption are those
-of the embedded jump chain (Kemeny, Snell, *Finite Markov Chains*, 1960, chapter 3), from one linear system.
-The Laplace transform of the time to absorption solves the same system with ``s`` added to the exit rate of
-each state.
+The model is that of :mod:`mcpn.check.causes.risk`. The chain starts in the first state of the section,
+given the status of the hardware at its entry, and is absorbed at the exits. Probabilities of absorption are
+those of the embedded jump chain (Kemeny, Snell, *Finite Markov Chains*, 1960, chapter 3), from one linear
+system. What happens beside a section before it ends is a race of the chain with clocks: the same system
+with the rates of the clocks added to the exit rate of each state.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import chain, product
-from typing import TypeVar
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from mcpn.check.causes.demands import entered_again, split_edges
-from mcpn.check.causes.linear_systems import CHUNK, Floats, csc_array, csr_array, splu
+from mcpn.check.causes.edge_rates import EdgeRates
+from mcpn.check.causes.linear_systems import Floats, StepSystem, csc_array, csr_array
 from mcpn.check.causes.prospects import Goal, Prospects
 from mcpn.net.events import What
 from mcpn.net.sections import Element
@@ -28,6 +29,9 @@ from mcpn.space.arrays import ArraySet, ArraySpace
 from mcpn.space.markings.graph import Ints, Mask, StateGraph
 
 T = TypeVar("T", bound=np.generic)
+
+Phases: TypeAlias = Sequence[Sequence[tuple[float, int]]]
+"""By phase of a clock, the rates at which it is left, each with the later phase that it leads to."""
 
 UNKNOWNS = 1 << 12
 """Unknowns of systems that are solved together, unless one alone has more."""
@@ -57,8 +61,8 @@ class ListedChain:
         misused: By objective, states in which it would succeed but for hardware that is lost unnoticed.
         failing: By edge, the number of the resource that fails; -1 for other edges.
         repaired: The same of one that is repaired.
-        interrupting: By edge of a declared event or a detection its rate, 0 where the mission gives none; 0
-            for other edges.
+        occurring: The rates of declared events and detections, 0 where the mission gives none; before them 0.
+        interrupting: By edge of a declared event or a detection the number of its rate; 0 for other edges.
         ending: Edges with which some objective ends.
         inside: Edges between its own states, or from these to its exits.
         returning: Edges that leave it and enter it again.
@@ -98,12 +102,13 @@ class ListedChain:
         sources, targets = self.graph.sources, self.graph.targets
         self.failing = self._hardware_of(What.OUT_OF_SERVICE, carried)
         self.repaired = self._hardware_of(What.REPAIRED, carried)
-        self.interrupting: Floats = np.zeros(self.graph.edges)
-        for event in prospects.mission_net.mission.events:
-            self.interrupting[self.carrying(What.DECLARED, event.name)] = event.rate or 0.0
-        for activity in prospects.mission_net.mission.activities:
-            for hardware in activity.detects:
-                self.interrupting[self.carrying(What.DETECTED, hardware)] = activity.detection_rate or 0.0
+        self.occurring, self.interrupting = [0.0], np.zeros(self.graph.edges, np.int64)
+        mission = prospects.mission_net.mission
+        rated = [(What.DECLARED, event.name, event.rate) for event in mission.events]
+        rated += [(What.DETECTED, k, a.detection_rate) for a in mission.activities for k in a.detects]
+        for what, name, rate in rated:
+            self.interrupting[self.carrying(what, name)] = len(self.occurring)
+            self.occurring.append(rate or 0.0)
         self.misused = {name: self.misusing(name) for name in prospects.objectives}
         ends = product((What.SUCCESS, What.FAILURE), prospects.sections)
         self.ending = self.of(chain.from_iterable(prospects.carrying(*end) for end in ends))
@@ -196,6 +201,43 @@ class ListedChain:
         return changed
 
 
+class Clocks:
+    """Clocks that run beside a chain, independent of it and of each other.
+
+    A clock goes through phases, each later than those that lead to it. The phases of all clocks together are
+    numbered, those of the first clock first.
+
+    Args:
+        clocks: By clock, its phases: the rates at which it passes to later ones.
+
+    Attributes:
+        decays: By phase of all, the rate at which it is left.
+        levels: The phases in the order of how many steps lead there.
+    """
+
+    def __init__(self, clocks: Sequence[Phases]) -> None:
+        self.decays, steps = np.zeros(1), np.zeros(1, np.int64)
+        self._clocks, stride = list[tuple[int, Phases]](), 1
+        for phases in reversed(clocks):
+            self._clocks.append((stride, phases))
+            stride *= len(phases)
+            depth = [0] * len(phases)
+            for phase, each in enumerate(phases):
+                for _, after in each:
+                    depth[after] = depth[phase] + 1
+            leaving = [sum(rate for rate, _ in each) for each in phases]
+            self.decays = np.add.outer(leaving, self.decays).reshape(-1)
+            steps = np.add.outer(depth, steps).reshape(-1)
+        self.levels = [np.flatnonzero(steps == level).tolist() for level in range(int(steps.max()) + 1)]
+
+    def ringing(self, phase: int) -> Iterator[tuple[float, int]]:
+        """The rates at which a phase of all is left, each with the phase after it."""
+        for stride, phases in self._clocks:
+            own = phase // stride % len(phases)
+            for rate, after in phases[own]:
+                yield rate, phase + (after - own) * stride
+
+
 class Chain:
     """The chain under given rates.
 
@@ -207,11 +249,9 @@ class Chain:
         demands: By resource, how probable it is that it fails on demand.
 
     Attributes:
-        rates: By edge.
-        hasty: Vanishing states, left in no time: an objective that runs cannot succeed any more, or
-            hardware may fail on demand at the entry.
-        moving: Edges that are taken with some probability.
-        leaving: The rate at which each state is left.
+        rates: By edge, as :class:`mcpn.check.causes.edge_rates.EdgeRates` has them.
+        hasty: Its vanishing states.
+        moving: Its edges that are taken with some probability.
     """
 
     def __init__(
@@ -221,40 +261,9 @@ class Chain:
         ending: Sequence[tuple[float, float]],
         demands: Sequence[float] = (),
     ) -> None:
-        self.listed = listed
-        self._weights: Floats = np.ones(1) if listed.split is None else listed.split.weights(demands)
-        self.graph = graph = listed.graph
-        fails, back = np.array([*rates, (0.0, 0.0)]).T
-        self.rates = fails[listed.failing] + back[listed.repaired] + listed.interrupting
-        failed = self._run_objectives(ending)
-        self.hasty = np.zeros(graph.states, np.bool_)
-        self.hasty[graph.sources[failed]] = True
-        self.rates[self.hasty[graph.sources]] = 0.0
-        self.rates[failed | listed.starting] = 1.0
-        self.hasty[graph.sources[listed.starting]] = True
-        self.rates *= self._weights
-        self.moving: Mask = (self.rates > 0) & listed.inside
-        self.rates[~self.moving] = 0.0
-        self.leaving: Floats = np.bincount(graph.sources, self.rates, graph.states).astype(np.float64)
-
-    def _run_objectives(self, ending: Sequence[tuple[float, float]]) -> Mask:
-        """Gives rates to edges that end objectives; those of objectives that fail at once are returned."""
-        listed, sources, targets = self.listed, self.graph.sources, self.graph.targets
-        may_happen = ((self.rates > 0) | listed.ending) & (self._weights > 0)
-        failed = np.zeros(self.graph.edges, np.bool_)
-        objectives = listed.prospects.objectives.items()
-        for (name, goal), (rate, failure) in zip(objectives, ending, strict=True):
-            if goal.running:
-                well, badly = listed.carrying(What.SUCCESS, name), listed.carrying(What.FAILURE, name)
-                running, won, misused = goal.running.mask, goal.won.mask, listed.misused[name]
-                self.rates[well] = rate * (1.0 - failure)
-                self.rates[badly & won[sources]] = rate * failure
-                self.rates[badly & misused[sources]] = rate
-                # What ends the present run may lead back into the objective: that is another run.
-                going_on = running[sources] & running[targets] & may_happen & ~listed.ending_run(goal)
-                hopeful = self.graph.reaching(won | misused, going_on)
-                failed |= badly & (running & ~hopeful)[sources]
-        return failed
+        self.listed, self.graph = listed, listed.graph
+        found = EdgeRates(listed, rates, ending, demands)
+        self.rates, self.hasty, self.moving = found.rates, found.hasty, found.moving
 
     # --- what is possible ---
 
@@ -295,26 +304,27 @@ class Chain:
         ways = self.graph.sources[self.moving], self.graph.targets[self.moving]
         return csr_array((self.rates[self.moving], ways), shape=(self.graph.states,) * 2)
 
-    def _solver(self, states: Ints, decays: Floats) -> Callable[[Floats], Floats]:
-        """Solves ``(leaving + s) x = rates x + b`` in some states for several ``s``, of given ``b``."""
-        leaving = self.leaving[states] + np.multiply.outer(decays, ~self.hasty[states])
-        scale, many = 1.0 / leaving.reshape(-1, 1), len(decays)
-        step = self._matrix[states][:, states].tocoo()
-        # One block-diagonal matrix holds all systems, since each call of scipy has a cost of its own.
-        number, block = np.arange(len(scale)), np.repeat(np.arange(many) * len(states), step.nnz)
-        rows, columns = (np.tile(indices, many) + block for indices in (step.row, step.col))
-        values = np.concatenate([np.ones(len(scale)), -np.tile(step.data, many) * scale[rows, 0]])
-        ends = np.concatenate([number, rows]), np.concatenate([number, columns])
-        solve = splu(csc_array((values, ends), shape=(len(scale),) * 2)).solve
-        return lambda right: solve(np.tile(right, (many, 1)) * scale).reshape(many, *right.shape)
+    def _steps(self, states: Ints, decays: Floats) -> StepSystem:
+        """The system of some states, for several decays; what takes no time does not decay."""
+        rows = self._matrix[states]
+        within = np.zeros(self.graph.states, np.bool_)
+        within[states] = True
+        out = rows @ np.where(within, 0.0, 1.0)
+        return StepSystem(rows[:, states], out, np.multiply.outer(decays, ~self.hasty[states]))
 
     @cached_property
     def _inner(self) -> Ints:
         return np.flatnonzero(self._ending & ~self.listed.ended)
 
     @cached_property
-    def _undecayed(self) -> Callable[[Floats], Floats]:
-        return self._solver(self._inner, np.zeros(1))
+    def _undecayed(self) -> StepSystem:
+        return self._steps(self._inner, np.zeros(1))
+
+    def _found(self, values: Floats) -> Floats:
+        """By status at the entry, what is expected of given values at all states but those in between."""
+        if len(self._inner):
+            values[self._inner] = self._undecayed.solved((self._matrix[self._inner] @ values)[None])[0]
+        return self.listed.at_entries(values)
 
     def expected(self, values: Floats) -> Floats:
         """The expected value at the exit, 0 if there never is one.
@@ -325,35 +335,46 @@ class Chain:
         Returns:
             By status at the entry.
         """
-        found = np.where(self.listed.ended[:, None], values[self.listed.column], 0.0)
-        if len(self._inner):
-            found[self._inner] = self._undecayed(self._matrix[self._inner] @ found)[0]
-        return self.listed.at_entries(found)
+        return self._found(np.where(self.listed.ended[:, None], values[self.listed.column], 0.0))
 
-    def kernels(self, decays: Floats) -> Floats:
-        """Laplace transforms of the time to absorption, by the exit and status where the chain ends.
+    @cached_property
+    def staying(self) -> Floats:
+        """By status at the entry, how probable it is that the chain never reaches an exit."""
+        return self._found(np.where(self._ending, 0.0, 1.0)[:, None])[:, 0]
+
+    def kernels(self, race: Clocks) -> Floats:
+        """How the chain ends, and which of some clocks have rung by then.
 
         Args:
-            decays: Rates ``s``.
+            race: The clocks that run beside it.
 
         Returns:
-            By ``s``, status at the entry, and exit and status there, the expectation of ``exp(-s T)`` for the
-            time ``T`` until the exit: shape (decays, statuses, columns).
+            By phase of the clocks, status at the entry, and exit and status there, how probable it is that
+            the chain ends so in that phase: shape (phases, statuses, columns).
         """
         listed, inner = self.listed, self._inner
-        found = np.zeros((len(decays), listed.statuses, listed.columns))
+        found = np.zeros((len(race.decays), listed.statuses, listed.columns))
         met = np.flatnonzero(np.isin(listed.entries, inner))
-        rows, ends = np.searchsorted(inner, listed.entries[met]), np.flatnonzero(listed.ended)
+        if not len(met):
+            return found
+        ends = np.flatnonzero(listed.ended)
         pairs = np.ones(len(ends)), (ends, listed.column[ends])
-        out = csc_array(self._matrix[inner] @ csr_array(pairs, shape=(self.graph.states, listed.columns)))
-        wanted = np.flatnonzero(np.diff(out.indptr))
-        together = max(1, UNKNOWNS // max(1, len(inner)))
-        for begin in range(0, len(decays) if len(met) else 0, together):
-            some = slice(begin, begin + together)
-            solve = self._solver(inner, decays[some])
-            for first in range(0, len(wanted), CHUNK):
-                columns = wanted[first : first + CHUNK]
-                found[some][:, met[:, None], columns] = solve(out[:, columns].toarray())[:, rows]
+        out = csc_array(self._matrix[inner] @ csr_array(pairs, shape=(self.graph.states, listed.columns))).T
+        begun = np.zeros((len(inner), len(met)))
+        begun[np.searchsorted(inner, listed.entries[met]), np.arange(len(met))] = 1.0
+        together, slow = max(1, UNKNOWNS // len(inner)), ~self.hasty[inner, None]
+        # What comes to each phase: the beginning, or what rings the last clock of those that have rung.
+        coming = {0: begun}
+        for level in race.levels:
+            met_phases = [phase for phase in level if phase in coming]
+            for begin in range(0, len(met_phases), together):
+                some = met_phases[begin : begin + together]
+                right = np.stack([coming.pop(phase) for phase in some])
+                spent = self._steps(inner, race.decays[some]).solved(right, forward=True)
+                for phase, times in zip(some, spent, strict=True):
+                    found[phase, met] = (out @ times).T
+                    for rate, after in race.ringing(phase):
+                        coming[after] = coming.get(after, 0.0) + rate * slow * times
         return found
 
     @cached_property
@@ -373,7 +394,7 @@ class Chain:
         """The expected total gain from each of some states; 0 from all others."""
         found, states = np.zeros(self.graph.states), np.flatnonzero(inner)
         if len(states):
-            found[states] = self._solver(states, np.zeros(1))(gained[states, None])[0, :, 0]
+            found[states] = self._steps(states, np.zeros(1)).solved(gained[states, None][None])[0, :, 0]
         return found
 
 

@@ -9,10 +9,12 @@ those are asked first that the activities of the section come upon first.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from functools import cache
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -48,13 +50,13 @@ class SplitEdges(NamedTuple):
     asked: Ints
     answers: Sequence[Asked]
 
-    def weights(self, probabilities: Sequence[float]) -> npt.NDArray[np.float64]:
-        """How probable each edge is, given that its event happens."""
+    def weights(self, probabilities: Sequence[float | Fraction], kind: type[np.generic]) -> npt.NDArray[Any]:
+        """How probable each edge is, given that its event happens, as floats or as exact fractions."""
         each = [
-            np.prod([probabilities[i] if fails else 1.0 - probabilities[i] for i, fails in answers])
+            math.prod(probabilities[i] if fails else 1 - probabilities[i] for i, fails in answers)
             for answers in self.answers
         ]
-        return np.asarray(np.array(each, np.float64)[self.asked], np.float64)
+        return np.array(each, kind)[self.asked]
 
 
 def split_edges(

@@ -7,6 +7,9 @@ degree: Liu, ACM Transactions on Mathematical Software 11, 1985). Sections of on
 and a round leaves of a row of equal sections one half as long, of equal ones again (cyclic reduction). So
 matrices are expressions first, each is evaluated once, and a row of *n* equal sections takes some ``log n``
 products, wherever it leads back to.
+
+No matrix has a negative entry. What rows lack to the sum 1, the probability to leave the loop, is eliminated
+with them as one more column, so that nothing is subtracted (:mod:`mcpn.check.causes.linear_systems`).
 """
 
 from __future__ import annotations
@@ -16,12 +19,8 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from mcpn.check.causes.linear_systems import Floats, lu_factor, lu_solve
-
-Factors = tuple[Floats, npt.NDArray[np.int32]]
-"""A matrix, factored."""
+from mcpn.check.causes.linear_systems import Floats, resolvent
 
 SPREAD = 4
 """Unknowns may be eliminated together with one that fills in fewer blocks, up to this factor."""
@@ -31,7 +30,7 @@ class _Eliminated(NamedTuple):
     """Unknowns that are eliminated together, in the order of their solving; pairs by the matrix between them.
 
     Args:
-        solving: By factored diagonal block, ``None`` for the identity, the eliminated unknowns.
+        solving: By inverse of a diagonal block, ``None`` for the identity, the eliminated unknowns.
         before: Forward substitution: by matrix, pairs of an unknown and the eliminated one that it needs.
         behind: Back substitution: by matrix, pairs of an eliminated unknown and one that it needs.
     """
@@ -46,15 +45,16 @@ class Elimination:
 
     Args:
         blocks: By pair of unknowns the name of the matrix between them; equal matrices have equal names.
-        count: The number of unknowns.
+        leaving: By unknown the name of the column that says what its rows lack to the sum 1.
 
     Attributes:
-        products: The number of factorizations, and of products of two matrices, one of them inverted or not.
+        count: The number of unknowns.
+        products: The number of inverses, and of products of two matrices.
         matrices: The number of all matrices that are computed.
     """
 
-    def __init__(self, blocks: Mapping[tuple[int, int], Hashable], count: int) -> None:
-        self.count = count
+    def __init__(self, blocks: Mapping[tuple[int, int], Hashable], leaving: Sequence[Hashable]) -> None:
+        self.count = count = len(leaving)
         self._number: dict[Hashable, int] = {}
         self._terms: list[tuple[str, tuple[int, ...]]] = []
         needs: list[dict[int, int]] = [{} for _ in range(count)]
@@ -63,11 +63,14 @@ class Elimination:
             if name not in known:
                 known[name] = self._expression("given", len(known))
             needs[i][j] = known[name]
+        for name in leaving:
+            if name not in known:
+                known[name] = self._expression("given", len(known))
         self._names = list(known)
-        self._rounds = self._planned(needs)
+        self._rounds = self._planned(needs, [known[name] for name in leaving])
         kinds = [kind for kind, _ in self._terms]
-        self.products = len(kinds) - kinds.count("given") - kinds.count("sum")
-        self.matrices = len(kinds)
+        self.products = kinds.count("product") + kinds.count("inverse")
+        self.matrices = len(kinds) - kinds.count("column") - len(set(leaving))
 
     def _expression(self, kind: str, *parts: int) -> int:
         """The number of an expression; equal expressions have one."""
@@ -84,13 +87,13 @@ class Elimination:
             each += terms if kind == "sum" else (part,)
         return self._expression("sum", *sorted(each))
 
-    def _planned(self, needs: list[dict[int, int]]) -> list[_Eliminated]:
-        """The rounds, by symbolic elimination; ``needs`` has the row of each unknown and is changed."""
+    def _planned(self, needs: list[dict[int, int]], leaving: list[int]) -> list[_Eliminated]:
+        """The rounds, by symbolic elimination; rows of unknowns and what they lack to 1 are changed."""
         users: list[set[int]] = [set() for _ in needs]
         for i, row in enumerate(needs):
             for j in row.keys() - {i}:
                 users[j].add(i)
-        left, rounds = list(range(len(needs))), list[_Eliminated]()
+        left, rounds, inverses = list(range(len(needs))), list[_Eliminated](), dict[int, int]()
         while left:
             fill = {i: len(users[i]) * len(needs[i].keys() - {i}) for i in left}
             most, beside, chosen = SPREAD * max(1, min(fill.values())), set[int](), list[int]()
@@ -101,18 +104,22 @@ class Elimination:
             solving, before, behind = defaultdict(list), defaultdict(list), defaultdict(list)
             for i in chosen:
                 own = needs[i].pop(i, None)
-                factors = None if own is None else self._expression("factored", own)
-                solving[factors].append(i)
-                row = {
-                    j: a if factors is None else self._expression("solved", factors, a)
-                    for j, a in needs[i].items()
-                }
+                inverse, row, out = None, needs[i], leaving[i]
+                if own is not None:
+                    # Rows and what they lack sum to 1: for equal blocks the sum of all else is one, too.
+                    if own not in inverses:
+                        inverses[own] = self._expression("inverse", own, *sorted([*row.values(), out]))
+                    inverse = inverses[own]
+                    row = {j: self._expression("product", inverse, a) for j, a in row.items()}
+                    out = self._expression("column", inverse, out)
+                solving[inverse].append(i)
                 for j, a in row.items():
                     behind[a].append((i, j))
                     users[j].discard(i)
                 for user in users[i]:
                     a = needs[user].pop(i)
                     before[a].append((user, i))
+                    leaving[user] = self._sum(leaving[user], self._expression("column", a, out))
                     for j, b in row.items():
                         made = self._expression("product", a, b)
                         known = needs[user].get(j)
@@ -128,34 +135,25 @@ class Elimination:
         """Evaluates the matrices.
 
         Args:
-            given: The matrix of a name.
+            given: The matrix of a name; what rows lack to the sum 1 is a matrix of one column.
 
         Returns:
             What solves the system for a right side: both by unknown, place in it, and a free axis.
         """
         values: list[Floats] = []
-        factors: dict[int, Factors] = {}
-        for number, (kind, parts) in enumerate(self._terms):
+        for kind, parts in self._terms:
             if kind == "given":
                 found = given(self._names[parts[0]])
             elif kind == "sum":
                 found = np.asarray(sum(values[part] for part in parts))
-            elif kind == "product":
-                found = values[parts[0]] @ values[parts[1]]
-            elif kind == "solved":
-                found = lu_solve(factors[parts[0]], values[parts[1]])
+            elif kind == "inverse":
+                found = resolvent(values[parts[0]], sum(values[part].sum(axis=1) for part in parts[1:]))
             else:
-                found = np.eye(len(values[parts[0]])) - values[parts[0]]
-                factors[number] = lu_factor(found)
+                found = values[parts[0]] @ values[parts[1]]
             values.append(found)
-        return lambda right: self._solved(values, factors, right)
+        return lambda right: self._solved(values, right)
 
-    def _solved(
-        self,
-        values: Sequence[Floats],
-        factors: Mapping[int, Factors],
-        right: Floats,
-    ) -> Floats:
+    def _solved(self, values: Sequence[Floats], right: Floats) -> Floats:
         _, size, columns = right.shape
         found = np.array(right.transpose(1, 0, 2))  # a matrix is applied to many unknowns at once
 
@@ -168,7 +166,7 @@ class Elimination:
         for each in self._rounds:
             for number, members in each.solving.items():
                 if number is not None:
-                    solved = lu_solve(factors[number], found[:, members].reshape(size, -1))
+                    solved = values[number] @ found[:, members].reshape(size, -1)
                     found[:, members] = solved.reshape(size, -1, columns)
             added(each.before)
         for each in reversed(self._rounds):

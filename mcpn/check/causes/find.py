@@ -124,13 +124,20 @@ class Causes(Told):
         return f"<causes of the mission {name}: no success without {lost(self.mission)}, {unsafe}>"
 
     def of(self, objectives: Iterable[str]) -> Causes:
-        """The causes of some elementary objectives only; an unknown one is an InputError."""
-        chosen = list(objectives)
-        for name in chosen:
-            if name not in self.objectives:
+        """The causes of some elementary objectives only, with all of their copies.
+
+        Raises:
+            InputError: A name means none.
+        """
+        chosen: dict[str, GoalCauses] = {}
+        for name in objectives:
+            copies = self.mission_net.graph.copies.meant(name)
+            found = {copy: self.objectives[copy] for copy in copies if copy in self.objectives}
+            if not found:
                 message = f"no objective {name}; expected one of {', '.join(self.objectives)}"
                 raise InputError.at(self.mission_net.mission.source, message)
-        return replace(self, objectives={name: self.objectives[name] for name in chosen})
+            chosen |= found
+        return replace(self, objectives=chosen)
 
 
 def find_causes(

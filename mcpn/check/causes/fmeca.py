@@ -251,17 +251,24 @@ class _Table(Generic[S]):
     def with_others(
         self, edges: Sequence[Mapping[Severity, S]], alone: Severity
     ) -> Iterator[tuple[Severity, tuple[Others, ...]]]:
-        """Severities beyond the one alone, with the minimal sets of hardware that bring them about."""
-        for severity in range(alone + 1, len(Severity)):
+        """Severities beyond the one alone, with the minimal sets of hardware that bring them about.
+
+        A set with which one of two severities may come is told with the worse alone.
+        """
+        found, worse = list[tuple[Severity, tuple[Others, ...]]](), self.images.nothing
+        for severity in reversed(range(alone + 1, len(Severity))):
             family = self.images.nothing
             for states in (
                 by_severity[Severity(severity)] for by_severity in edges if severity in by_severity
             ):
                 family |= self.space.image(states, self.oos, self.images)
-            least = self.images.minimal(family)
+            only = set(self.images.minimal(family - worse))
+            least = only.intersection(self.images.minimal(family))
+            worse |= family
             if least:
                 names = [tuple(sorted(self.prospects.hardware[h] for h in s)) for s in least]
-                yield Severity(severity), tuple(sorted(names, key=lambda n: (len(n), n)))
+                found.append((Severity(severity), tuple(sorted(names, key=lambda n: (len(n), n)))))
+        return reversed(found)
 
     # --- what happens, case by case ----------------------------------------------------------------------
 

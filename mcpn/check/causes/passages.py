@@ -5,27 +5,31 @@ three ways, whichever is expected to cost least: by block elimination, where equ
 (:mod:`mcpn.check.causes.elimination`); or reduced to the *heads*, the entries that sections lead back to, one
 sweep through the loop giving the operator on their values, which is solved directly or by iteration.
 
-A resource beside a section is a small chain of its own, while the section takes a random time ``T``. The
-probabilities of its statuses after the time ``T`` are sums of exponentials ``exp(-s T)``, each with a row
-of the values at the end that it looks at and a column of the statuses at the beginning that it counts for.
-For several resources the exponents add up, and rows and columns multiply (Kronecker).
+A resource beside a section is a small chain of its own, while the section takes a random time ``T``. It is
+told by a clock that starts with the section. Hardware in service fails at the rate ``f``, and out of
+service is repaired at the rate ``r``: that is the same as if at the rate ``f + r`` its status were drawn
+anew, out of service with probability ``f / (f + r)``. So its status at the end is that of the beginning if
+the clock has not rung, and else is drawn once. No probability is a difference of others here. For several
+resources the section runs against several clocks (:class:`mcpn.check.causes.chain.Clocks`), and what they say
+multiplies (Kronecker).
 
-Hardware in service fails, and out of service is repaired: ``s`` is 0 or the sum of both rates. Hardware
-that is detected late has one status more. Beside a section nobody finds out that it is lost, and nobody
-repairs it until it is known: ``known`` leads to ``well`` at the repair rate, ``well`` to ``lost`` at the
-failure rate, and there it stays.
+Hardware that is detected late has one status more. Beside a section nobody finds out that it is lost, and
+nobody repairs it until it is known: ``known`` leads to ``well`` at the repair rate, ``well`` to ``lost`` at
+the failure rate, and there it stays. Its clock tells which of the two have rung, and whether a failure came
+after the repair.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import prod
 from typing import NamedTuple
 
 import numpy as np
 
-from mcpn.check.causes.chain import Chain
+from mcpn.check.causes.chain import Chain, Clocks, Phases
 from mcpn.check.causes.elimination import Elimination
 from mcpn.check.causes.linear_systems import MOST_DENSE, Floats, solver_of
 from mcpn.space.markings.graph import Ints, Mask
@@ -33,13 +37,22 @@ from mcpn.space.markings.graph import Ints, Mask
 MOST_BYTES = 1 << 30
 """Of the matrices between sections; where they would take more, they are not made."""
 
-CLOSE = 1e-5
-"""Relative difference of two rates below which they are taken to be equal where it would be a divisor."""
+MOST_TERMS = 1 << 12
+"""Products of terms of what is beside that are held at a time, for each place in a section's kernels."""
 
-STEP = 1e-3
-"""Relative step of the five-point formula for a derivative."""
 
-STENCIL = ((-2, 1 / 12), (-1, -8 / 12), (1, 8 / 12), (2, -1 / 12))
+class Term(NamedTuple):
+    """A part of what a resource does beside a section.
+
+    Args:
+        phases: By phase of its clock, 1 where the part counts.
+        row: By status at the end, how probable it is then.
+        column: By status at the beginning, 1 where the part counts.
+    """
+
+    phases: Sequence[float]
+    row: Sequence[float]
+    column: Sequence[float]
 
 
 @dataclass(frozen=True)
@@ -63,46 +76,33 @@ class Beside:
         return 2 if self.late else 1
 
     @property
-    def exponents(self) -> Floats:
-        """The exponents ``s``."""
-        return np.array([s for s, _, _ in self._terms])
-
-    @property
-    def rows(self) -> Floats:
-        """By exponent, how much the value at each status at the end counts."""
-        return np.array([row for _, row, _ in self._terms])
-
-    @property
-    def columns(self) -> Floats:
-        """By status at the beginning, how much each exponent counts."""
-        return np.array([column for _, _, column in self._terms]).T
+    def clock(self) -> Phases:
+        """Its clock."""
+        fails, back = self.fails, self.back
+        if not self.late:
+            return [[(fails + back, 1)], []] if fails + back else [[]]
+        # Nothing has rung, a failure, the repair, a failure and then the repair, a failure after the repair.
+        ways = [[(fails, 1), (back, 2)], [(back, 3)], [(fails, 4)], [(fails, 4)], []]
+        return [[(rate, after) for rate, after in each if rate] for each in ways]
 
     @cached_property
-    def _terms(self) -> list[tuple[float, tuple[float, ...], tuple[float, ...]]]:
-        if self.late:
-            return list(self._late())
-        # The share of time out of service, and the difference that the status makes.
-        out = self.fails / ((self.fails + self.back) or 1.0)
-        return [(0.0, (1.0 - out, out), (1.0, 1.0)), (self.fails + self.back, (1.0, -1.0), (out, out - 1.0))]
-
-    def _late(self) -> Iterator[tuple[float, tuple[float, ...], tuple[float, ...]]]:
-        """Statuses in order: well, what never is, lost, known. In the end it is lost but for the rest."""
-        fails, back = self.fails, self.back
-        yield 0.0, (0.0, 0.0, 1.0, 0.0), (1.0, 0.0, 1.0, 1.0)
-        well, known = (1.0, 0.0, -1.0, 0.0), (0.0, 0.0, -1.0, 1.0)
-        yield fails, well, (1.0, 0.0, 0.0, 0.0)
-        yield back, known, (0.0, 0.0, 0.0, 1.0)
-        # From known to well: back * (exp(-fails T) - exp(-back T)) / (back - fails), or its limit.
-        if not back:
-            return
-        if abs(back - fails) > CLOSE * max(back, fails):
-            share = back / (back - fails)
-            yield fails, well, (0.0, 0.0, 0.0, share)
-            yield back, well, (0.0, 0.0, 0.0, -share)
-            return
-        middle = (fails + back) / 2
-        for steps, weight in STENCIL:
-            yield middle * (1 + steps * STEP), well, (0.0, 0.0, 0.0, -weight * back / (middle * STEP))
+    def terms(self) -> list[Term]:
+        """What it does, by phase of its clock: each way from a status to a status is in the terms once."""
+        if not self.late:
+            out = self.fails / ((self.fails + self.back) or 1.0)
+            back = self.back / ((self.fails + self.back) or 1.0)
+            begun, *rung = np.eye(len(self.clock)).tolist()
+            kept = [Term(begun, status, status) for status in np.eye(2).tolist()]
+            return [*kept, *(Term(phase, (back, out), (1.0, 1.0)) for phase in rung)]
+        well, _, lost, known = np.eye(4).tolist()
+        return [
+            Term((1, 1, 1, 1, 1), lost, lost),
+            Term((1, 0, 1, 0, 0), well, well),
+            Term((0, 1, 0, 1, 1), lost, well),
+            Term((1, 1, 0, 0, 0), known, known),
+            Term((0, 0, 1, 1, 0), well, known),
+            Term((0, 0, 0, 0, 1), lost, known),
+        ]
 
     @property
     def possible(self) -> Floats:
@@ -146,17 +146,26 @@ class WayThrough:
         return found.reshape(before, *values.shape[1:])
 
     @cached_property
-    def _kernels(self) -> tuple[Floats, Ints]:
-        """The chain's kernels at the rates at which products of exponentials of what is beside decay.
+    def _kernels(self) -> Floats:
+        """The chain's kernels in a race with the clocks of what is beside."""
+        return self.chain.kernels(Clocks([of.clock for of in self.beside]))
 
-        Returns:
-            The kernels, and by product the number of its kernel.
-        """
-        found = np.zeros(1)
-        for of in self.beside:
-            found = np.add.outer(found, of.exponents).reshape(-1)
-        decays, numbers = np.unique(found, return_inverse=True)
-        return self.chain.kernels(decays), numbers
+    def _through(self, kernels: Floats, values: Floats, beside: Sequence[Beside]) -> Floats:
+        """Values at the entry, by status of what is beside, own status, and the free axis."""
+        if len(beside) > 1 and prod(len(of.terms) for of in beside) > MOST_TERMS:
+            first, *others = beside
+            count, statuses, found = len(first.clock), 1 << first.bits, list[Floats]()
+            for term in first.terms:
+                by_phase = np.tensordot(term.phases, kernels.reshape(count, -1, *kernels.shape[1:]), 1)
+                at_end = np.tensordot(term.row, values.reshape(statuses, -1, *values.shape[1:]), 1)
+                found.append(self._through(by_phase, at_end, others))
+            each = np.array([term.column for term in first.terms]).T
+            return np.asarray(np.tensordot(each, np.stack(found), 1).reshape(-1, *found[0].shape[1:]))
+        phases, rows, columns = (
+            [np.array([term[part] for term in of.terms], np.float64) for of in beside] for part in range(3)
+        )
+        products = self._each_beside(kernels, phases) @ self._each_beside(values, rows)
+        return self._each_beside(products, [matrix.T for matrix in columns])
 
     def back(self, values: Floats) -> Floats:
         """Expected values at the entry of values at the exits.
@@ -169,10 +178,12 @@ class WayThrough:
         """
         if not self.beside:
             return self.chain.expected(values[0])
-        kernels, numbers = self._kernels
-        products = self._each_beside(values, (of.rows for of in self.beside))
-        found = self._each_beside(kernels[numbers] @ products, (of.columns for of in self.beside))
-        return found.reshape(-1, values.shape[-1])
+        return self._through(self._kernels, values, self.beside).reshape(-1, values.shape[-1])
+
+    @cached_property
+    def staying(self) -> Floats:
+        """By entry, how probable it is that the section is never left."""
+        return np.tile(self.chain.staying, 1 << self.bits)
 
     def may_come_to(self, flags: Mask) -> Mask:
         """By entry, whether what is flagged, by status beside, exit and own status there, is possible."""
@@ -186,7 +197,8 @@ class WayThrough:
     @property
     def work(self) -> int:
         """Multiplications of :meth:`back` for each place of the free axis."""
-        return self.chain.listed.statuses * self.chain.listed.columns << self.bits
+        terms = prod(len(of.terms) for of in self.beside)
+        return self.chain.listed.statuses * self.chain.listed.columns * terms
 
 
 class LoopSection(NamedTuple):
@@ -231,6 +243,30 @@ class _Between(NamedTuple):
         return np.where(self.inner[:, None], found, 0.0)
 
 
+class _Leaving(NamedTuple):
+    """How probable it is to leave the loop out of one section.
+
+    Args:
+        passage: The way through it.
+        outside: The entries behind it, whether they are not of the loop.
+        inner: By entry of its own, whether it has a value other than 0.
+    """
+
+    passage: WayThrough
+    outside: Mask
+    inner: Mask
+
+    @property
+    def work(self) -> int:
+        """Multiplications that the column takes."""
+        return self.passage.work
+
+    def matrix(self) -> Floats:
+        """By entry, as a matrix of one column."""
+        found = self.passage.back(self.outside[..., None].astype(np.float64))[:, 0] + self.passage.staying
+        return np.where(self.inner, found, 1.0)[:, None]
+
+
 class SectionLoop:
     """Sections that lead to each other.
 
@@ -261,7 +297,13 @@ class SectionLoop:
                 solve = plan.factored_with(lambda name: given[name].matrix())
                 shape = len(self.steps), self.width, -1
                 return lambda gained: solve(gained.reshape(shape)).reshape(gained.shape)
-        at_heads = solver_of(self._reduced, heads)
+        at_heads = solver_of(
+            lambda matrix: self._swept(np.zeros((self.size, matrix.shape[1])), matrix)[self.heads],
+            lambda: self._swept(np.vstack([self._leaving(i).matrix() for i in range(len(self.steps))]))[
+                self.heads, 0
+            ],
+            heads,
+        )
 
         def solved(gained: Floats) -> Floats:
             found = self._swept(gained)
@@ -270,9 +312,14 @@ class SectionLoop:
 
         return solved
 
-    def _eliminated(self) -> tuple[Elimination, dict[Hashable, _Between]]:
-        """How sections are eliminated, and the blocks between them by name."""
-        names, given = dict[tuple[int, int], Hashable](), dict[Hashable, _Between]()
+    def _leaving(self, number: int) -> _Leaving:
+        passage, after, _, inner = self.steps[number]
+        return _Leaving(passage, after == self.size, inner)
+
+    def _eliminated(self) -> tuple[Elimination, dict[Hashable, _Between | _Leaving]]:
+        """How sections are eliminated, and by name the blocks between them and what leaves the loop."""
+        names, given = dict[tuple[int, int], Hashable](), dict[Hashable, _Between | _Leaving]()
+        leaving = list[Hashable]()
         for i, (passage, after, _, inner) in enumerate(self.steps):
             for j in np.unique(after // self.width).tolist():
                 if j < len(self.steps):
@@ -280,7 +327,10 @@ class SectionLoop:
                     name = id(passage), there.tobytes(), inner.tobytes()
                     names[i, j] = name
                     given[name] = _Between(passage, there, inner)
-        return Elimination(names, len(self.steps)), given
+            out = self._leaving(i)
+            leaving.append((id(passage), "leaving", out.outside.tobytes(), inner.tobytes()))
+            given[leaving[-1]] = out
+        return Elimination(names, leaving), given
 
     def _swept(self, gained: Floats, at_heads: Floats | None = None) -> Floats:
         """The values at all entries after one sweep through the loop from given values at the heads."""
@@ -291,8 +341,3 @@ class SectionLoop:
             # Sections that lead back to this one were swept before it, with its given value.
             found[here] = gained[here] + np.where(inner[:, None], passage.back(found[after]), 0.0)
         return found
-
-    def _reduced(self, matrix: Floats) -> Floats:
-        """The reduced operator: values at the heads minus what one sweep through the loop makes of them."""
-        found = self._swept(np.zeros((self.size, matrix.shape[1])), matrix)
-        return np.asarray(matrix - found[self.heads], np.float64)

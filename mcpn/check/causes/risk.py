@@ -25,7 +25,7 @@ section. Both give the same numbers but for rounding.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -45,8 +45,12 @@ from mcpn.net.sections import Element, LocalPart
 from mcpn.space.arrays import ArraySet, ArraySpace
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.section_type import SectionType
-from mcpn.space.markings.explicit import MAX_MARKINGS
 from mcpn.space.stable.listing import written_out
+from mcpn.steps import Doing, step
+
+MOST_STATES = 50_000
+"""States of one chain whose numbers are computed, unless another limit is given; the system of one of so many
+states is solved in seconds, for each resource again."""
 
 
 @dataclass(frozen=True)
@@ -82,21 +86,25 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
     Args:
         prospects: The mission on its alternatives graph. A probability is one number for each state: of a
             decision diagram the states are listed, of a composite those of each type of section.
-        max_states: Limit on states that are listed one by one.
+        max_states: Limit on the states of a chain; :data:`MOST_STATES` by default.
 
     Returns:
         The ends, degraded modes and importance.
 
     Raises:
         InputError: An objective that may run has no duration.
-        LimitError: There are too many states to be listed, or too much hardware to be remembered; or an
-            event may end a block and enter it again, or lead to the beginning of a branch in it.
+        LimitError: A chain has too many states, which is found before they are listed, or there is too much
+            hardware to be remembered; or an event may end a block and enter it again, or lead to the
+            beginning of a branch in it.
     """
-    _refuse_unknown(prospects)
-    limit = MAX_MARKINGS if max_states is None else max_states
+    refuse_unknown(prospects)
+    step(Doing.COMPUTING_RISK)
+    limit = MOST_STATES if max_states is None else max_states
     model = _sections(prospects, limit)
     hardware = {h.name: h for h in prospects.mission_net.mission.hardware}
-    rates: dict[Element, tuple[float, float]] = _rates_of_facts(prospects.mission_net)
+    rates: dict[Element, tuple[float, float]] = {}
+    if isinstance(prospects.space, CompositeSpace):
+        rates |= _rates_of_facts(prospects.mission_net)
     failing = {
         ("hardware", h): (hardware[h].failure_rate or 0.0, hardware[h].repair_rate or 0.0)
         for h in prospects.hardware
@@ -109,8 +117,8 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
     for resource in failing:
         frozen = Outlook(model, {**rates, resource: (0.0, 0.0)}, {**demands, resource: 0.0}, outlook)
         best, worst = frozen.ends(kept=resource), frozen.ends(resource)
-        importance[resource[1]] = best[SUCCEED] - worst[SUCCEED]
-        safely[resource[1]] = importance[resource[1]] + best[ABORT] - worst[ABORT]
+        importance[resource[1]] = _gain(best, worst, (SUCCEED,))
+        safely[resource[1]] = _gain(best, worst, (SUCCEED, ABORT))
     return Risk(
         ends[SUCCEED],
         ends[FAIL],
@@ -120,6 +128,17 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
         ends[ABORT] if aborts else None,
         safely if aborts else None,
     )
+
+
+def _gain(best: Mapping[str, float], worst: Mapping[str, float], wanted: Collection[str]) -> float:
+    """How much more probable some ends are; by the less probable side, of them or all others.
+
+    Where success is nearly certain with and without a resource, the failures make the difference.
+    """
+    won, lost = ([end for end in best if (end in wanted) == side] for side in (True, False))
+    if sum(best[end] + worst[end] for end in won) <= 1.0:
+        return sum(best[end] - worst[end] for end in won)
+    return sum(worst[end] - best[end] for end in lost)
 
 
 def _demands(mission_net: MissionNet) -> dict[str, float]:
@@ -166,7 +185,8 @@ def _unrated(mission_net: MissionNet) -> Iterator[str]:
             yield from (str(Event(What.DETECTED, hardware)) for hardware in activity.detects)
 
 
-def _refuse_unknown(prospects: Prospects[Any]) -> None:
+def refuse_unknown(prospects: Prospects[Any]) -> None:
+    """Raises an InputError that names each objective that may run and has no duration."""
     needed = "no duration, which numbers of risk need: its mean in hours"
     running = (s for name, s in prospects.sections.items() if prospects.objectives[name].running)
     unknown = (section for section in running if section.duration is None)
@@ -194,6 +214,12 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
         )
 
     if not isinstance(space, CompositeSpace):
+        if (size := space.everything.count()) > max_states:
+            raise LimitError(f"{size:,} states, the limit is {max_states:,} (--max-chain)")
+        # Before the start events may change facts, as hardware may fail: what is so at the start has a
+        # status.
+        flags = (flag for fact in net.usage.world.facts.values() for flag in all_flags(fact))
+        status = (*hardware, *(("fact", flag) for flag in flags))
         if net.mission.crashes:  # importance asks what it means that they had crashed before the start
             net = crashed_before(net)
             prospects = Prospects(net, spaces_of(net).unproved(max_states))
@@ -201,12 +227,12 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
             prospects = Prospects(net, ArraySpace(written_out(space, "risk", max_states)))
         routes = {"success": SUCCEED, "failure": FAIL, "abort": ABORT}
         whole = ChainSection(
-            ListedChain(prospects, hardware, (), demanded(hardware)),
-            hardware,
+            ListedChain(prospects, status, (), demanded(hardware)),
+            status,
             tuple(prospects.sections.values()),
             routes,
         )
-        return Sections({"": whole}, "", hardware, out)
+        return Sections({"": whole}, "", status, out)
     known: dict[SectionType, Prospects[ArraySet]] = {}
     listed = cache(ListedChain)
     sections = {}
@@ -225,7 +251,7 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
     for name, placed in entered.items():
         kind = placed.type
         if kind not in known:
-            kind.refuse_list(name, max_states, "numbers of risk list every state")
+            kind.refuse_list(name, max_states, "numbers of risk list every state", "--max-chain")
             kept = kind.part.once_on(rated)
             known[kind] = Prospects(kind.forgetful(kept)[0], ArraySpace(kind.listed(kept, max_states)))
         again = tuple(exit_ for exit_, route in placed.routes.items() if route == name)

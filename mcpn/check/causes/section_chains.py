@@ -1,13 +1,12 @@
 """Numbers of risk as a chain of sections over the status of the hardware; the whole mission may be one.
 
 A section depends on its own hardware only; all other hardware fails and is repaired independently, while
-the section takes a random time ``T``. Each other resource is a small Markov chain
-(:class:`mcpn.check.causes.passages.Beside`), whose probabilities after ``T`` are sums of ``exp(-s T)``: of
-hardware ``s`` is 0, or failure rate + repair rate. For several resources the exponents add up. So the
-expected value of such a product at the section's exit is the Laplace transform ``E[exp(-s T)]`` of the
-section's own chain (:meth:`mcpn.check.causes.chain.Chain.kernels`). This is exact, and the product of the
-section's states with the status of other hardware is never built. Hardware that is detected late has two
-bits, one after the other: out of service, and known to be.
+the section takes a random time ``T``. What becomes of each other resource meanwhile is told by a clock
+(:class:`mcpn.check.causes.passages.Beside`), and the section's own chain is run against the clocks: how it
+ends, and which of them have rung by then (:meth:`mcpn.check.causes.chain.Chain.kernels`). This is exact,
+all of it without a difference of probabilities, and the product of the section's states with the status of
+other hardware is never built. Hardware that is detected late has two bits, one after the other: out of
+service, and known to be.
 
 The sections are worked backward from the mission's ends. The value at an entry is a function of the status of
 the hardware that this section and later ones use; other hardware does not matter any more. A handler that
@@ -37,6 +36,9 @@ from mcpn.space.markings.graph import Ints, Mask
 
 ENDS = (SUCCEED, FAIL, ABORT)
 """The ends of a mission, in the order of their numbers."""
+
+NEVER = "never"
+"""That a mission does not end: as an end of its own, for it is computed as itself too."""
 
 MOST_HARDWARE = 16
 """Hardware resources whose status is remembered from one section to the next, at most."""
@@ -209,14 +211,22 @@ class Outlook:
         return self._passages[name]
 
     def ends(self, lost: Element | None = None, kept: Element | None = None) -> Mapping[str, float]:
-        """Probabilities of the mission's ends; one resource may be out of service at the start, or not."""
-        found = self._ends[self.model.start(lost, kept)].tolist()
-        return dict(zip(ENDS, found, strict=True))
+        """Probabilities of the mission's ends, and that there is none, each computed as itself.
+
+        One resource may be out of service at the start, or in service.
+        """
+        found = np.minimum(self._ends[self.model.start(lost, kept)], 1.0).tolist()  # but for rounding
+        return dict(zip((*ENDS, NEVER), found, strict=True))
 
     @cached_property
     def _ends(self) -> Floats:
-        ends = np.eye(self.model.entries, len(ENDS))
-        return self._solved(self._reaching(np.asarray(ends.any(axis=1), np.bool_)), ends)
+        ends = np.eye(self.model.entries, len(ENDS) + 1)
+        ends[len(ENDS)] = 0.0
+        ended = np.asarray(ends.any(axis=1), np.bool_)
+        inner = self._reaching(ended)
+        staying = np.concatenate([np.zeros(len(ENDS)), *(p.staying for p in self._passages.values())])
+        ends[:, -1] = np.where(inner, staying, 1.0)
+        return self._solved(inner, ends)
 
     def degraded_modes(self) -> float:
         """The expected number of jumps into another, degraded mode; infinite where it may go on for ever."""
@@ -225,7 +235,11 @@ class Outlook:
 
         def solved(inner: Mask, gained: Floats) -> Floats:
             # A system is solved only if it decides what is gained from the start.
-            return self._solved(inner, gained)[:, 0] if inner[start] else np.zeros(len(gained))
+            return (
+                self._solved(inner, np.where(inner, gained, 0.0))[:, 0]
+                if inner[start]
+                else np.zeros(len(gained))
+            )
 
         return float(totals(gained, self._reaching, solved, stays > 0)[start])
 
@@ -247,7 +261,7 @@ class Outlook:
         return found
 
     def _solved(self, inner: Mask, gained: Floats) -> Floats:
-        """The expected total gain by entry and end, of gains there; 0 at entries outside ``inner``."""
+        """The expected total gain by entry, of gains there; at entries outside ``inner`` that gain alone."""
         gained = gained.reshape(len(gained), -1)
         values = np.zeros(gained.shape)
         values[: len(ENDS)] = gained[: len(ENDS)]
@@ -256,7 +270,7 @@ class Outlook:
             within = slice(self.model.here(members[0]).start, self.model.here(members[-1]).stop)
             steps = {name: self._passages[name].back(values[self.model.after(name)]) for name in members}
             known = gained[within] + np.concatenate(list(steps.values()))
-            known[~inner[within]] = 0.0
+            known[~inner[within]] = gained[within][~inner[within]]
             if len(heads):
                 loop = self._loop(members, heads - within.start, inner[within])
                 if loop.kind not in systems:

@@ -11,7 +11,7 @@ Paths are maximal: infinite, or ending in a state without successors, as in the 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import cached_property, reduce
 from itertools import count
 from operator import and_, or_
@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Generic
 
 from mcpn.check.logic.formulas import EG, EU, EX, Justice
 from mcpn.check.ltl.formulas import SomePath
-from mcpn.space.algebra import S, Space
+from mcpn.space.algebra import S, Space, by_region
 from mcpn.space.search.goal import TRUE, And, AtMost, Deadlock, Fires, Formula, Not, Or, Stable
 
 if TYPE_CHECKING:
@@ -138,7 +138,7 @@ class Evaluation(Generic[S]):
         """
         fair = self.space.nothing
         unmet = [(c, self.plain.states(~c.states)) for c in self.fair]
-        for region, constraints in self._by_region(self.space.regions, unmet):
+        for region, constraints in by_region(self.space, unmet):
             inside = along & region
             if inside:
                 fair = fair | self._hull_of(inside, constraints)
@@ -154,7 +154,7 @@ class Evaluation(Generic[S]):
         space, fair = self.space, inside
         for step in count():
             if step < self.first_steps:
-                narrower = fair & space.before(fair)
+                narrower = space.before(fair, among=fair)
             else:
                 narrower = space.staying(fair - space.dead)
             for constraint in constraints:
@@ -162,9 +162,9 @@ class Evaluation(Generic[S]):
                 if not waiting:
                     continue
                 onward = space.after(waiting) & narrower
-                meeting = space.before(onward - waiting) & waiting
+                meeting = space.before(onward - waiting, among=waiting)
                 if constraint.transitions:
-                    meeting = meeting | (space.before(onward, constraint.transitions) & waiting)
+                    meeting = meeting | space.before(onward, constraint.transitions, among=waiting)
                 stuck = waiting - space.reaching(meeting, waiting)
                 if stuck:
                     narrower = narrower - stuck
@@ -177,20 +177,8 @@ class Evaluation(Generic[S]):
         """States of a set at which a constraint is met, there or by the next step inside the set."""
         here = self.plain.states(constraint.states) & inside
         if constraint.transitions:
-            here = here | (self.space.before(inside, constraint.transitions) & inside)
+            here = here | self.space.before(inside, constraint.transitions, among=inside)
         return here
-
-    def _by_region(
-        self, regions: Sequence[S], unmet: Sequence[tuple[Justice, S]]
-    ) -> Iterator[tuple[S, list[Justice]]]:
-        """Each region with the constraints that some of its states do not meet, by bisection."""
-        if len(regions) == 1 or not unmet:
-            yield from ((region, [c for c, _ in unmet]) for region in regions)
-            return
-        half = len(regions) // 2
-        for part in (regions[:half], regions[half:]):
-            together = reduce(or_, part, self.space.nothing)
-            yield from self._by_region(part, [(c, states) for c, states in unmet if together & states])
 
 
 def _effort(formula: Formula) -> int:

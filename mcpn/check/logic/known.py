@@ -19,6 +19,7 @@ from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, And, Formula, Goal, as
 
 if TYPE_CHECKING:
     from mcpn.check.ltl.search import FoundPath
+    from mcpn.space.search.facts import Facts
 
 SOME_DEADLOCK = EU(TRUE, DEADLOCK)
 
@@ -56,7 +57,13 @@ class Known:
         self.values: dict[Formula, bool] = {}
         self.runs: dict[Formula, tuple[int, ...]] = {}
         self.paths: dict[Formula, FoundPath] = {}
+        self._facts: Facts | None = None
         self._simple: dict[Formula, Formula] = {}
+
+    def believe(self, facts: Facts) -> None:
+        """Puts in what is true of the net as a whole: formulas are simplified anew."""
+        self._facts = facts
+        self._simple.clear()
 
     @cached_property
     def initial(self) -> Marking:
@@ -79,7 +86,8 @@ class Known:
         if formula == SOME_DEADLOCK:  # no bound makes it smaller
             return formula
         if formula not in self._simple:
-            self._simple[formula] = simplified(formula, self.net, self._bounds)
+            always = (lambda _: None) if self._facts is None else self._facts.always
+            self._simple[formula] = simplified(formula, self.net, self._bounds, always)
         return self._simple[formula]
 
     def rest(self, formula: Formula, marking: Marking | None = None) -> Formula:

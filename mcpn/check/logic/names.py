@@ -4,24 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from difflib import get_close_matches
-from functools import cached_property
 from itertools import islice
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from mcpn.check.logic.formulas import Justice
 from mcpn.check.ltl.formulas import Happens
 from mcpn.errors import InputError
-from mcpn.mission.flatten import blocks_of
-from mcpn.mission.model import Objective, walk
-from mcpn.mission.robot import BOOLEAN_VALUES
-from mcpn.mission.static.copies import Copies, grouped
-from mcpn.mission.world.conditions import is_boolean, objective_done
 from mcpn.net.events import ENDING, START, Event, What
 from mcpn.net.petri import PetriNet
 from mcpn.net.roles import WAITING
 from mcpn.space.search.goal import FALSE, TRUE, Fires, Formula, marked
 
 if TYPE_CHECKING:
+    from mcpn.mission.expansion.copies import Copies
     from mcpn.net.compose import MissionNet
 
 MAX_LISTED = 20
@@ -97,12 +92,13 @@ class Names:
             case "success" | "failure" | "abort":
                 about = [mission_net.mission.name]
             case "objective" | "pending":
-                sections = (*mission_net.graph.walk(), *mission_net.graph.never_entered())
-                entered = [section.name for section in sections]
-                about = self._copies(name, entered) or [self._element(name, entered, "objective")]
+                about = self._copies.meant(name, self.within) or self._unknown(
+                    name, self._copies.objectives, "objective"
+                )
             case "block":
-                names = self._copies(name, self._blocks) or [self._element(name, self._blocks, "block")]
-                about = [objective for block in names for objective in self._blocks[block]]
+                about = self._copies.inside(name, self.within) or self._unknown(
+                    name, self._copies.held, "block"
+                )
             case "fact" | "done":
                 about = [self._fact(kind, name, value)]
             case "available" if name in mission_net.usage.producer:
@@ -113,12 +109,7 @@ class Names:
                 resource = self._element(name, known, "resource")
                 about = [resource, *(f.name for f in mission_net.mission.faults if resource in f.affects)]
             case "event":
-                texts = {str(t.event) for t in self.net.transitions if t.event}
-                event = Event(What.DECLARED, name)
-                events = {event}
-                if str(event) not in texts and name not in {e.name for e in mission_net.mission.events}:
-                    atoms = self._copies(name, texts) or [self._element(name, texts, "event")]
-                    events = set(map(Event.parse, atoms))
+                events = self._events(name)
                 return Fires(tuple(i for i, t in enumerate(self.net.transitions) if t.event in events))
             case "happens":
                 may = self._meaning("event", name)
@@ -140,13 +131,24 @@ class Names:
         places = (p for p, (role, element) in mission_net.roles.items() if role in roles and element in about)
         return ~marked(*places) if kind == "available" else marked(*places)
 
-    @cached_property
-    def _blocks(self) -> dict[str, tuple[str, ...]]:
+    def _events(self, name: str) -> set[Event]:
+        """The events that a name says: one, or that of all copies of an objective."""
         assert self.mission_net is not None
-        return blocks_of(self.mission_net.mission)
+        known = {t.event for t in self.net.transitions if t.event}
+        declared, said = Event(What.DECLARED, name), Event.parse(name)
+        if declared in known or name in {e.name for e in self.mission_net.mission.events}:
+            return {declared}
+        if said.what not in ENDING:
+            return {Event.parse(self._element(name, sorted(map(str, known)), "event"))}
+        found = {Event(said.what, each) for each in self._copies.meant(said.element, self.within)} & known
+        return found or self._unknown(name, sorted(map(str, known)), "event")
 
     def _fact(self, kind: str, name: str, value: str | None) -> str:
         """A fact with its value, as the role of a place says it."""
+        from mcpn.mission.model import Objective, walk  # which a question about a net does not load
+        from mcpn.mission.robot import BOOLEAN_VALUES
+        from mcpn.mission.world.conditions import is_boolean, objective_done
+
         assert self.mission_net is not None
         facts = self.mission_net.usage.world.facts
         if kind == "done":
@@ -169,57 +171,46 @@ class Names:
         said = BOOLEAN_VALUES[True] if value is None else _known(value, fact.values, f"value of {name}")
         return f"{name}={said}"
 
-    def _copies(self, name: str, names: Collection[str]) -> list[str]:
-        """All rounds or tries that a name without numbers stands for, those of this use first."""
-        plain, copies = name.removeprefix("OBJ_"), self._written
-        if not copies:
-            return []
-        for within in dict.fromkeys((self.within, "")):
-            begin = name.removesuffix(plain) + within
-            if begin + plain in names:
-                break
-            meant: dict[str, list[str]] = {}
-            for known in names:
-                if not known.startswith(begin):
-                    continue
-                said = copies.plain(known[len(begin) :])
-                if said == plain or said.endswith(f".{plain}"):
-                    meant.setdefault(said, []).append(known)
-            if plain in meant or len(meant) == 1:
-                return meant.get(plain) or next(iter(meant.values()))
-        return []
-
     def folded(self, names: Collection[str]) -> dict[str, list[str]]:
-        """Names, those of rounds and tries together under the one name that means all of them."""
+        """Names, those of all copies of one together under the one name that means all of them."""
+        from mcpn.mission.expansion.copies import grouped  # which a question about a net does not load
 
         def plain(name: str) -> str:
-            begin = "OBJ_" if name.startswith("OBJ_") else ""  # of the event of an objective
-            return begin + self._written.plain(name.removeprefix(begin))
+            event = Event.parse(name)
+            if event.what in ENDING:
+                return str(Event(event.what, self._copies.plain(event.element)))
+            return self._copies.plain(name)
 
         return grouped(names, plain)
 
-    @cached_property
-    def _written(self) -> Copies:
+    @property
+    def _copies(self) -> Copies:
         assert self.mission_net is not None
-        return Copies(self.mission_net.mission)
+        return self.mission_net.graph.copies
 
-    def _element(self, name: str, names: Collection[str], what: str) -> str:
-        """The name in full: the use of a protocol that qualifies it may be left out where one name fits."""
-        inside = f"OBJ_{self.within}{name[4:]}" if name.startswith("OBJ_") else f"{self.within}{name}"
-        if inside in names:
-            return inside
-        fitting = [known for known in names if known.endswith(f".{name}")]
-        if len(fitting) > 1 and self.within:
-            fitting = [known for known in fitting if known.startswith(self.within)] or fitting
-        if name not in names and len(fitting) == 1:
-            return fitting[0]
+    def _unknown(self, name: str, names: Collection[str], what: str) -> NoReturn:
+        """Says which known name is near, all copies of one by one name."""
         assert self.mission_net is not None
         declared = [e.name for e in self.mission_net.mission.events] if what == "event" else []
-        return _known(name, names, what, [*declared, *self.folded(names)])
+        _unknown(name, names, what, [*declared, *self.folded(names)])
+
+    def _element(self, name: str, names: Collection[str], what: str) -> str:
+        """The name of what is no block in full: what qualifies it may be left out where one name fits."""
+        fitting = [known for known in names if known.endswith(f".{name}")]
+        if name not in names and len(fitting) == 1:
+            return fitting[0]
+        if name not in names:
+            self._unknown(name, names, what)
+        return name
 
 
 def _known(name: str, names: Collection[str], what: str, also: Sequence[str] = ()) -> str:
-    """The name, if it exists; else an error that lists what is near.
+    """The name, if it exists; else an error; arguments as of :func:`_unknown`."""
+    return name if name in names else _unknown(name, names, what, also)
+
+
+def _unknown(name: str, names: Collection[str], what: str, also: Sequence[str] = ()) -> NoReturn:
+    """Says which names are near one that does not exist.
 
     Args:
         name: The name.
@@ -227,8 +218,6 @@ def _known(name: str, names: Collection[str], what: str, also: Sequence[str] = (
         what: What they name.
         also: What else may be written there, which is listed first, as one name for all rounds and tries.
     """
-    if name in names:
-        return name
     near = get_close_matches(name, also, n=3) or get_close_matches(name, names, n=3)
     names = list(dict.fromkeys([*also, *names]))
     if not near:  # the use of a protocol that qualifies a name may have been left out, or be another

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,7 +14,7 @@ from mcpn.check.logic.formulas import Justice
 from mcpn.check.logic.names import PROGRESS, Names, progress
 from mcpn.check.logic.syntax import parse
 from mcpn.check.spaces import Subject, spaces_of
-from mcpn.errors import InputError, UnsafeError
+from mcpn.errors import InputError, UnboundedError, UnsafeError
 from mcpn.notebook import Told
 from mcpn.space.algebra import Space
 from mcpn.space.diagrams.base import Diagrams
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     from mcpn.check.logic.witness import Witness
+
+FIRST_STEPS, GROWTH = 150_000, 2
+"""Of the race for the space, of which rounds are taken between searches."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +60,7 @@ class Questions:
         on: The graph that formulas speak of; by default a mission's stable states, or a net's markings.
         fair: ``progress`` or formulas that hold again and again on the infinite paths that count.
         engine: Who makes the space: arrays, diagrams, composition, or ``auto``, see
-            :mod:`mcpn.check.engines`, with a search before it where one may do.
+            :mod:`mcpn.check.engines`, with a search before it where one may do; ``search``: nobody.
         max_states: Limit on states that are listed one by one.
         executor: Where composition explores sections; this process by default.
 
@@ -83,6 +87,8 @@ class Questions:
         self.engine = engine
         self.max_states = max_states
         self.executor = executor
+        self._steps = FIRST_STEPS
+        self._begun = self._for_space = 0.0
         self.names = Names(net, mission_net)
         self.fair = tuple(
             constraint
@@ -103,7 +109,7 @@ class Questions:
         """
         contended = self.mission_net is None or bool(self.mission_net.usage.contentions)
         exact = self.on == "markings" or not contended
-        return self.engine == "auto" and not self.fair and exact
+        return self.engine in ("auto", "search") and not self.fair and exact
 
     @property
     def small(self) -> bool:
@@ -141,9 +147,20 @@ class Questions:
         return space, choice
 
     def brief(self) -> bool:
-        """Whether the space is there or quickly made, of a net that may be searched instead."""
-        if not (self.made or self.net.priorities) and (soon := self.spaces.brief) is not None:
-            self._chosen = soon, Choice("symbolic", "a diagram soon holds all markings")
+        """Gives the space of a net that is searched meanwhile its turn: as much time as searches have had.
+
+        Returns:
+            Whether the space is there.
+        """
+        if self.made or self.net.priorities or self.engine == "search":
+            return self.made
+        now = time.process_time()
+        if self._steps == FIRST_STEPS or self._for_space <= now - self._begun - self._for_space:
+            self._begun = self._begun or now
+            self._steps *= GROWTH
+            if self.spaces.go_on(self._steps):
+                _ = self._chosen
+            self._for_space += time.process_time() - now
         return self.made
 
     def one_safe(self) -> bool:
@@ -152,13 +169,13 @@ class Questions:
         Raises:
             LimitError: A limit was hit.
         """
-        if not self.made:
-            try:
+        try:
+            if not (self.made or self._steps > FIRST_STEPS):
                 self._chosen = self._made(tokens=False)
-            except UnsafeError:
-                return False
-            return True
-        space = self.space
+                return True
+            space = self.space
+        except (UnsafeError, UnboundedError):
+            return False
         if isinstance(space, DiagramMarkings):
             return space.space.max_tokens_in_place <= 1
         # The space of a net with priorities is there only if it is 1-safe.

@@ -14,13 +14,19 @@ from mcpn.net.structure import needs
 from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, And, AtMost, Fires, Formula, Not, Or, joined
 
 
-def simplified(formula: Formula, net: PetriNet, bounds: Sequence[float]) -> Formula:
+def simplified(
+    formula: Formula,
+    net: PetriNet,
+    bounds: Sequence[float],
+    always: Callable[[Formula], bool | None] = lambda _: None,
+) -> Formula:
     """A formula that holds in the same states.
 
     Args:
         formula: The formula.
         net: The net whose transitions it names.
         bounds: Most tokens of each place of the net in any reachable marking; infinity where not known.
+        always: The value of an atom where it is the same in every reachable marking; else ``None``.
 
     Returns:
         The formula without constants inside, double negations and operators that change nothing; comparisons
@@ -52,8 +58,9 @@ def simplified(formula: Formula, net: PetriNet, bounds: Sequence[float]) -> Form
                     return FALSE
             case Fires(transitions):
                 possible = tuple(t for t in transitions if may_fire(t))
-                return Fires(possible) if possible else FALSE
-        return part
+                part = Fires(possible) if possible else FALSE
+        value = always(part) if isinstance(part, AtMost | Fires) else None
+        return part if value is None else TRUE if value else FALSE
 
     def may_fire(transition: int) -> bool:
         return all(weight <= bounds[place] for place, weight in needs(net, transition).items())

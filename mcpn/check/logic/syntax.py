@@ -322,7 +322,7 @@ class _Parser:
 
 def _hint(text: str, at: int) -> str:
     """What the word here, or the one before it, may have been meant to be."""
-    for word in (*re.findall(r"^\w+", text[at:]), *re.findall(r"\w+(?=\s*$)", text[:at])):
+    for word in (*re.findall(r"^\w+", text[at:]), *re.findall(r"(?<!\w)\w++(?=\s*$)", text[:at])):
         if word not in _KEYWORDS and (near := get_close_matches(word, _KEYWORDS, n=1)):
             return f"; did you mean {near[0]}?"
     return ""

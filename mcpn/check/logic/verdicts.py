@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import chain, count
@@ -35,21 +35,36 @@ if TYPE_CHECKING:
     from mcpn.check.logic.contest import Property
     from mcpn.check.logic.on_the_fly import OnTheFlyCheck
     from mcpn.check.ltl.parts import PathParts
+    from mcpn.space.search.facts import Facts
     from mcpn.space.search.portfolio import Round
 
 # What searches is loaded when something is searched.
 
 DIAGRAMS, REWRITING, COMPOSITION = "DECISION_DIAGRAMS", "QUERY_REDUCTION", "COMPOSITION"
 EXPLICIT, INITIAL_STATE, RANDOM_WALK = "EXPLICIT", "INITIAL_STATE", "RANDOM_WALK"
-FIRST_SLICE, GROWTH = 1.5, 4.0
+FIRST_SLICE, FIRST_ROUND, GROWTH = 0.4, 1.0, 3.0
 WALK_STEPS = 50_000
-ONE_SAFE = "OneSafe"
+Meaning: TypeAlias = Formula | tuple[int, ...] | str
+"""A formula; places, where the most tokens that they hold together is asked; or an examination's name."""
+
+ONE_SAFE, QUASI_LIVE, LIVE = "OneSafe", "QuasiLiveness", "Liveness"
+_FOLLOWS: tuple[tuple[Meaning, bool, Meaning, bool], ...] = (
+    (SOME_DEADLOCK, True, LIVE, False),
+    ("ReachabilityDeadlock", True, LIVE, False),
+    (LIVE, True, QUASI_LIVE, True),
+)
+IMPLICATIONS: tuple[tuple[tuple[Meaning, bool], tuple[Meaning, bool]], ...] = tuple(
+    pair
+    for what, holds, then, follows in _FOLLOWS
+    for pair in (((what, holds), (then, follows)), ((then, not follows), (what, not holds)))
+)
+"""What an answer implies, of nets that have transitions; each stands here with its contraposition."""
 EFFORT_OF_LIVENESS = 30
 """The number of operators of a formula that takes about as long: closures forward and backward."""
 LOCAL_STEPS = (20_000, 200_000, 1_000_000, 5_000_000, 25_000_000, 125_000_000)
-"""For each part of a formula: two rounds before the space is built, the others between rounds of slices."""
-SEARCHES = 2
-"""How many long searches for paths there are before a space that is not soon made."""
+"""For each part of a formula, in rounds."""
+BESIDE = 4
+"""How many of these rounds take turns with the race for the space; others stand between rounds of slices."""
 
 
 @dataclass(frozen=True)
@@ -72,10 +87,6 @@ class ContestAnswer:
 
 class _SliceSpent(Exception):
     """A formula has had its time slice."""
-
-
-Meaning: TypeAlias = Formula | tuple[int, ...] | str
-"""A formula; places, where the most tokens that they hold together is asked; or an examination's name."""
 
 
 def answer_all(
@@ -146,6 +157,7 @@ class _Answers:
         self.known = Known(self.net, settled=questions.on == "alternatives")
         self.on_the_fly: OnTheFlyCheck | None = None
         self.paths: PathParts | None = None
+        self.facts: Facts | None = None
         self.rounds = self.searches = 0
 
     def all(self) -> Iterator[ContestAnswer]:
@@ -154,18 +166,20 @@ class _Answers:
         yield from self.one_safe_at_sight()
         if questions.searchable:
             yield from self.rewritten()
+            if not self.typed:
+                yield from self.bounds_by_space() if questions.brief() else self.by_equation()
             yield from self.by_need(LOCAL_STEPS[0], searched=False)
             # The space of a mission is not far, once a search has found nothing; in a small one it has the
             # shortest runs.
-            if not questions.small:
+            if not questions.small or questions.engine == "search":
                 yield from self.by_search(short=self.net.priorities)
             yield from self.by_need(LOCAL_STEPS[1], searched=False)
-            if not (self.typed or questions.made):
-                yield from self.by_paths(LOCAL_STEPS[0])
-                yield from self.by_paths(LOCAL_STEPS[1], enrich=True)
-                for _ in range(SEARCHES):
-                    if not questions.brief():
-                        yield from self.by_paths(LOCAL_STEPS[2])
+            for steps in () if self.typed else LOCAL_STEPS[:BESIDE]:
+                if steps > LOCAL_STEPS[1]:
+                    if questions.made:
+                        break
+                    yield from self.by_need(steps)
+                yield from self.by_paths(steps, enrich=steps > LOCAL_STEPS[0])
         try:
             yield from self.one_safe()
             if self.waiting and isinstance(questions.space, DiagramMarkings | DiagramAlternatives):
@@ -173,23 +187,33 @@ class _Answers:
         except McpnError as error:
             if isinstance(error, LimitError) and questions.searchable and self.net.priorities:
                 yield from self.by_search()
-            for steps in LOCAL_STEPS[2:] if questions.searchable else ():
+            for steps in LOCAL_STEPS[2 if self.typed else BESIDE :] if questions.searchable else ():
                 yield from self.by_need(steps, runs=True)
-            for steps in LOCAL_STEPS[2:4]:
+            for steps in LOCAL_STEPS[2:4] if self.typed else ():
                 yield from self.by_paths(steps, enrich=True)
+            if self.waiting and questions.engine == "search":
+                raise LimitError(f"engine search leaves open: {', '.join(self.waiting)}") from error
             if self.waiting:
                 raise
+        tried: Counter[str] = Counter()
         for number in count():
-            for name in sorted(self.waiting, key=lambda name: _effort(self.waiting[name])):
+            begun = time.process_time()
+            for name in sorted(self.waiting, key=lambda name: (tried[name], _effort(self.waiting[name]))):
+                if name not in self.waiting:  # what was answered before it has implied its answer
+                    continue
+                if store and time.process_time() - begun > FIRST_ROUND * GROWTH**number:
+                    break
                 value = None
-                with _limited(store, FIRST_SLICE * GROWTH**number):
+                tried[name] += 1
+                with _limited(store, FIRST_SLICE * GROWTH ** (tried[name] - 1)):
                     value = self.by_space(name)
                 if value is not None:
-                    yield self.answer(name, value, _technique(questions.choice.engine))
+                    yield from self.answer(name, value, _technique(questions.choice.engine))
             if not self.waiting:
                 return
-            yield from self.by_need(LOCAL_STEPS[min(2 + number, len(LOCAL_STEPS) - 1)])
-            yield from self.by_paths(LOCAL_STEPS[min(2 + number, len(LOCAL_STEPS) - 1)], enrich=True)
+            steps = LOCAL_STEPS[min(2 + number, len(LOCAL_STEPS) - 1)]
+            yield from self.by_need(steps)
+            yield from self.by_paths(steps, enrich=True)
 
     def shown(self, formula: Formula, holds: bool, ways: Sequence[str]) -> tuple[Witness, Choice | NoSpace]:
         """The run that shows the value of a formula, and who has answered."""
@@ -212,32 +236,54 @@ class _Answers:
 
     # --- what waits ---
 
-    def answer(self, name: str, value: int, *ways: str) -> ContestAnswer:
-        """The answer to a question, which waits no more, with the techniques that decided parts of it."""
+    def answer(self, name: str, value: int, *ways: str) -> Iterator[ContestAnswer]:
+        """Answers a question, which waits no more, with the techniques of its parts; and what follows."""
         del self.waiting[name]
-        return ContestAnswer(name, str(value).upper(), tuple({**self.ways[name], **dict.fromkeys(ways)}))
+        told = tuple({**self.ways[name], **dict.fromkeys(ways)})
+        yield ContestAnswer(name, str(value).upper(), told)
+        for other, follows in self.implied(self.asked[name], value):
+            yield from self.learn(other, follows, *told)
+
+    def implied(self, asked: Meaning, value: int) -> list[tuple[Meaning, bool]]:
+        """What an answer says of the examinations."""
+        if isinstance(asked, tuple):
+            return [(ONE_SAFE, False)] if value > len(asked) else []
+        if not self.net.transitions or self.net.priorities:
+            return []
+        return [then for (what, holds), then in IMPLICATIONS if (what, holds) == (asked, bool(value))]
+
+    def raced(self) -> Callable[[], bool]:
+        """What to ask between searches: whether the space, where it was not there yet, has come meanwhile."""
+        waits = self.questions.searchable and not (self.typed or self.questions.made)
+        return self.questions.brief if waits else lambda: False
 
     def parts(self) -> list[Formula]:
         """The parts whose values in the initial marking are asked for, each once, cheap ones first."""
         formulas = (asked for asked in self.waiting.values() if isinstance(asked, Formula))
         return sorted(dict.fromkeys(chain.from_iterable(map(parts_at_first, formulas))), key=_effort)
 
-    def learn(self, part: Meaning, value: bool, *ways: str) -> Iterator[ContestAnswer]:
+    def learn(self, part: Meaning, value: int, *ways: str) -> Iterator[ContestAnswer]:
         """Puts a value where it is asked for, and yields what that answers."""
         if isinstance(part, Formula):
-            self.known.values[part] = value
+            self.known.values[part] = bool(value)
+            for other, follows in self.implied(part, value):
+                yield from self.learn(other, follows, *ways)
         for name, asked in list(self.waiting.items()):
+            if name not in self.waiting:
+                continue
             if asked == part:
-                yield self.answer(name, value, *ways)
+                yield from self.answer(name, value, *ways)
             elif isinstance(asked, Formula) and part in parts_at_first(asked):
                 self.ways[name].update(dict.fromkeys(ways))
-                yield from self.left(name, at_first(asked, lambda atom: value if atom == part else None))
+                yield from self.left(
+                    name, at_first(asked, lambda atom: bool(value) if atom == part else None)
+                )
 
     def left(self, name: str, rest: Formula, *ways: str) -> Iterator[ContestAnswer]:
         """Keeps what is left to ask of a formula, or yields the answer if nothing is."""
         self.waiting[name] = rest
         if rest in (TRUE, FALSE):
-            yield self.answer(name, rest == TRUE, *ways)
+            yield from self.answer(name, rest == TRUE, *ways)
 
     # --- ways ---
 
@@ -260,12 +306,47 @@ class _Answers:
             engine = self.questions.choice.engine if safe else self.questions.engine
             yield from self.learn(ONE_SAFE, safe, _technique(engine))
 
-    def rewritten(self) -> Iterator[ContestAnswer]:
+    def rewritten(self, by: str = REWRITING) -> Iterator[ContestAnswer]:
         """Answers what rewriting and the initial marking decide; of others keeps what is left to ask."""
         for name, formula in list(self.waiting.items()):
-            if isinstance(formula, Formula):
-                how = REWRITING if self.known.simple(formula) in (TRUE, FALSE) else INITIAL_STATE
-                yield from self.left(name, self.known.rest(formula), how)
+            if isinstance(formula, Formula) and name in self.waiting:
+                how = by if self.known.simple(formula) in (TRUE, FALSE) else INITIAL_STATE
+                rest = self.known.rest(formula)
+                if by != REWRITING and rest != formula:
+                    self.ways[name][by] = None
+                yield from self.left(name, rest, how)
+
+    def bounds_by_space(self) -> Iterator[ContestAnswer]:
+        """Answers bounds and examinations where the space is there at once, each within a short slice."""
+        yield from self.one_safe()
+        space = self.questions.space
+        store = space.encoding.store if isinstance(space, DiagramMarkings) else None
+        for name, asked in list(self.waiting.items()):
+            if name in self.waiting and not isinstance(asked, Formula) and asked != ONE_SAFE:
+                value = None
+                with _limited(store, FIRST_SLICE):
+                    value = self.by_space(name)
+                if value is not None:
+                    yield from self.answer(name, value, _technique(self.questions.choice.engine))
+
+    def by_equation(self) -> Iterator[ContestAnswer]:
+        """Answers bounds and examinations by the state equation and by walks that come to what it allows."""
+        if self.net.priorities or not self.waiting:
+            return
+        from mcpn.space.search.facts import Facts
+        from mcpn.space.search.portfolio import STATE_EQUATION
+
+        facts = self.facts = Facts(self.net)
+        sums = [asked for asked in dict.fromkeys(self.waiting.values()) if isinstance(asked, tuple)]
+        for places, bound, ways in facts.sums(sums):
+            yield from self.learn(places, bound, *ways)
+        for name, decide in facts.examinations.items():
+            if name in self.waiting.values():
+                value, ways = decide()
+                if value is not None:
+                    yield from self.learn(name, value, *ways)
+        self.known.believe(facts)
+        yield from self.rewritten(STATE_EQUATION)
 
     def by_search(self, *, short: bool = False) -> Iterator[ContestAnswer]:
         """Answers what asks for reachable markings by search, until it turns out that the space is small.
@@ -314,7 +395,10 @@ class _Answers:
             if not Searches(self.net).fits:
                 return
             self.on_the_fly = OnTheFlyCheck(self.net, [part for part in self.parts() if not says_paths(part)])
+        came = self.raced()
         for part in parts:
+            if came():
+                return
             value = self.on_the_fly.decide(part, steps, seed=self.rounds)
             # EX is shown by one step; other parts that hold need a run, which is not known.
             if value is False or (value and (runs or not self.typed or isinstance(part, EX))):
@@ -336,7 +420,10 @@ class _Answers:
 
             self.paths = PathParts(self.net)
         self.searches += 1
+        came = self.raced()
         for part in parts:
+            if came():
+                return
             path = on_one_path(part, self.net)
             if path is None:
                 continue

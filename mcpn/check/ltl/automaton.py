@@ -20,13 +20,18 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from mcpn.check.ltl.formulas import Happens, Next, Release, Until, atom_of
+from mcpn.check.ltl.formulas import Happens, Next, Release, Until, atom_of, is_of_paths
 from mcpn.errors import LimitError
 from mcpn.space.components import strongly_connected
 from mcpn.space.search.goal import FALSE, TRUE, And, Formula, Or
 
 MAX_STATES = 2_000
 MAX_EDGES = 50_000
+MAX_STEPS = 15_000_000
+"""Comparisons of covers and edges that one automaton may take, which are what its construction costs."""
+
+_STEPS_OF_A_CHOICE = 20
+"""What it costs to go on with a cover, in comparisons."""
 
 Literals: TypeAlias = frozenset[Formula]
 """Formulas on states, steps and their negations, all of which hold."""
@@ -122,6 +127,21 @@ class _Cover:
         return self.literals <= other.literals and self.left <= other.left and self.put_off <= other.put_off
 
 
+class _Steps:
+    """Counts what the construction of an automaton has cost."""
+
+    def __init__(self) -> None:
+        self._left = MAX_STEPS
+
+    def spend(self, steps: int) -> None:
+        self._left -= steps
+        if self._left < 0:
+            raise LimitError(
+                f"the automaton of a formula on paths takes more than {MAX_STEPS:,} steps to build:"
+                " the limit was hit"
+            )
+
+
 def translated(formula: Formula) -> Automaton:
     """The automaton of the paths that satisfy a formula.
 
@@ -129,17 +149,17 @@ def translated(formula: Formula) -> Automaton:
         formula: In normal form (:func:`mcpn.check.ltl.formulas.normal`).
 
     Raises:
-        LimitError: The automaton is too large.
+        LimitError: The automaton is too large, or takes too many steps.
 
     See Also:
         :func:`mcpn.check.ltl.formulas.normal`: what is translated.
         :mod:`mcpn.check.ltl.product`: where the automaton is run.
     """
-    start = _conjuncts(formula)
+    steps, start = _Steps(), _conjuncts(formula)
     numbers, queue = {start: 0}, [start]
     ways: list[list[_Cover]] = []
     for obligations in queue:
-        ways.append(_ways(obligations))
+        ways.append(_ways(obligations, steps))
         for way in ways[-1]:
             if way.left not in numbers:
                 numbers[way.left] = len(queue)
@@ -161,62 +181,95 @@ def translated(formula: Formula) -> Automaton:
         )
         for of in ways
     )
-    return _reduced(Automaton(edges, len(untils)))
+    return _reduced(Automaton(edges, len(untils)), steps)
 
 
 def kept(automaton: Automaton, keep: Callable[[Literals], bool]) -> Automaton:
     """An automaton without the edges whose literals are not to be kept, and without states useless then."""
     edges = tuple(tuple(edge for edge in of if keep(edge.literals)) for of in automaton.edges)
-    return _reduced(Automaton(edges, automaton.marks))
+    return _reduced(Automaton(edges, automaton.marks), _Steps())
 
 
 def _conjuncts(formula: Formula) -> frozenset[Formula]:
     return frozenset(formula.operands if isinstance(formula, And) else (formula,))
 
 
-def _ways(obligations: frozenset[Formula]) -> list[_Cover]:
-    """The covers of some formulas, without those that another cover makes needless."""
+def _ways(obligations: frozenset[Formula], steps: _Steps) -> list[_Cover]:
+    """The covers of some formulas, without those that another cover makes needless.
+
+    What leaves no choice comes first. A choice of which one alternative asks for nothing new takes that one:
+    all covers of the others ask for more. A beginning that a cover makes needless is not gone on with.
+    """
     covers: list[_Cover] = []
     nothing = frozenset[Formula]()
-    stack = [(list(obligations), frozenset[Formula](), _Cover(nothing, nothing, nothing))]
-    while stack:
-        todo, done, way = stack.pop()
-        if not todo:
-            if not any(known.covers(way) for known in covers):
-                covers = [known for known in covers if not way.covers(known)] + [way]
+    begun = [(list(obligations), list[Formula](), nothing, _Cover(nothing, nothing, nothing))]
+    while begun:
+        todo, choices, done, way = begun.pop()
+        steps.spend(_STEPS_OF_A_CHOICE)
+        if todo:
+            formula, *rest = todo
+            if formula in done:
+                begun.append((rest, choices, done, way))
+                continue
+            alternatives, done = _alternatives(formula, way), done | {formula}
+            if len(alternatives) > 1:
+                begun.append((rest, [*choices, formula], done, way))
+            else:
+                begun += [([*more, *rest], choices, done, then) for more, then in alternatives]
             continue
-        formula, *rest = todo
-        if formula in done:
-            stack.append((rest, done, way))
+        steps.spend(len(covers))
+        if any(known.covers(way) for known in covers):
             continue
-        done = done | {formula}
-        match formula:
-            case And(operands):
-                stack.append(([*operands, *rest], done, way))
-            case Or(operands):
-                stack += [([operand, *rest], done, way) for operand in operands]
-            case Next((operand,)):
-                left = way.left | _conjuncts(operand)
-                stack.append((rest, done, _Cover(way.literals, left - {TRUE}, way.put_off)))
-            case Until((before, reach)):
-                later = _Cover(way.literals, way.left | {formula}, way.put_off | {formula})
-                stack.append(([before, *rest], done, later))
-                stack.append(([reach, *rest], done, way))
-            case Release((freed, held)):
-                stack.append(([held, *rest], done, _Cover(way.literals, way.left | {formula}, way.put_off)))
-                stack.append(([freed, held, *rest], done, way))
-            case _ if ~formula not in way.literals:
-                stack.append((rest, done, _Cover(way.literals | {formula}, way.left, way.put_off)))
+        if choices:
+            formula, *others = choices
+            alternatives = _alternatives(formula, way)
+            if any(
+                then == way and all(_asks_nothing(f, way, done) for f in more) for more, then in alternatives
+            ):
+                begun.append(([], others, done, way))
+            else:
+                begun += [(more, others, done, then) for more, then in alternatives]
+        else:
+            covers = [known for known in covers if not way.covers(known)] + [way]
     return [way for way in covers if FALSE not in way.left]
+
+
+def _asks_nothing(formula: Formula, way: _Cover, done: frozenset[Formula]) -> bool:
+    """Whether what a cover asks for already satisfies a formula."""
+    return formula in done or (isinstance(formula, Next) and _conjuncts(formula.operands[0]) <= way.left)
+
+
+def _alternatives(formula: Formula, way: _Cover) -> list[tuple[list[Formula], _Cover]]:
+    """The alternatives to satisfy a formula: what else the state must satisfy then, and the cover that grows.
+
+    Those that ask for a literal come last: they are tried first, and make others needless.
+    """
+    match formula:
+        case And(operands):
+            return [([*operands], way)]
+        case Or(operands):
+            return [([operand], way) for operand in sorted(operands, key=is_of_paths, reverse=True)]
+        case Next((operand,)):
+            left = way.left | _conjuncts(operand)
+            return [([], _Cover(way.literals, left - {TRUE}, way.put_off))]
+        case Until((before, reach)):
+            later = _Cover(way.literals, way.left | {formula}, way.put_off | {formula})
+            return [([before], later), ([reach], way)]
+        case Release((freed, held)):
+            later = _Cover(way.literals, way.left | {formula}, way.put_off)
+            return [([held], later), *([([freed, held], way)] if freed != FALSE else [])]
+    if ~formula in way.literals:
+        return []
+    return [([], _Cover(way.literals | {formula}, way.left, way.put_off))]
 
 
 # --- reduction -------------------------------------------------------------------------------------------
 
 
-def _reduced(automaton: Automaton) -> Automaton:
+def _reduced(automaton: Automaton, steps: _Steps) -> Automaton:
     """An automaton of the same language without useless states, bisimilar states merged."""
     while True:
-        smaller = _merged(_useful(automaton))
+        smaller = _merged(_useful(automaton), steps)
         if len(smaller.edges) == len(automaton.edges):
             return smaller
         automaton = smaller
@@ -248,10 +301,12 @@ def _useful(automaton: Automaton) -> Automaton:
     return Automaton(edges, automaton.marks)
 
 
-def _merged(automaton: Automaton) -> Automaton:
+def _merged(automaton: Automaton, steps: _Steps) -> Automaton:
     """States that cannot be told apart by their edges are one (bisimulation by refinement)."""
     blocks = [0] * len(automaton.edges)
+    size = sum(map(len, automaton.edges))
     while True:
+        steps.spend(size)
         looks = [
             (block, frozenset(AutomatonEdge(e.literals, e.marks, blocks[e.target]) for e in edges))
             for block, edges in zip(blocks, automaton.edges, strict=True)
@@ -267,8 +322,11 @@ def _merged(automaton: Automaton) -> Automaton:
     edges = tuple(
         tuple(
             _needed(
-                AutomatonEdge(e.literals, e.marks, number[finer[e.target]])
-                for e in automaton.edges[by_block[block]]
+                (
+                    AutomatonEdge(e.literals, e.marks, number[finer[e.target]])
+                    for e in automaton.edges[by_block[block]]
+                ),
+                steps,
             )
         )
         for block in reached
@@ -287,9 +345,10 @@ def _reached(start: int, by_block: dict[int, int], blocks: list[int], automaton:
                 queue.append(after)
 
 
-def _needed(edges: Iterable[AutomatonEdge]) -> Iterator[AutomatonEdge]:
+def _needed(edges: Iterable[AutomatonEdge], steps: _Steps) -> Iterator[AutomatonEdge]:
     """Some edges of one state, each once, without those that another of them makes needless."""
     distinct = list(dict.fromkeys(edges))
+    steps.spend(len(distinct) ** 2)
 
     def needless(e: AutomatonEdge) -> bool:
         return any(

@@ -84,7 +84,7 @@ class Lasso(Generic[S]):
             for edge in edges:
                 if edge.target not in layers[-1] or edge.source not in within:
                     continue
-                before = self.product.back(edge, layers[-1][edge.target]) & within[edge.source]
+                before = self.product.back(edge, layers[-1][edge.target], within[edge.source])
                 new = before - seen[edge.source] if edge.source in seen else before
                 if new:
                     layer[edge.source] = layer[edge.source] | new if edge.source in layer else new

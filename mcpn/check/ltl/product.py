@@ -19,7 +19,7 @@ from operator import and_, or_
 from typing import Generic
 
 from mcpn.check.ltl.automaton import Automaton, AutomatonEdge
-from mcpn.space.algebra import S, Space
+from mcpn.space.algebra import S, Space, by_region
 from mcpn.space.search.goal import Formula
 
 
@@ -66,6 +66,7 @@ class Product(Generic[S]):
         automaton: The automaton.
         states: The states that satisfy a formula on states.
         constraints: What paths must meet to count.
+        resting: States with successors in which nothing need happen any more: a path may repeat them.
     """
 
     def __init__(
@@ -74,7 +75,9 @@ class Product(Generic[S]):
         automaton: Automaton,
         states: Callable[[Formula], S],
         constraints: Sequence[Constraint[S]] = (),
+        resting: S | None = None,
     ) -> None:
+        self.resting = space.dead if resting is None else space.dead | resting
         self.space, self.automaton, self.constraints = space, automaton, tuple(constraints)
         self.edges = [
             edge for q, of in enumerate(automaton.edges) for edge in _joined(map(self._edge(q, states), of))
@@ -91,16 +94,19 @@ class Product(Generic[S]):
 
     # --- steps and closures ---
 
-    def back(self, edge: ProductEdge[S], after: S) -> S:
-        """States that an edge leads from into some states."""
-        before = edge.states & self.space.before(after, edge.transitions)
-        return before | (edge.states & self.space.dead & after) if edge.rests else before
+    def back(self, edge: ProductEdge[S], after: S, among: S) -> S:
+        """Those of some states that an edge leads from into others."""
+        among = edge.states & among
+        if not among:
+            return among
+        before = self.space.before(after, edge.transitions, among=among)
+        return before | (among & self.resting & after) if edge.rests else before
 
     def on(self, edge: ProductEdge[S], before: S) -> S:
         """States that an edge leads to from some states."""
         begun = edge.states & before
         after = self.space.after(begun, edge.transitions)
-        return after | (begun & self.space.dead) if edge.rests else after
+        return after | (begun & self.resting) if edge.rests else after
 
     def reached(self, begin: S) -> Sets[S]:
         """The product states that some states, with the initial state of the automaton, lead to."""
@@ -143,7 +149,7 @@ class Product(Generic[S]):
                 p = edge.source
                 if p not in within:
                     continue
-                new = (self.back(edge, states) & within[p]) - leading.get(p, nothing)
+                new = self.back(edge, states, within[p]) - leading.get(p, nothing)
                 if new:
                     leading[p] = leading.get(p, nothing) | new
                     fresh[p] = fresh.get(p, nothing) | new
@@ -165,7 +171,7 @@ class Product(Generic[S]):
         for edge in self.edges:
             into_one = edge.target in everything and edge.source not in everything
             if into_one and edge.target in decided and edge.transitions is None and edge.rests:
-                before = self.back(edge, decided[edge.target]) & within.get(edge.source, self.space.nothing)
+                before = self.back(edge, decided[edge.target], within.get(edge.source, self.space.nothing))
                 decided[edge.source] = decided.get(edge.source, self.space.nothing) | before
         return decided
 
@@ -186,7 +192,7 @@ class Product(Generic[S]):
                 if e.source in states and e.target not in states and e.target in accepted
             ]
             for edge in out:
-                before = self.back(edge, accepted[edge.target]) & within.get(edge.source, self.space.nothing)
+                before = self.back(edge, accepted[edge.target], within.get(edge.source, self.space.nothing))
                 goal[edge.source] = goal[edge.source] | before
             inside = [e for e in self.edges if e.source in states and e.target in states]
             accepted.update(self.reaching(goal, within, inside))
@@ -201,39 +207,66 @@ class Product(Generic[S]):
             yield (self._fair(begin, inside) if begin else {}), states
 
     def _fair(self, within: Sets[S], inside: Sequence[ProductEdge[S]]) -> Sets[S]:
-        """Greatest fixpoint: product states from which a run may meet all marks and constraints for ever."""
+        """Product states from which a run may meet all marks and constraints for ever, region by region.
+
+        A cycle of the product stays in a region of the space as its shadow there does, so that each region
+        has a fixpoint of its own and is asked only for the constraints that some of its states do not meet.
+        """
         marks = frozenset[int]().union(*(edge.marks for edge in inside))
         if not inside or len(marks) < self.automaton.marks:
             return {}
         (first, *more) = inside
-        meetings = self.meetings(inside)
-        if not meetings and not more and first.transitions is None:
-            return {first.source: self.space.staying(first.states & within[first.source])}
-        fair = within
-        while True:
+        if not self.meetings(inside) and not more and first.transitions is None:
+            along = first.states & within[first.source]
+            resting = along & (self.resting - self.space.dead)
+            staying = self.space.staying(along)
+            return {first.source: staying | self.space.reaching(resting, along) if resting else staying}
+        asked = reduce(or_, within.values())
+        unmet = [(c, (asked - c.states) - self.resting) for c in self.constraints]
+        fair: Sets[S] = {}
+        for region, constraints in by_region(self.space, unmet):
+            here = {q: states & region for q, states in within.items()}
+            meetings = self.meetings(inside, constraints)
+            for q, states in self._hull(
+                {q: states for q, states in here.items() if states}, inside, meetings
+            ).items():
+                fair[q] = fair.get(q, self.space.nothing) | states
+        return fair
+
+    def _hull(
+        self, fair: Sets[S], inside: Sequence[ProductEdge[S]], meetings: Sequence[Meeting[S]]
+    ) -> Sets[S]:
+        """Greatest fixpoint: product states from which a run meets everything again and again inside some."""
+        while fair:
             narrower = self._with_successor(fair, inside)
             for met, _, _ in meetings:
                 if narrower:
                     narrower = self.reaching(met(narrower), narrower, inside)
-            if all(not fair[q] - narrower.get(q, self.space.nothing) for q in fair):
-                return narrower
-            fair = {q: states for q, states in narrower.items() if states}
-            if not fair:
-                return {}
+            narrower = {q: states for q, states in narrower.items() if states}
+            if all(not states - narrower.get(q, self.space.nothing) for q, states in fair.items()):
+                break
+            fair = narrower
+        return fair
 
     def _with_successor(self, sets: Sets[S], inside: Collection[ProductEdge[S]]) -> Sets[S]:
         """The product states of some sets from which some edge leads into these sets."""
         continued: Sets[S] = {}
         for edge in inside:
             if edge.source in sets and edge.target in sets:
-                before = self.back(edge, sets[edge.target]) & sets[edge.source]
+                before = self.back(edge, sets[edge.target], sets[edge.source])
                 continued[edge.source] = continued.get(edge.source, self.space.nothing) | before
         return continued
 
-    def meetings(self, inside: Collection[ProductEdge[S]]) -> list[Meeting[S]]:
+    def meetings(
+        self, inside: Collection[ProductEdge[S]], constraints: Sequence[Constraint[S]] | None = None
+    ) -> list[Meeting[S]]:
         """The marks and constraints that a path along some edges must meet infinitely often.
 
         A mark that every edge bears is left out.
+
+        Args:
+            inside: The edges.
+            constraints: Those that count; all by default.
 
         Returns:
             For each: a function from sets to their product states at which it is met, there or by a step
@@ -244,20 +277,21 @@ class Product(Generic[S]):
             bearing = [edge for edge in inside if mark in edge.marks]
             if len(bearing) < len(inside):
                 meetings.append((partial(self._with_successor, inside=bearing), bearing, None))
-        for constraint in self.constraints:
+        for constraint in self.constraints if constraints is None else constraints:
             met = partial(self._met, constraint, inside=inside)
             meetings.append((met, (), constraint.transitions or None))
         return meetings
 
     def _met(self, constraint: Constraint[S], sets: Sets[S], inside: Collection[ProductEdge[S]]) -> Sets[S]:
         """Product states of some sets that meet a constraint; a state without successors meets all."""
-        here = constraint.states | self.space.dead
+        here = constraint.states | self.resting
         met = {q: states & here for q, states in sets.items()}
         asked = frozenset(constraint.transitions)
         for edge in inside if asked else ():
             if edge.source in sets and edge.target in sets:
                 fired = asked if edge.transitions is None else asked & edge.transitions
-                before = self.space.before(sets[edge.target], fired) & edge.states & sets[edge.source]
+                among = edge.states & sets[edge.source]
+                before = self.space.before(sets[edge.target], fired, among=among)
                 met[edge.source] = met[edge.source] | before
         return met
 

@@ -13,10 +13,9 @@ from functools import cached_property
 from typing import NamedTuple
 
 from mcpn.errors import Problem
-from mcpn.mission.flatten import blocks_of
+from mcpn.mission.expansion.copies import Written, grouped
 from mcpn.mission.graph import TIMED_OUT, ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission
-from mcpn.mission.static.copies import Copies, Written, grouped
 from mcpn.mission.static.warnings import names_of_objectives
 from mcpn.net.events import Event, What
 from mcpn.sentences import shortened
@@ -69,7 +68,7 @@ class Routing:
     ) -> None:
         self.graph = graph
         self._mission = mission
-        self._copies = Copies(mission)
+        self._copies = graph.copies
         self._entered = entered
         self._happens = happens
         self._exits: dict[str, frozenset[str]] = {}
@@ -175,14 +174,24 @@ class Routing:
             well, badly = (sum(exit_ in exits for _, exits in ends) for exit_ in (SUCCEED, FAIL))
             happen["success"] = well >= section.needed
             happen["failure"] = badly > len(ends) - section.needed or (section.hasty and happen["failure"])
+        for exit_, _ in section.away:
+            leading = [*_meanwhile(section, exit_)]
+            happen[exit_] = not leading or any(map(self._is_taken, leading))
         return frozenset(outcome for outcome, _ in section.outcomes if happen.get(outcome, True))
+
+    def _is_taken(self, route: _Route) -> bool:
+        """Whether the outcome or the event of a route happens."""
+        return route.by in (self._happens if isinstance(route.by, Event) else self.taken(route.of))
 
     def _taken_targets(self, section: Section) -> list[str]:
         """The targets of those routes of a section that are taken."""
         targets = list(section.routes)
         taken = self.taken(section)
-        for route in _routes(section):
-            if route.by not in (self._happens if isinstance(route.by, Event) else taken):
+        for outcome, target in section.outcomes:
+            if outcome not in taken:
+                targets.remove(target)
+        for route in _interrupting(section):
+            if not self._is_taken(route):
                 targets.remove(route.target)
         return targets
 
@@ -268,7 +277,7 @@ class Routing:
 
     @cached_property
     def _blocks(self) -> dict[str, tuple[str, ...]]:
-        return blocks_of(self._mission)
+        return self._copies.held
 
     def _graphs(self, graph: ObjectivesGraph) -> Iterator[ObjectivesGraph]:
         """A graph and those of branches that are entered, at any depth."""
@@ -292,9 +301,28 @@ def _in_text(graph: ObjectivesGraph, sections: Collection[Section]) -> list[Sect
 
 
 def _routes(section: Section) -> Iterator[_Route]:
+    """The routes of a section, those of what runs while it pauses among them."""
+    away = dict(section.away) if isinstance(section, ParallelSection) else {}
     for outcome, target in section.outcomes:
-        yield _Route(section, outcome, target)
+        if isinstance(section, ParallelSection) and outcome in away:
+            yield from (route._replace(target=target) for route in _meanwhile(section, outcome))
+        else:
+            yield _Route(section, outcome, target)
+    yield from _interrupting(section)
+
+
+def _interrupting(section: Section) -> Iterator[_Route]:
+    """The routes by which events interrupt a section."""
     for interruption in section.interruptions:
-        if interruption.pauses is not None:
-            continue
-        yield _Route(section, Event(What.DECLARED, interruption.event), interruption.target)
+        if interruption.pauses is None:
+            yield _Route(section, Event(What.DECLARED, interruption.event), interruption.target)
+
+
+def _meanwhile(section: ParallelSection, exit_: str) -> Iterator[_Route]:
+    """The routes by which what runs while a block pauses leads to one of the exits of the block."""
+    for shelter in section.shelters:
+        inside = (route for inner in shelter.graph.sections for route in _routes(inner))
+        yield from (route for route in inside if route.target == exit_)
+        for interruption in shelter.interruptions:
+            if exit_ in interruption.routes:
+                yield _Route(section, Event(What.DECLARED, interruption.event), exit_)

@@ -10,7 +10,7 @@ from pathlib import Path
 from mcpn.errors import InputError, Source
 from mcpn.files import read_bounded
 from mcpn.net.events import Event, What
-from mcpn.runtime.journal import events_of
+from mcpn.runtime.journal import JournalError, read_journal
 
 
 def events_of_file(path: Path) -> Iterator[tuple[int, Event | None, bool]]:
@@ -49,7 +49,7 @@ def events_of_file(path: Path) -> Iterator[tuple[int, Event | None, bool]]:
         if not words or words[0].startswith("#"):
             continue
         # A step as other commands print it, perhaps on several lines: "1. GPS fails  [GPS_EV_OOS]".
-        identifier = re.fullmatch(r".*\[(\S+)\]\s*", line)
+        identifier = re.fullmatch(r".*\[([^\s\[]+)\]\s*", line)
         if identifier is not None:
             yield number, Event.parse(identifier[1]), False
         within_step = identifier is None and (within_step or re.fullmatch(r"\d+\.", words[0]) is not None)
@@ -67,8 +67,7 @@ def events_of_file(path: Path) -> Iterator[tuple[int, Event | None, bool]]:
 
 def _of_journal(path: Path, text: str) -> Iterator[tuple[int, Event | None, bool]]:
     try:
-        for number, event, refused in events_of(text.splitlines()):
-            yield number, Event.parse(event), refused
-    except ValueError as error:
-        message, number = error.args
-        raise InputError.at(Source(str(path), number), message) from error
+        for told in read_journal(text.splitlines()):
+            yield told.line, Event.parse(told.event), told.refused
+    except JournalError as error:
+        raise InputError.at(Source(str(path), error.line), str(error)) from error

@@ -46,7 +46,9 @@ TARGETS = ("c", "python", "scxml")
     help="Of the intervals that the numbers of risk are to lie in.",
 )
 @click.option(
-    "--duration", type=click.FloatRange(0.0, min_open=True), help="Mean hours where none are given."
+    "--duration",
+    type=click.FloatRange(0.0, min_open=True),
+    help="Mean hours where none are given (default: such runs are untimed).",
 )
 @click.option("--faults", type=FILE, help="Events that happen besides: on each line hours and an event.")
 @click.option("--against", type=click.Choice(TARGETS), help="Compare generated code on all runs.")
@@ -83,20 +85,26 @@ def bench(
     from mcpn.bench.world import World
     from mcpn.controller.targets.json import document
     from mcpn.files import write_folder
+    from mcpn.mission.static.intervals import at_their_means
     from mcpn.opening import open_study
     from mcpn.runtime.tables import Tables
 
     script = [] if faults is None else read_script(faults)
     study = open_study(mission, import_root=import_root, templates=templates)
     mission_net = study.mission_net
-    if duration is None:
-        _refuse_without_duration(mission_net)
+    untimed = duration is None and any(of.duration is None for of in mission_net.graph.walk())
     controller = study.controller("auto", max_states=max_states)
     world = World(mission_net, Tables(document(controller, mission_net)), duration)
     started = time.perf_counter()
     found = played(world, runs, seed, script)
     seconds = time.perf_counter() - started
-    numbers, why = (None, "a script of faults is played") if script else _risk(study, max_states)
+    numbers, why = None, None
+    if untimed:
+        why = "objectives have no duration (nor --duration is given): the runs are untimed"
+    elif script:
+        why = "a script of faults is played"
+    else:
+        numbers, why = _risk(study, max_states)
     told = {
         "mission": controller.mission,
         "form": controller.form,
@@ -104,7 +112,7 @@ def bench(
         "seed": seed,
         "confidence": confidence,
         **_shares(found, numbers, confidence),
-        "hours": found.hours,
+        "hours": None if untimed else found.hours,
         "no_risk": why,
         "coverage": {
             "modes": found.coverage.modes,
@@ -138,6 +146,8 @@ def bench(
     if as_json:
         emit_json(told)
     else:
+        if means := at_their_means(mission_net.mission):
+            click.echo(means)
         _print(told)
     if not _agrees(told):
         click.get_current_context().exit(EXIT_FAILED)
@@ -154,16 +164,6 @@ def _generated(target: str, controller: AnyController, mission_net: MissionNet, 
     from mcpn.bench.against import Program
 
     return Program(controller, mission_net, target, folder)
-
-
-def _refuse_without_duration(mission_net: MissionNet) -> None:
-    from mcpn.mission.static.warnings import of_objectives
-
-    unknown = (section for section in mission_net.graph.walk() if section.duration is None)
-    needed = "no duration, which a bench needs: its mean in hours (or --duration for all that have none)"
-    problems = list(of_objectives(mission_net.usage, unknown, f"has {needed}", f"have {needed}"))
-    if problems:
-        raise InputError(problems)
 
 
 def _risk(study: Study, max_states: int | None) -> tuple[Risk | None, str | None]:
@@ -240,7 +240,8 @@ def _print(told: dict[str, Any]) -> None:
         if of["risk"] is not None:
             text += f"  risk {of['risk']:.6g}" + ("" if of["agrees"] else "  OUTSIDE")
         rows[name] = text
-    rows["mean hours"] = f"{told['hours']:.6g}"
+    if told["hours"] is not None:
+        rows["mean hours"] = f"{told['hours']:.6g}"
     for name in ("modes", "edges"):
         of_all = told["coverage"][f"of_{name}"]
         rows[f"{name} seen"] = f"{told['coverage'][name]:,}" + ("" if of_all is None else f" of {of_all:,}")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mcpn.cli.robot.watching import not_within
 from mcpn.cli.shared import (
     EXIT_FAILED,
     FILE,
@@ -28,7 +29,8 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("mission", type=FILE)
 @click.option("-o", "--output", type=FILE, help="Directory to write the monitors to: JSON, and C99.")
-@click.option("--log", type=FILE, help="Read a robot's log, an event at the end of each line.")
+@click.option("--log", type=FILE, help="Read a robot's log: a journal, or an event at the end of each line.")
+@click.option("--within-mission", "within", is_flag=True, help="Only what the mission allows goes on.")
 @limit_option
 @import_option
 @templates_option
@@ -37,6 +39,7 @@ def monitor(
     mission: Path,
     output: Path | None,
     log: Path | None,
+    within: bool,
     max_states: int | None,
     import_root: Path | None,
     templates: TemplateSet | None,
@@ -44,8 +47,9 @@ def monitor(
 ) -> None:
     """Make monitors of what MISSION requires: machines that watch its events, or the log of a robot.
 
-    Each says of its requirement whether it is violated or satisfied however it goes on, or still open. With
-    --log, exit code 1 if the log violates one.
+    Each says of its requirement whether it is violated or satisfied however it goes on, or still open: with
+    any events, or earlier, with --within-mission, with those that the mission allows. With --log, exit code 1
+    if the log violates one.
     """
     if output is None and log is None:
         raise click.UsageError("-o or --log is needed")
@@ -53,40 +57,45 @@ def monitor(
     from mcpn.controller.monitors.writing import files, monitors_of
     from mcpn.files import write_folder
     from mcpn.opening import open_study
-    from mcpn.runtime.monitors import Monitors, events_of, told
+    from mcpn.runtime.journal import JournalError
+    from mcpn.runtime.monitors import Monitors, told, watch
 
     study = open_study(mission, import_root=import_root, templates=templates)
     if study.is_net:
         raise InputError.at(Source(str(mission)), "expected a mission: a net requires nothing")
-    of = monitors_of(study.spaces, max_states)
+    of = monitors_of(study.spaces, max_states, within)
     texts = files(of)
     paths: list[str] = []
     if output is not None:
         write_folder(output, texts)
         paths = [str(output / name) for name in texts]
     watching = Monitors(json.loads(texts["monitors.json"]))
-    for event in events_of(_lines(log)) if log is not None else ():
-        watching.take(event)
+    if log is not None:
+        try:
+            watch(watching, _lines(log))
+        except JournalError as error:
+            raise InputError.at(Source(str(log), error.line), str(error)) from None
     if as_json:
         sizes = {each.name: len(each.values) for each in of.monitors}
         found: dict[str, Any] = {"mission": of.mission, "states": sizes, "unwatched": list(of.unwatched)}
+        found |= {"within_mission": {each.name: each.within for each in of.monitors}}
         found |= {"files": paths, "log": None}
         if log is not None:
             findings = [
                 {"requirement": f.requirement, "value": f.value, "number": f.number, "event": f.event or None}
                 for f in watching.findings
             ]
-            unknown = [{"number": number, "event": event} for number, event in watching.unknown]
             found["log"] = {
                 "events": watching.count,
                 "values": dict(watching.values),
                 "findings": findings,
-                "unknown": unknown,
             }
         emit_json(found)
     else:
         for each in of.monitors if output is not None else ():
             click.echo(f"{each.name}: {len(each.values)} states: {each.words}")
+        for line in not_within(of) if within else ():
+            click.echo(line)
         for name in of.unwatched:
             click.echo(f"{name}: not watched, for it speaks of what may happen")
         for line in (*paths, *(told(watching) if log is not None else ())):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
-import signal
+import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,8 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mcpn.cli.robot.signals import caught
 from mcpn.cli.robot.watching import monitors_for
 from mcpn.cli.shared import (
+    EXIT_BAD_INPUT,
     EXIT_FAILED,
     FILE,
     emit_json,
@@ -29,11 +31,14 @@ from mcpn.errors import InputError, Source
 
 if TYPE_CHECKING:
     from mcpn.drivers.running import RobotRun
+    from mcpn.editor.attached import RobotPage
     from mcpn.net.templates import TemplateSet
-    from mcpn.runtime.controller import Controller, Step
+    from mcpn.runtime.controller import Controller
     from mcpn.runtime.monitors import Monitors
     from mcpn.runtime.tables import Action
     from mcpn.study import Study
+
+_log = logging.getLogger("mcpn.drivers")
 
 INTERRUPTED = 128
 """To this the number of the signal is added."""
@@ -43,11 +48,17 @@ INTERRUPTED = 128
 @click.argument("mission", type=FILE)
 @click.option("--drivers", type=FILE, required=True, help="What the robot's activities are: a TOML file.")
 @click.option("--unverified", is_flag=True, help="Do not verify the mission first.")
-@click.option("--check", "only_check", is_flag=True, help="Verify, hold the drivers against it, do not run.")
+@click.option("--check", "only_check", is_flag=True, help="Verify, hold the drivers against it, run none.")
+@click.option("--init", "begins", is_flag=True, help="Write a file of drivers to start from, run nothing.")
 @click.option("--monitors", "watched", is_flag=True, help="Watch the mission's requirements as it runs.")
-@click.option("--journal", type=FILE, help="File for a log in lines of JSON; what it held is replaced.")
+@click.option(
+    "--journal", type=FILE, help="File for a log in lines of JSON; replaced, or gone on with (--resume)."
+)
 @click.option("--snapshot", type=FILE, help="File that says, after each event, where the controller is.")
 @click.option("--page", "paged", is_flag=True, help="Serve a page that shows what runs; tells its address.")
+@click.option(
+    "--must-record", is_flag=True, help="End the run when its journal or snapshot cannot be written."
+)
 @click.option("--resume", type=FILE, help="Go on from where this snapshot was taken.")
 @limit_option
 @import_option
@@ -58,10 +69,12 @@ def run(
     drivers: Path,
     unverified: bool,
     only_check: bool,
+    begins: bool,
     watched: bool,
     journal: Path | None,
     snapshot: Path | None,
     paged: bool,
+    must_record: bool,
     resume: Path | None,
     max_states: int | None,
     import_root: Path | None,
@@ -72,7 +85,7 @@ def run(
 
     It verifies the mission first, and runs none whose verdicts or requirements fail. Interrupted, it stops
     what runs, releases its hardware, and writes the snapshot. Exit code 0 if the mission succeeds, 1 if it
-    fails or aborts, or a monitor finds a requirement violated.
+    fails or aborts, or a monitor finds a requirement violated, 2 if its journal or snapshot is not whole.
     """
     without_threads_of_numpy()
     from mcpn.controller.targets.json import document
@@ -87,6 +100,9 @@ def run(
     study = open_study(mission, import_root=import_root, templates=templates)
     if study.is_net:
         raise InputError.at(Source(str(mission)), "expected a mission: a net has no controller")
+    if begins:
+        _begin(study, drivers, max_states, as_json)
+        return
     plan = read_drivers(drivers)
     if not unverified:
         _verify(study, max_states, as_json)
@@ -94,38 +110,104 @@ def run(
     check_plan(plan, tables)
     controller = Controller(tables)
     if only_check:
-        _tell(_found(controller, len(plan.specs), None, 0.0, []), as_json)
+        _tell(_found(controller, len(plan.specs), None, 0.0, [], []), as_json)
         return
     monitors = monitors_for(study, max_states) if watched else None
-    actions = None if resume is None else _resumed(controller, resume)
+    from mcpn.cli.robot.records import JournalFile, SnapshotFile
+    from mcpn.cli.robot.resuming import beside, resumed
+    from mcpn.cli.robot.shown import EventLines
     from mcpn.drivers.running import RobotRun
-    from mcpn.files import write_atomically
+    from mcpn.runtime.journal import Journal
 
-    shown = None if as_json else _EventLines()
-
-    def save() -> None:
-        if snapshot is not None:
-            write_atomically(snapshot, controller.snapshot())
-
+    failures = (
+        None if resume is None else resumed(resume, controller, tables, monitors, journal, plan, _asked)
+    )
     started = time.monotonic()
     received: list[int] = []
-    with _journal(controller, journal), _warnings(), _page(controller, study if paged else None, max_states):
-        if shown is not None:
-            controller.observe(shown)
+    runner: RobotRun | None = None
+
+    def failed(what: str) -> None:
+        """Tells of a record that cannot be written."""
+        goes_on = "the run is ended" if must_record else "the run goes on"
+        _log.error("%s; %s", what, goes_on)
+        if content is not None:
+            content.lost(f"{what}.")
+        if must_record and runner is not None:
+            runner.end()
+
+    with _warnings(), _page(controller, study if paged else None, max_states) as content:
+        written = None if journal is None else JournalFile(journal, resume is not None, failed)
         if monitors is not None:
             controller.observe(lambda step: monitors.take(step.event) if step.taken else None)
+        if written is not None:
+            log = Journal(written)
+            if failures is not None:
+                log.resumed(controller.count)
+            controller.observe(log)
+        shown = None if as_json else EventLines()
+        if shown is not None:
+            controller.observe(shown)
+        actions = None
+        if failures is not None:
+            failures()
+            actions = controller.restore(controller.snapshot())
+        saved = None
+
+        def save() -> None:
+            if saved is not None:
+                saved.save()
+
         runner = RobotRun(
-            controller, tables, plan, told=(lambda *of: None) if shown is None else shown.line, after=save
+            controller,
+            tables,
+            plan,
+            told=(lambda *of: None) if shown is None else shown.line,
+            after=save,
+            begins=save,
         )
-        save()
+        running: RobotRun | None = runner
+        if snapshot is not None:
+            saved = SnapshotFile(
+                snapshot,
+                lambda: controller.snapshot(beside(monitors, None if running is None else running.warden)),
+                failed,
+            )
         asyncio.run(_until_signal(runner, actions, received))
+        running = None
         save()
-    found = _found(controller, len(plan.specs), monitors, time.monotonic() - started, received)
+        if written is not None:
+            written.close()
+        if shown is not None:
+            shown.close()
+    records = [record.kind for record in (written, saved) if record is not None and record.lost]
+    if shown is not None and shown.lost is not None:
+        records.append("standard output")
+    found = _found(controller, len(plan.specs), monitors, time.monotonic() - started, received, records)
     _tell(found, as_json)
+    if records:
+        click.echo(f"error: not all is recorded: the {', the '.join(records)}", err=True)
+        click.get_current_context().exit(EXIT_BAD_INPUT)
     if received:
         click.get_current_context().exit(INTERRUPTED + received[0])
     if controller.outcome != "success" or found["violated"]:
         click.get_current_context().exit(EXIT_FAILED)
+
+
+def _begin(study: Study, drivers: Path, max_states: int | None, as_json: bool) -> None:
+    """Writes a file of drivers to start from; one that is there is not overwritten."""
+    from mcpn.controller.targets.json import document
+    from mcpn.drivers.skeleton import skeleton
+    from mcpn.files import write_atomically
+    from mcpn.runtime.tables import Tables
+
+    if drivers.exists():
+        raise InputError.at(Source(str(drivers)), "is there already, and is not overwritten")
+    tables = Tables(document(study.controller("auto", max_states=max_states), study.mission_net))
+    write_atomically(drivers, skeleton(tables))
+    if as_json:
+        emit_json({"files": [str(drivers)]})
+    else:
+        click.echo(str(drivers))
 
 
 def _verify(study: Study, max_states: int | None, as_json: bool) -> None:
@@ -147,39 +229,11 @@ def _verify(study: Study, max_states: int | None, as_json: bool) -> None:
     click.get_current_context().exit(EXIT_FAILED)
 
 
-def _resumed(controller: Controller, path: Path) -> tuple[Action, ...]:
-    from mcpn.files import read_bounded
-    from mcpn.runtime.restoring import SnapshotError
-
-    try:
-        return controller.restore(read_bounded(path).decode())
-    except (SnapshotError, UnicodeDecodeError) as error:
-        raise InputError.at(Source(str(path)), str(error)) from None
-
-
 @contextlib.contextmanager
-def _journal(controller: Controller, path: Path | None) -> Iterator[None]:
-    """Writes a journal while the controller runs."""
-    if path is None:
-        yield
-        return
-    from mcpn.runtime.journal import Journal
-
-    try:
-        file = path.open("w", encoding="utf-8")
-    except (OSError, ValueError) as error:
-        why = getattr(error, "strerror", None) or error
-        raise InputError.at(Source(str(path)), f"cannot be written: {why}") from None
-    with file:
-        controller.observe(Journal(file))
-        yield
-
-
-@contextlib.contextmanager
-def _page(controller: Controller, study: Study | None, max_states: int | None) -> Iterator[None]:
+def _page(controller: Controller, study: Study | None, max_states: int | None) -> Iterator[RobotPage | None]:
     """Serves the page of a mission while the controller runs."""
     if study is None:
-        yield
+        yield None
         return
     from mcpn.editor.attached import RobotPage, attached
 
@@ -188,7 +242,7 @@ def _page(controller: Controller, study: Study | None, max_states: int | None) -
     with attached(content) as server:
         click.echo(f"page: {server.address}", err=True)
         try:
-            yield
+            yield content
         finally:
             content.end(controller.outcome)
 
@@ -214,59 +268,30 @@ def _warnings() -> Iterator[None]:
 
 
 async def _until_signal(runner: RobotRun, actions: tuple[Action, ...] | None, received: list[int]) -> None:
-    """Runs; SIGINT and SIGTERM end it in order, a second one in a hurry."""
-    loop = asyncio.get_running_loop()
-    before = {}
+    """Runs; each signal that can be caught ends it in order, a second one in a hurry."""
 
     def stop(number: int) -> None:
         received.append(number)
-        runner.end()
+        runner.end(again=len(received) > 1)
 
-    for number in (signal.SIGINT, signal.SIGTERM):
-        before[number] = signal.getsignal(number)
-        if before[number] is not signal.SIG_IGN:
-            loop.add_signal_handler(number, stop, number)
-    try:
+    with caught(stop):
         await runner.run(actions)
-    finally:
-        for number, handler in before.items():
-            loop.remove_signal_handler(number)
-            signal.signal(number, handler)
 
 
-class _EventLines:
-    """What happens, on the terminal: each event with its actions, and what runs then."""
-
-    def __init__(self) -> None:
-        from mcpn.report.terminal import Terminal
-
-        self._terminal = Terminal()
-        self._began = time.monotonic()
-        self._runs = ""
-
-    def __call__(self, step: Step) -> None:
-        """Shows an event."""
-        at = f"{time.monotonic() - self._began:8.2f} s  {step.event}"
-        if not step.taken:
-            self._terminal.print(f"{at}: not possible now", style="yellow")
-            return
-        actions = "; ".join(map(str, step.actions)) or "nothing to do"
-        self._terminal.print(f"{at}: {actions}")
-        inside = step.after.inside
-        mode = ", ".join(name if name == way else f"{name} ({way})" for name, way in inside.mode.items())
-        ended = "" if step.after.phase == "running" else step.after.phase
-        runs = ended or f"{', '.join(inside.objectives)}: {mode or 'nothing'}"
-        if runs != self._runs:
-            self._terminal.print(f"runs {runs}" if not ended else runs, style="bold", indent=12)
-            self._runs = runs
-
-    def line(self, name: str, line: str) -> None:
-        """Shows what a driver says that tells no event."""
-        self._terminal.print(f"{name}: {line}", style="dim", indent=12)
+def _asked(activity: str, objective: str) -> bool:
+    """Asks who stands before the robot; where nobody does, the answer is no."""
+    if sys.stdin is None or not sys.stdin.isatty():
+        return False
+    return click.confirm(f"{activity} had begun for {objective}: begin it again?", err=True)
 
 
 def _found(
-    controller: Controller, drivers: int, monitors: Monitors | None, seconds: float, received: list[int]
+    controller: Controller,
+    drivers: int,
+    monitors: Monitors | None,
+    seconds: float,
+    received: list[int],
+    lost: list[str],
 ) -> dict[str, Any]:
     return {
         "mission": controller.mission,
@@ -276,6 +301,7 @@ def _found(
         "events": controller.count - controller.refusals,
         "refused": controller.refusals,
         "violated": [] if monitors is None else list(monitors.violated),
+        "lost": lost,
         "seconds": seconds,
     }
 

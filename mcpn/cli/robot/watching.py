@@ -3,16 +3,33 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+import click
+
 if TYPE_CHECKING:
+    from mcpn.controller.monitors.writing import MissionMonitors
     from mcpn.runtime.monitors import Monitors
     from mcpn.study import Study
 
 
 def monitors_for(study: Study, max_states: int | None) -> Monitors:
-    """The monitors of a mission, at its start."""
+    """The monitors of a mission that its controller plays: its own continuations decide, where they can."""
     from mcpn.controller.monitors.writing import files, monitors_of
     from mcpn.runtime.monitors import Monitors
 
-    return Monitors(json.loads(files(monitors_of(study.spaces, max_states))["monitors.json"]))
+    of = monitors_of(study.spaces, max_states, within=True)
+    for line in not_within(of):
+        click.echo(line, err=True)
+    return Monitors(json.loads(files(of)["monitors.json"]))
+
+
+def not_within(of: MissionMonitors) -> Iterator[str]:
+    """Which monitors are decided by any continuation though the mission's own were asked for, and why."""
+    from mcpn.controller.monitors.watched import MAX_WITHIN
+
+    for each in of.monitors:
+        if not each.within:
+            why = f"within the mission it would have more than {MAX_WITHIN} states"
+            yield f"{each.name}: decided by any continuation, for {why}"

@@ -2,23 +2,26 @@
 
 The verdicts are those of LTL3 (Bauer, Leucker, Schallhart, *Runtime verification for LTL and TLTL*, ACM TOSEM
 2011): a formula is violated when no continuation of the run satisfies it, satisfied when every one does, else
-open. Continuations are any sequences of states and events, not only those of the mission. What holds in the
-states up to now, the one after the last event included, is taken from the mission's stable states. States of
-a monitor that no run of the mission tells apart are merged (:mod:`mcpn.controller.monitors.merging`).
+open. Continuations are any sequences of states and events, or those alone that the mission's stable states
+allow, which decides earlier: then an automaton counts in a state only where it accepts some path of the
+mission from there (:mod:`mcpn.check.ltl.product`). What holds in the states up to now, the one after the last
+event included, is taken from the mission's stable states. States of a monitor that no run of the mission
+tells apart are merged (:mod:`mcpn.controller.monitors.merging`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
 
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import EG, EU
 from mcpn.check.logic.syntax import parse_open
 from mcpn.check.ltl.automaton import Automaton, AutomatonEdge, kept, translated
 from mcpn.check.ltl.formulas import Happens, always, eventually, is_of_paths, normal
+from mcpn.check.ltl.product import Product
 from mcpn.check.requirements import AskedRequirement
 from mcpn.controller.monitors.merging import merged
 from mcpn.errors import LimitError
@@ -26,7 +29,11 @@ from mcpn.space.algebra import Space
 from mcpn.space.search.goal import TRUE, And, Formula, Not, Or
 
 Value = Literal["violated", "satisfied", "open"]
+_Machine: TypeAlias = tuple[list[Value], list[dict[str, int]]]
+_Alive: TypeAlias = Callable[[frozenset[int], Any], frozenset[int]]
 MAX_STATES = 200_000
+MAX_WITHIN = 20_000
+"""Most states, before they are merged, of a monitor that is decided by the mission's own continuations."""
 MOST_ATOMS = 10
 
 
@@ -40,6 +47,7 @@ class Monitor:
         formula: The same, as a formula.
         values: What is known in each state; it begins in state 0.
         moves: By state, the states that events lead to, by text of the event.
+        within: Whether the mission's continuations alone decide; else any do.
     """
 
     name: str
@@ -47,6 +55,7 @@ class Monitor:
     formula: str
     values: tuple[Value, ...]
     moves: tuple[dict[str, int], ...]
+    within: bool = False
 
     def run(self, events: Iterable[str]) -> list[Value]:
         """What is known at first, and after each of some events."""
@@ -78,40 +87,61 @@ class Watcher:
 
     Args:
         space: Its stable states.
+        ends: The places of its ends. Once one is marked nothing need happen any more, though hardware may
+            still fail: a robot that has come home stands there.
     """
 
-    def __init__(self, space: Space[Any]) -> None:
-        self._space = space
+    def __init__(self, space: Space[Any], ends: Collection[int] = ()) -> None:
+        self._space, self._ends = space, ends
         self._evaluation = Evaluation(space)
         self._known: dict[tuple[Formula, Any], bool] = {}
         self._edges: dict[Any, list[tuple[int, str, Any]]] = {}
 
-    def monitor(self, asked: AskedRequirement, formula: Formula) -> Monitor:
+    def monitor(self, asked: AskedRequirement, formula: Formula, within: bool = False) -> Monitor:
         """The monitor of a requirement, with few states.
 
         Args:
             asked: The requirement; where it is expected to fail, its negation is watched.
             formula: What it says, on paths.
+            within: Whether the mission's own continuations decide, all of them, fair or not; a monitor that
+                would have more than :data:`MAX_WITHIN` states is decided by any continuations all the same.
 
         Raises:
             LimitError: It has too many states before they are merged.
         """
         holds = asked.requirement.expected == "holds"
-        values, moves = merged(*self._product(formula if holds else ~formula))
+        watched = formula if holds else ~formula
+        product = self._product(watched, MAX_WITHIN) if within else None
+        within = product is not None
+        values, moves = merged(*(product or self._plain(watched)))
         words = asked.words if holds else f"not: {asked.words}"
         text = asked.text if holds else f"!({asked.text})"
-        return Monitor(asked.name, words, text, tuple(values), tuple(moves))
+        return Monitor(asked.name, words, text, tuple(values), tuple(moves), within)
 
-    def _product(self, formula: Formula) -> tuple[list[Value], list[dict[str, int]]]:
+    def _plain(self, formula: Formula) -> _Machine:
+        """The product that any continuations decide."""
+        product = self._product(formula)
+        if product is None:
+            raise LimitError(f"the monitor has more than {MAX_STATES} states: the limit was hit")
+        return product
+
+    def _product(self, formula: Formula, within: int = 0) -> _Machine | None:
         """The product of the stable states with the automata of a formula and of its negation.
 
+        Args:
+            formula: The formula.
+            within: How many states it may have, if the mission's continuations alone decide; else 0.
+
         Returns:
-            By state of the product, the verdict, and where each event leads.
+            By state of the product, the verdict, and where each event leads; ``None`` where there are too
+            many.
         """
         both = [kept(translated(normal(formula, wanted)), satisfiable) for wanted in (True, False)]
         edges = [edge for automaton in both for leaving in automaton.edges for edge in leaving]
         of_events = {f for edge in edges for f in edge.literals if _of_event(f)}
-        start = self._space.initial.pick(), frozenset({0}), frozenset({0})
+        alive = [self._alive(automaton) if within else _everywhere for automaton in both]
+        initial, first = self._space.initial.pick(), frozenset({0})
+        start = initial, alive[0](first, initial), alive[1](first, initial)
         numbers, queue = {start: 0}, [start]
         values: list[Value] = []
         moves: list[dict[str, int]] = []
@@ -124,14 +154,28 @@ class Watcher:
                 true = frozenset(f for f in of_events if _happens(f, transition))
                 if true not in known:
                     known[true] = _targets(may_hold, true), _targets(may_fail, true)
-                into = target, *known[true]
+                hold, fail = known[true]
+                into = target, alive[0](hold, target), alive[1](fail, target)
                 if into not in numbers:
                     numbers[into] = len(queue)
                     queue.append(into)
-                    if len(queue) > MAX_STATES:
-                        raise LimitError(f"the monitor has more than {MAX_STATES} states: the limit was hit")
+                    if len(queue) > (within or MAX_STATES):
+                        return None
                 moves[-1][event] = numbers[into]
         return values, moves
+
+    def _alive(self, automaton: Automaton) -> _Alive:
+        """Of states of an automaton those that accept some path of the mission from a stable state on."""
+        ended = self._space.marked(self._ends)
+        accepted = Product(self._space, automaton, self._evaluation.states, resting=ended).accepted()
+        known: dict[tuple[int, Any], bool] = {}
+
+        def alive(q: int, state: Any) -> bool:
+            if (q, state) not in known:
+                known[q, state] = q in accepted and bool(self._space.single(state) & accepted[q])
+            return known[q, state]
+
+        return lambda held, state: frozenset(q for q in held if alive(q, state))
 
     def _leaving(self, state: Any) -> list[tuple[int, str, Any]]:
         """What may happen in a stable state: transition, text of the event, and the state after it."""
@@ -189,6 +233,11 @@ def _true(formula: Formula, truths: Mapping[Formula, bool]) -> bool:
         case Not((operand,)):
             return not _true(operand, truths)
     return truths[formula]
+
+
+def _everywhere(held: frozenset[int], state: Any) -> frozenset[int]:
+    """All states of an automaton, where any continuation counts: those that accept nothing are left out."""
+    return held
 
 
 def _of_event(literal: Formula) -> bool:

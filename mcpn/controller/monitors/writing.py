@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from mcpn.check.engines import Choice
 from mcpn.check.requirements import asked_of
@@ -14,6 +15,7 @@ from mcpn.controller.targets.c import LONGEST_PREFIX, Array
 from mcpn.controller.targets.names import C_PREFIX_RESERVED, C_SIGNIFICANT, c_string, comment, identifiers
 from mcpn.controller.targets.render import render
 from mcpn.errors import InputError
+from mcpn.runtime.file_schema import digest_of
 from mcpn.runtime.monitors import FORMAT, VALUES, VERSION
 
 
@@ -34,8 +36,13 @@ class MissionMonitors:
     unwatched: tuple[str, ...]
 
 
-def monitors_of(spaces: Spaces, max_states: int | None = None) -> MissionMonitors:
+def monitors_of(spaces: Spaces, max_states: int | None = None, within: bool = False) -> MissionMonitors:
     """The monitors of a mission's requirements, made of its stable states, which are listed.
+
+    Args:
+        spaces: Of the mission.
+        max_states: Most stable states.
+        within: Whether the mission's own continuations decide; as of :meth:`Watcher.monitor`.
 
     Raises:
         InputError: It has no requirements, or one of them is none.
@@ -50,11 +57,12 @@ def monitors_of(spaces: Spaces, max_states: int | None = None) -> MissionMonitor
     if not any(formula for _, formula in asked):
         message = "no requirement speaks of each run by itself, as formulas of LTL and patterns do"
         raise InputError.at(mission_net.mission.source, f"{message}: there is nothing to watch")
-    watcher = Watcher(spaces.stable(Choice("explicit", max_states=max_states))[0])
+    stable, _ = spaces.stable(Choice("explicit", max_states=max_states))
+    watcher = Watcher(stable, mission_net.ends.values())
     return MissionMonitors(
         mission_net.mission.name,
         tuple(sorted({str(t.event) for t in mission_net.net.transitions if t.event is not None})),
-        tuple(watcher.monitor(each, formula) for each, formula in asked if formula is not None),
+        tuple(watcher.monitor(each, formula, within) for each, formula in asked if formula is not None),
         tuple(each.name for each, formula in asked if formula is None),
     )
 
@@ -62,7 +70,7 @@ def monitors_of(spaces: Spaces, max_states: int | None = None) -> MissionMonitor
 def files(of: MissionMonitors) -> dict[str, str]:
     """The files by name: ``monitors.json``, and a header and a source in C99."""
     number = {event: i for i, event in enumerate(of.events)}
-    document = {
+    document: dict[str, Any] = {
         "format": FORMAT,
         "version": VERSION,
         "mission": of.mission,
@@ -72,6 +80,7 @@ def files(of: MissionMonitors) -> dict[str, str]:
                 "name": each.name,
                 "words": each.words,
                 "formula": each.formula,
+                "within_mission": each.within,
                 "values": [VALUES.index(value) for value in each.values],
                 "moves": [[[number[event], to] for event, to in moves.items()] for moves in each.moves],
             }
@@ -79,6 +88,7 @@ def files(of: MissionMonitors) -> dict[str, str]:
         ],
         "unwatched": list(of.unwatched),
     }
+    document["digest"] = digest_of(document)
     return {"monitors.json": json.dumps(document, indent=1) + "\n", **_in_c(of, number)}
 
 

@@ -293,10 +293,6 @@ class Numbers(Generic[Type]):
         """Where the events of a type lead, and their lists of actions."""
         raise NotImplementedError
 
-    def lengths(self, kind: int) -> dict[str, int]:
-        """How many elements of each kind a type speaks of."""
-        return {name: len(positions) for name, positions in self._own[kind].items()}
-
     # --- parameters ---
 
     def _parameters(self) -> None:

@@ -1,19 +1,19 @@
-"""The controller in Python: one file that needs nothing else.
-
-Its tables are those of the C target and its code is not that of :mod:`mcpn.runtime`, so that each is a second
-opinion on the other.
-"""
+"""The controller in Python: the modules of :mod:`mcpn.runtime` and the controller's tables, in one file."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import ast
+from collections.abc import Iterator
+from functools import cache
+from importlib.resources import files
 
-from mcpn.controller.hierarchy import SectionMachine
-from mcpn.controller.modular import AnyController, ModularController, Rule, Rules
+from mcpn.controller.modular import AnyController
+from mcpn.controller.targets.json import write_json
 from mcpn.controller.targets.names import PYTHON_KEYWORDS, comment, identifiers
 from mcpn.controller.targets.render import render
-from mcpn.controller.targets.tables import MachineNumbers, RuleNumbers, changes_of, guard_of
 from mcpn.net.compose import MissionNet
+
+PACKAGE = "mcpn.runtime"
 
 
 def write_python(controller: AnyController, mission_net: MissionNet) -> dict[str, str]:
@@ -23,155 +23,96 @@ def write_python(controller: AnyController, mission_net: MissionNet) -> dict[str
         controller: The controller.
         mission_net: The mission's net, for the parameters.
     """
-    numbers: MachineNumbers | RuleNumbers
-    if isinstance(controller, ModularController):
-        numbers = RuleNumbers(controller, mission_net)
-        types = [_of_rules(numbers, kind) for kind in range(len(controller.types))]
-    else:
-        numbers = MachineNumbers(controller, mission_net)
-        types = [_of_machine(numbers, kind) for kind in range(len(controller.types))]
     name = identifiers([controller.mission], keywords=PYTHON_KEYWORDS)[controller.mission].lower()
-    lists = [
-        [
-            (
-                verb,
-                subject,
-                None if alternative == numbers.none else alternative,
-                None if objective == numbers.none else objective,
-            )
-            for verb, subject, alternative, objective in numbers.action_rows[a:b]
-        ]
-        for a, b in zip(numbers.list_start, numbers.list_start[1:], strict=False)
-    ]
-    sections = [_section(numbers, i) for i in range(len(numbers.sections))]
     text = render(
         "controller.py.jinja",
         mission=comment(controller.mission),
         controller=controller,
-        rules=isinstance(controller, ModularController),
-        n=numbers,
-        types=types,
-        lists=lists,
-        sections=sections,
-        literal=literal,
-        laws={
-            kind: [
-                {p.name: (p.value, p.unit) for p in numbers.parameters[first : first + count]}
-                for first, count in law
-            ]
-            for kind, law in numbers.law.items()
-        },
+        runtime=bundle("program"),
+        # JSON has no three double quotes in a row, and ends in a brace: it can stand in a raw string.
+        document=write_json(controller, mission_net),
     )
     return {f"{name}_controller.py": text}
 
 
-def _of_machine(n: MachineNumbers, kind: int) -> dict[str, object]:
-    """The tables of a machine."""
-    machine = n.types[kind]
-    first, entry = n.type_states[kind], n.type_entries[kind]
-    moves: list[list[tuple[int | str, ...]]] = [[] for _ in machine.states]
-    for row, move in enumerate(machine.moves, n.move_start[first]):
-        moves[move.source].append((move.event, move.target, n.move_list[row], *guard_of(machine, move)))
-    modes = [
-        n.modes[n.mode_start[state] : n.mode_start[state] + n.mode_length[state]]
-        for state in range(first, first + len(machine.states))
-    ]
-    entries: list[tuple[int | None, ...]] = [
-        (None if e is None else e.target, n.entry_list[row], *(changes_of(machine, e) if e else ()))
-        for row, e in enumerate(machine.entries, entry)
-    ]
-    return {"moves": moves, "modes": modes, "entries": entries}
+@cache
+def bundle(module: str) -> str:
+    """A module of the runtime, and all modules of the runtime that it imports, as the text of one.
+
+    Modules stand in the order of their imports. What they import of Python comes first, once.
+
+    Args:
+        module: Its name in the package.
+
+    Raises:
+        ValueError: The modules cannot stand in one: a name means two things, or an import gives another
+            name to what it imports from the runtime.
+    """
+    found = _Bundle()
+    found.add(module)
+    return "\n".join((*sorted(found.plain), *found.from_python(), *found.texts.values()))
 
 
-def _of_rules(n: RuleNumbers, kind: int) -> dict[str, object]:
-    """The tables of rules; sets of bits are numbers."""
-    rules: Rules = n.types[kind]
-    first = sum(len(earlier.effects) for earlier in n.types[:kind])
+class _Bundle:
+    """Modules that become one."""
 
-    def asked(rule: Rule) -> tuple[int, int, int]:
-        marked = (literal >> 1 for literal in rule.literals if literal & 1)
-        return _mask(literal >> 1 for literal in rule.literals), _mask(marked), rule.effect
+    def __init__(self) -> None:
+        self.texts: dict[str, str] = {}  # by module, in order
+        self.plain: set[str] = set()
+        self.names: dict[str, set[str]] = {}  # by module of Python, what is imported from it
+        self._means: dict[str, str] = {}
 
-    return {
-        "idle": _mask(rules.idle),
-        "status": [(_mask(s.changes), s.literal >> 1, s.literal & 1) for s in rules.status],
-        "modes": [
-            (literal >> 1, literal & 1, *pair)
-            for literal, *pair in n.modes[n.mode_start[kind] : n.mode_start[kind + 1]]
-        ],
-        "effects": [
-            (_mask(effect.changes), n.effect_list[row], effect.to)
-            for row, effect in enumerate(rules.effects, first)
-        ],
-        "entries": [asked(rule) for rule in rules.entries],
-        "rules": [[asked(rule) for rule in rules.of.get(e, ())] for e in range(len(rules.events))],
-    }
+    def add(self, module: str) -> None:
+        """Adds a module behind those that it imports, unless it is there."""
+        if module in self.texts:
+            return
+        source = files(PACKAGE).joinpath(f"{module}.py").read_text(encoding="utf-8")
+        tree, lines = ast.parse(source), source.split("\n")
+        for node in tree.body:
+            if self._goes(node, is_first=node is tree.body[0]):
+                for line in range(node.lineno - 1, node.end_lineno or node.lineno):
+                    lines[line] = ""
+            for name in _bound(node):
+                self._define(name, ast.dump(node))
+        heading = "".join(f"# {line}".rstrip() + "\n" for line in (ast.get_docstring(tree) or "").split("\n"))
+        text = "\n".join(lines).strip()
+        self.texts[module] = f"\n# --- {PACKAGE}.{module} ---\n{heading}\n\n{text}\n"
 
+    def _goes(self, node: ast.stmt, *, is_first: bool) -> bool:
+        """Whether a statement of a module is left out of its text, after noting what it imports."""
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                self.plain.add(ast.unparse(ast.Import([alias])))
+                self._define(alias.asname or alias.name.partition(".")[0], alias.name)
+            return True
+        if isinstance(node, ast.ImportFrom):
+            package, _, module = (node.module or "").rpartition(".")
+            if package == PACKAGE:
+                if any(alias.asname for alias in node.names):
+                    raise ValueError(f"{ast.unparse(node)}: the runtime gives two names to one thing")
+                self.add(module)
+            else:
+                for alias in node.names:
+                    self.names.setdefault(node.module or "", set()).add(ast.unparse(alias))
+                    self._define(alias.asname or alias.name, f"{node.module}.{alias.name}")
+            return True
+        return (is_first and isinstance(node, ast.Expr)) or "__all__" in _bound(node)
 
-def _mask(bits: Iterable[int]) -> int:
-    return sum(1 << bit for bit in bits)
+    def from_python(self) -> Iterator[str]:
+        """The imports of names from Python's modules."""
+        for module, names in sorted(self.names.items()):
+            if module != "__future__":
+                yield f"from {module} import {', '.join(sorted(names))}"
 
-
-def _section(n: MachineNumbers | RuleNumbers, i: int) -> dict[str, object]:
-    kind = n.section_type[i]
-    own = n.lengths(kind)
-
-    def slice_of(name: str, length: int) -> list[int]:
-        first = n.slices[name][i]
-        return n.pool[first : first + length]
-
-    type_ = n.types[kind]
-    mine = slice_of("once", len(type_.once) + len(type_.facts))
-    before = len(type_.once) + (type_.entering if isinstance(type_, SectionMachine) else 0)
-    entering = mine[len(type_.once) : before]
-    ends = {n.success: Name("SUCCESS"), n.failure: Name("FAILURE")}
-    if n.abort is not None:
-        ends[n.abort] = Name("ABORT")
-    outcomes = n.controller.sections[i].routes
-    first, count = n.event_start[i], n.event_count[i]
-    return {
-        "name": n.sections[i],
-        "type": kind,
-        "routes": {outcome: ends.get(to, to) for outcome, to in zip(outcomes, n.routes[i], strict=True)},
-        "events": dict(n.section_events[first : first + count]),
-        "faulty": slice_of("faulty", n.type_hardware[kind]),
-        **({"once": mine} if n.once else {}),
-        **({"facts": mine[len(type_.once) :]} if n.flags else {}),
-        **({"entering": entering} if n.flags and isinstance(type_, SectionMachine) else {}),
-        "hardware": [n.hardware[k] for k in slice_of("hardware", own["hardware"])],
-        "objectives": slice_of("objectives", own["objectives"]),
-        "activities": slice_of("activities", own["activities"]),
-        "alternatives": slice_of("alternatives", own["alternatives"]),
-    }
+    def _define(self, name: str, meaning: str) -> None:
+        if name != "__all__" and self._means.setdefault(name, meaning) != meaning:
+            raise ValueError(f"two modules of the runtime mean different things by {name}")
 
 
-class Name(str):
-    """A name that the generated file gives a meaning; other strings are texts."""
-
-    __slots__ = ()
-
-
-def literal(value: object) -> str:
-    """A value in Python's own words: tuples for lists."""
-    if isinstance(value, str):
-        return str(value) if isinstance(value, Name) else quoted(value)
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{literal(k)}: {literal(v)}" for k, v in value.items()) + "}"
-    if isinstance(value, Sequence):
-        parts = [literal(v) for v in value]
-        return f"({parts[0]},)" if len(parts) == 1 else f"({', '.join(parts)})"
-    return repr(value)
-
-
-def quoted(text: str) -> str:
-    """A text between double quotes, ASCII alone."""
-    found = []
-    for character in text:
-        if character in '"\\':
-            found.append(f"\\{character}")
-        elif " " <= character <= "~":
-            found.append(character)
-        else:
-            code = ord(character)
-            found.append(f"\\u{code:04x}" if code <= 0xFFFF else f"\\U{code:08x}")
-    return f'"{"".join(found)}"'
+def _bound(node: ast.stmt) -> set[str]:
+    """Names that a statement of a module defines, imports aside."""
+    if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+        return {node.name}
+    if isinstance(node, ast.Assign | ast.AnnAssign):
+        return {n.id for n in ast.walk(node) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    return set()

@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
-from mcpn.errors import LimitError
+from mcpn.errors import LimitError, Problem, Source
+from mcpn.mission.expansion.copies import Standing
 from mcpn.mission.expansion.routes import Interruption
 from mcpn.mission.graph import TIMED_OUT
 from mcpn.mission.model import ROUND, Block, Each, Objective, Protocol, Use
 from mcpn.mission.robot import Parameter
 
 MAX_NESTING = 128
-MAX_OBJECTIVES = 100_000
+MAX_OBJECTIVES = 50_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +22,8 @@ class Scope:
 
     Args:
         prefix: Stands before the names of blocks.
-        suffix: Stands after them; tells the copies of a block for each round or try.
+        suffixes: Stand after them; tell the copies of a block for each round or try, the outermost first.
+        around: The innermost block that encloses them.
         depth: How many blocks enclose them.
         parameters: By name, the value that the innermost enclosing block (or use, or round) gives.
         defaults: By name, the default of the innermost enclosing protocol; used where no block gives a value.
@@ -31,7 +33,8 @@ class Scope:
     """
 
     prefix: str = ""
-    suffix: str = ""
+    suffixes: tuple[str, ...] = ()
+    around: Standing | None = None
     depth: int = 0
     parameters: Mapping[str, Parameter] = field(default_factory=dict)
     defaults: Mapping[str, Parameter] = field(default_factory=dict)
@@ -40,7 +43,12 @@ class Scope:
 
     def name(self, block: Block) -> str:
         """The qualified name of a block that stands here."""
-        return f"{self.prefix}{block.name}{self.suffix}"
+        return f"{self.prefix}{'_'.join((block.name, *self.suffixes))}"
+
+    def standing(self, block: Block) -> Standing:
+        """Where a block stands here."""
+        protocol = block.protocol if isinstance(block, Use) else ""
+        return Standing(self.prefix, block.name, self.suffixes, self.around, protocol)
 
     def written_at(self, block: str, event: str) -> str:
         """Where a handler is written in this text, whichever copy of its block happens to run."""
@@ -64,16 +72,23 @@ class Scope:
 
     def into(self, block: Block, parameters: tuple[Parameter, ...] = ()) -> Scope:
         """The scope of what a block holds in the same text; names inside a copy are qualified by its name."""
-        prefix = f"{self.name(block)}." if self.suffix else self.prefix
-        merged = _overridden(self.parameters, parameters)
-        return replace(self, prefix=prefix, suffix="", depth=self.deeper(block), parameters=merged)
+        prefix = f"{self.name(block)}." if self.suffixes else self.prefix
+        return replace(
+            self,
+            prefix=prefix,
+            suffixes=(),
+            around=self.standing(block),
+            depth=self.deeper(block),
+            parameters=_overridden(self.parameters, parameters),
+        )
 
     def into_protocol(self, use: Use, protocol: Protocol) -> Scope:
         """The scope of a protocol's text as one use of it sees it."""
         return replace(
             self,
             prefix=f"{self.name(use)}.",
-            suffix="",
+            suffixes=(),
+            around=self.standing(use),
             depth=self.deeper(use),
             parameters=_overridden(self.parameters, use.parameters),
             defaults=_overridden(self.defaults, protocol.parameters),
@@ -83,19 +98,23 @@ class Scope:
     def copy(self, block: Block, suffix: str, value: Parameter | None = None) -> Scope:
         """The scope of one copy of a block, or of what stands in one round of it."""
         merged = _overridden(self.parameters, (value,) if value else ())
-        return replace(self, suffix=f"{self.suffix}_{suffix}", depth=self.deeper(block), parameters=merged)
+        return replace(self, suffixes=(*self.suffixes, suffix), depth=self.deeper(block), parameters=merged)
 
     def deeper(self, block: Block) -> int:
         """The depth inside a block."""
         if self.depth >= MAX_NESTING:
-            message = f"blocks nested more than {MAX_NESTING} deep after expansion: the limit was hit"
-            raise LimitError(f"{block.source}: {message}" if block.source else message)
+            raise limit_hit(f"blocks nested more than {MAX_NESTING} deep after expansion", block.source)
         return self.depth + 1
 
 
 def _overridden(around: Mapping[str, Parameter], inner: tuple[Parameter, ...]) -> Mapping[str, Parameter]:
     """Parameters by name: those around, overridden by the inner ones."""
     return {**around, **{p.name: p for p in inner}} if inner else around
+
+
+def limit_hit(what: str, source: Source | None) -> LimitError:
+    """The error that a limit of the written-out mission was hit, with the line of the block that hit it."""
+    return LimitError(str(Problem(source, f"{what}: the limit was hit")))
 
 
 def several(block: Block) -> bool:
@@ -108,6 +127,9 @@ def copies(block: Block, scope: Scope) -> Iterator[tuple[tuple[Block, ...], Scop
 
     Yields for each copy the blocks that run in it, without the routes of the whole, and their scope.
     """
+    most = max(block.times + 1 if block.recover is not None else 0, block.repeat or 0, block.retries + 1)
+    if max(most, len(block.values) if isinstance(block, Each) else 0) > MAX_OBJECTIVES:
+        raise limit_hit(f"more than {MAX_OBJECTIVES} objectives after expansion", block.source)
     alone = replace(block, success=None, failure=None, abort=None, routes=(), handlers=())
     if isinstance(alone, Objective) and alone.timeout_goto is not None:
         alone = replace(alone, timeout_goto=TIMED_OUT)  # out of all copies, not to the next

@@ -20,6 +20,7 @@ class Datatype:
         name: Its name in the schema.
         words: Its name for people.
         pattern: What its texts match, a regular expression of Python and of XML Schema; ``None`` for any.
+            What follows a repetition begins with other characters, so that matching takes linear time.
         expected: What an error expects in the place of another text.
         read: From a text that matches to the value.
         write: From a value to its text.
@@ -68,7 +69,7 @@ NAME = Datatype(
 NAMES = Datatype(
     "names",
     "names",
-    rf"\s*({_LETTER}{_CHARACTER}*(\s+{_LETTER}{_CHARACTER}*)*)?\s*",
+    rf"\s*({_LETTER}{_CHARACTER}*\s+)*({_LETTER}{_CHARACTER}*)?",
     "names of letters, digits and _, separated by spaces",
     _split,
     " ".join,
@@ -76,7 +77,7 @@ NAMES = Datatype(
 LOCATIONS = Datatype(
     "objectives",
     "objectives",
-    rf"\s*({_LETTER}[A-Za-z0-9_.]*(\s+{_LETTER}[A-Za-z0-9_.]*)*)?\s*",
+    rf"\s*({_LETTER}[A-Za-z0-9_.]*\s+)*({_LETTER}[A-Za-z0-9_.]*)?",
     "names of objectives, separated by spaces",
     _split,
     " ".join,
@@ -85,7 +86,7 @@ LOCATIONS = Datatype(
 VALUES = Datatype(
     "values",
     "values",
-    rf"\s*{_CHARACTER}+(\s+{_CHARACTER}+)*\s*",
+    rf"\s*({_CHARACTER}+\s+)*{_CHARACTER}+\s*",
     "values of letters, digits and _, separated by spaces",
     _split,
     " ".join,
@@ -108,9 +109,76 @@ NUMBER = Datatype(
     "a decimal number of at least 0, for example 12 or 2.5e-4",
     float,
 )
-RATE = NUMBER.within("a finite number per hour, at least 0", lambda rate: 0 <= rate < math.inf)
-HOURS = NUMBER.within("a finite number of hours above 0", lambda hours: 0 < hours < math.inf)
-PROBABILITY = NUMBER.within("a number from 0 to 1", lambda share: 0 <= share <= 1)
+
+
+class Interval(float):
+    """A rate of which only bounds are known; as a number it is the geometric mean of the two.
+
+    Args:
+        low: The lowest that it may be.
+        high: The highest.
+
+    Examples:
+        >>> rate = Interval(1e-5, 1e-3)
+        >>> f"{rate:.6f}", str(rate)
+        ('0.000100', '1e-05 .. 0.001')
+    """
+
+    __slots__ = ("high", "low")
+    low: float
+    high: float
+
+    def __new__(cls, low: float, high: float) -> Interval:  # noqa: D102 - the class says it
+        mean = math.sqrt(low) * math.sqrt(high)  # of whose product nothing overflows
+        found = super().__new__(cls, min(max(mean, low), high))
+        found.low, found.high = low, high
+        return found
+
+    def __getnewargs__(self) -> tuple[float, float]:  # type: ignore[override]
+        return self.low, self.high
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Interval) and (self.low, self.high) == (other.low, other.high)
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
+    def __hash__(self) -> int:
+        return hash((self.low, self.high))
+
+    def __str__(self) -> str:
+        return f"{self.low} .. {self.high}"
+
+    def __repr__(self) -> str:
+        return f"Interval({self.low}, {self.high})"
+
+
+def _rate(text: str) -> float:
+    low, dots, high = text.partition("..")
+    return Interval(float(low), float(high)) if dots else float(low)
+
+
+def _is_rate(rate: float) -> bool:
+    if isinstance(rate, Interval):
+        return 0 < rate.low <= rate.high < math.inf
+    return 0 <= rate < math.inf
+
+
+RATE = Datatype(
+    "rate",
+    "number or interval",
+    rf"\s*{_NUMBER}\s*(\.\.\s*{_NUMBER}\s*)?",
+    "a decimal number of at least 0, for example 12 or 2.5e-4, or an interval, for example 1e-5 .. 1e-4",
+    _rate,
+    allows=_is_rate,
+    allowed="a finite number per hour, at least 0, or an interval that begins above 0 and ends no lower",
+)
+HOURS = NUMBER.within(
+    "a finite number of hours above 0", lambda hours: 0 < hours < math.inf and not isinstance(hours, Interval)
+)
+PROBABILITY = NUMBER.within(
+    "a number from 0 to 1", lambda share: 0 <= share <= 1 and not isinstance(share, Interval)
+)
 _MINUTES = f"([0-9]+M({_DECIMAL}S)?|{_DECIMAL}S)"
 _CLOCK = f"T([0-9]+H({_MINUTES})?|{_MINUTES})"
 
@@ -119,19 +187,29 @@ def _seconds(text: str) -> float:
     """Seconds of a number of them, or of an ISO 8601 duration."""
     if "P" not in text:
         return float(text)
-    return sum(float(number) * _UNITS[unit] for number, unit in re.findall(r"([0-9.]+)([A-Z])", text))
+    return sum(float(number) * _UNITS[unit] for number, unit in _PART.findall(text))
 
 
+_PART = re.compile(r"(?<![0-9.])([0-9.]++)([A-Z])")
 _UNITS = {"W": 604_800.0, "D": 86_400.0, "H": 3_600.0, "M": 60.0, "S": 1.0}
+_PERIOD = f"(P[0-9]+W|P[0-9]+D({_CLOCK})?|P{_CLOCK})"
 SECONDS = Datatype(
     "seconds",
     "seconds or duration",
-    rf"\s*({_NUMBER}|P[0-9]+W|P[0-9]+D({_CLOCK})?|P{_CLOCK})\s*",
+    rf"\s*({_NUMBER}|{_PERIOD})\s*",
     "seconds, for example 90 or 0.5, or a duration of ISO 8601 in weeks, or in days, hours, minutes and "
     "seconds, for example PT1M30S",
     _seconds,
     lambda seconds: str(seconds).removesuffix(".0"),
 ).within("from 0.001 to 2592000 seconds (30 days)", lambda seconds: 0.001 <= seconds <= 2_592_000)
+PERIOD = Datatype(
+    "period",
+    "duration",
+    rf"\s*{_PERIOD}\s*",
+    "a duration of ISO 8601 in weeks, or in days, hours, minutes and seconds, for example PT8H or P2DT30M",
+    _seconds,
+).within("a duration above 0 that is finite", lambda seconds: 0 < seconds < math.inf)
+"""Seconds that options of commands give: beside rates per hour a number without a unit would be misread."""
 COUNT = Datatype("count", "whole number", r"\s*[0-9]{1,6}\s*", "a whole number of at most 6 digits", int)
 TRIES = COUNT.within(f"a whole number from 0 to {MAX_ROUNDS}", lambda tries: 0 <= tries <= MAX_ROUNDS)
 ROUNDS = COUNT.within(f"a whole number from 1 to {MAX_ROUNDS}", lambda rounds: 1 <= rounds <= MAX_ROUNDS)
@@ -174,7 +252,7 @@ _LITERAL = rf"!?({_LETTER}{_CHARACTER}*|done\({_LETTER}[A-Za-z0-9_.]*\))(={_CHAR
 CONDITION = Datatype(
     "condition",
     "condition",
-    rf"\s*{_LITERAL}(\s+{_LITERAL})*\s*",
+    rf"\s*({_LITERAL}\s+)*{_LITERAL}\s*",
     "facts with their values, such as door=open !holding, separated by spaces",
     _split,
     " ".join,

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from mcpn.errors import Problem, Source
+from mcpn.mission.expansion.copies import grouped
 from mcpn.mission.graph import ObjectivesGraph
 from mcpn.mission.model import Mission
-from mcpn.mission.static.copies import Copies, grouped
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,7 @@ def contention_warnings(
         mission: A valid mission.
         graph: Its objectives graph.
     """
-    copies = Copies(mission)
+    copies = graph.copies
 
     def alike(one: Contention) -> object:
         kind, name = one.where

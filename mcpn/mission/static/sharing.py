@@ -13,6 +13,7 @@ from collections.abc import Collection, Iterable, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
+from mcpn.mission.flatten import ParallelSection
 from mcpn.mission.world.conditions import FACTS, cause
 
 if TYPE_CHECKING:
@@ -76,6 +77,55 @@ class Sharing:
     def anything(self) -> bool:
         """Whether any producer serves; the internal transitions of the net then have several ranks."""
         return any(self.serves(a) for a in self.usage.started)
+
+    def kept(self, activity: str) -> bool:
+        """Whether the end of an objective may make a branch give a producer up that another begins to use.
+
+        The end of an objective may change facts, or show that hardware is lost. So a branch beside it may
+        give up what it uses in the same reaction in which the next objective begins; a producer that serves
+        both must await what begins before it stops.
+        """
+        return activity in self._kept
+
+    @cached_property
+    def anything_kept(self) -> bool:
+        """Whether any producer is kept."""
+        return bool(self._kept)
+
+    @cached_property
+    def _kept(self) -> frozenset[str]:
+        usage = self.usage
+        sensitive = self._sensitive if self.anything else frozenset[str]()
+        found = set[str]()
+        for graph in usage.graphs() if sensitive else ():
+            for block in graph.sections:
+                if not isinstance(block, ParallelSection):
+                    continue
+                started = [
+                    {a for o in branch.graph.walk() for a in o.activities} for branch in block.branches
+                ]
+                reached = [frozenset[str]().union(*map(usage.closure, of)) for of in started]
+                for producer in filter(self.serves, usage.started):
+                    using = [of for of in reached if producer in of]
+                    above = (a for a in frozenset[str]().union(*using) if producer in usage.closure(a))
+                    if len(using) > 1 and any((usage.closure(a) - {producer}) & sensitive for a in above):
+                        found.add(producer)
+        # What it serves for must have stopped before it can: at the same moment.
+        return frozenset(
+            p for p in usage.started if self.serves(p) and not usage.closure(p).isdisjoint(found)
+        )
+
+    @cached_property
+    def _sensitive(self) -> frozenset[str]:
+        """Activities that the end of an objective may make change their alternative."""
+        usage = self.usage
+        changed = {change.fact for objective in usage.graph.walk() for change in objective.sets}
+        late = {h.name for h in usage.mission.late}
+        return frozenset(
+            a
+            for a in usage.started
+            if not changed.isdisjoint(usage.world.read_by(a)) or usage.resources_of({a}) & late
+        )
 
     def affecting(self, consumers: Collection[str], producer: str) -> frozenset[Occasion]:
         """What may make some activities ask or release, errors of the producer aside.

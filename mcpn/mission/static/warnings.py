@@ -6,10 +6,10 @@ from collections.abc import Collection, Iterable, Iterator
 from functools import cache
 
 from mcpn.errors import Problem
+from mcpn.mission.expansion.copies import grouped
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, flatten
 from mcpn.mission.model import ABORT, Block, Holder, Mission, Objective, Use, walk
 from mcpn.mission.static.contentions import contention_warnings
-from mcpn.mission.static.copies import Copies, grouped
 from mcpn.mission.static.usage import Usage
 from mcpn.mission.world.fact_warnings import fact_warnings
 
@@ -50,7 +50,7 @@ def of_objectives(
         one: What is said of one of them, without its name.
         several: The same of several; that of one by default.
     """
-    copies = Copies(usage.mission)
+    copies = usage.graph.copies
     for same in grouped(sections, lambda section: copies.written(section.name)).values():
         subject, more = copies.subject("objective", [s.name for s in same], names_of_objectives(usage.graph))
         yield Problem(same[0].source, f"{subject} {(several or one) if more else one}")

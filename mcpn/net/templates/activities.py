@@ -24,12 +24,21 @@ MOST_AT_ONCE = 3
 
 @dataclass(frozen=True)
 class _Ending:
-    """How an activity is stopped: what the stopping transition takes, puts and tests, and its rank."""
+    """A way in which an activity is stopped.
+
+    Args:
+        consume: What the stopping transition takes.
+        produce: What it puts.
+        read: What it tests.
+        rank: Its rank.
+        moment: What is added to its name, where the activity may be stopped at several moments of a reaction.
+    """
 
     consume: list[str] = field(default_factory=list)
     produce: list[str] = field(default_factory=list)
     read: list[str] = field(default_factory=list)
     rank: int = 0
+    moment: str = ""
 
 
 @dataclass(frozen=True)
@@ -40,13 +49,13 @@ class _Life:
         start: The evaluation place of the first alternative.
         refuse: Places marked where no alternative is possible.
         activate: Places marked when an alternative starts to run.
-        ending: How it is stopped.
+        endings: How it is stopped: one way, or one for each moment of a reaction. All put the same.
     """
 
     start: str
     refuse: list[str]
     activate: list[str]
-    ending: _Ending
+    endings: tuple[_Ending, ...]
 
 
 def draw_activity(
@@ -115,7 +124,7 @@ def _by_objective(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
     if usage.refusable(a):
         refuse = [canvas.role(pen.place("error"), ("refused", a))]
         pen.transition("errstop", [*refuse, stop], idle)
-    return _Life(start, refuse, [], _Ending(consume=[stop], produce=idle))
+    return _Life(start, refuse, [], (_Ending(consume=[stop], produce=idle),))
 
 
 def _by_request(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
@@ -126,7 +135,7 @@ def _by_request(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
         (s,) = outputs
         given = [of(s, "deactivation")]
         ending = _Ending(produce=given, read=[of(s, "free")])
-        return _Life(start, given, [of(s, "activation")], ending)
+        return _Life(start, given, [of(s, "activation")], (ending,))
     idle = pen.place("idle", initial=1)
     served = [(s, owner) for s in outputs for owner in canvas.owners(s)]
     unused = [of(s, "unused", owner) for s, owner in served]
@@ -140,7 +149,22 @@ def _by_request(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
         waited = canvas.usage.may_wait(a)
         rank = canvas.ranks.answering(a) if waited else canvas.ranks.settling
         pen.transition("refused", refuse, [idle], read=unused, rank=rank)
-    return _Life(start, refuse, [], _Ending(produce=[idle], read=unused, rank=canvas.ranks.settling))
+    return _Life(start, refuse, [], tuple(_when_unused(canvas, activity, idle, unused)))
+
+
+def _when_unused(canvas: Canvas, activity: Activity, idle: str, unused: list[str]) -> Iterator[_Ending]:
+    """How a producer that serves is stopped when nobody uses what it produces.
+
+    One that is kept stops when an objective ends, if nobody needs it then; else only after what follows the
+    objective has begun, which may need it again.
+    """
+    ranks = canvas.ranks
+    if not canvas.usage.sharing.kept(activity.name):
+        yield _Ending(produce=[idle], read=unused, rank=ranks.settling)
+        return
+    read = [*unused, *canvas.resting]
+    yield _Ending(produce=[idle], read=read, rank=ranks.resting, moment="rest")
+    yield _Ending(produce=[idle], read=unused, rank=ranks.settling_kept)
 
 
 class AlternativeDrawing:
@@ -373,9 +397,9 @@ class AlternativeDrawing:
 
     def end(self, verb: str, consume: list[str], produce: list[str], *stages: str) -> None:
         """Draws a way in which the activity is stopped."""
-        ending = self.life.ending
-        taken, given = [*consume, *ending.consume], [*produce, *ending.produce]
-        self.draw(verb, taken, given, *stages, read=ending.read, rank=ending.rank)
+        for ending in self.life.endings:
+            taken, given = [*consume, *ending.consume], [*produce, *ending.produce]
+            self.draw(f"{ending.moment}{verb}", taken, given, *stages, read=ending.read, rank=ending.rank)
 
     def draw(
         self,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from functools import partial
+from functools import cached_property, partial
 from itertools import product
 from typing import Literal, TypeAlias
 
@@ -79,6 +79,10 @@ class Ranks:
     first: what each does on an error, then what it answers to who asks. A producer refuses or stops when
     nobody evaluates any more, so that it goes on if somebody needs it at the end; a gate opens last.
 
+    Where some producer is *kept* (:meth:`mcpn.mission.static.sharing.Sharing.kept`), what nobody needs when
+    an objective has ended stops before any activity handles an error, and gates in branches open before a
+    kept producer is stopped because its consumers have given it up: what begins there may need it.
+
     Where a parallel block may abort, or end early, its halting and all other control comes before any of
     that, aborts before other ends, and a block around before those in it: what an end stops begins nothing.
     Then what begins changes facts, in the order of the document, before any activity looks at them. Such
@@ -102,8 +106,13 @@ class Ranks:
         )
         self._height = usage.height
         highest = max((usage.height(a) for a in usage.started), default=0)
-        self.settling = self._if_several(2 * highest + 3)
-        self.entering = self._if_several(2 * highest + 4)
+        kept = usage.sharing.anything_kept
+        self.resting, self.rested = 1, 2
+        self._errors = self.rested if kept else 0
+        self.settling = self._if_several(self._errors + 2 * highest + 3)
+        self.entering_branches = self.settling + self._if_several(1)
+        self.settling_kept = self.entering_branches + kept
+        self.entering = self.settling_kept + kept
 
     def deciding(self, block: str, outcome: str, branch: str) -> int:
         """How a branch that has ended halts its block: each branch of a section has a rank of its own."""
@@ -115,11 +124,11 @@ class Ranks:
 
     def handling(self, activity: str) -> int:
         """What an activity does on an error, and when a better alternative is possible again."""
-        return self._if_several(2 * self._height(activity) + 1)
+        return self._if_several(self._errors + 2 * self._height(activity) + 1)
 
     def answering(self, producer: str) -> int:
         """What a producer that serves answers to who asks."""
-        return self._if_several(2 * self._height(producer) + 2)
+        return self._if_several(self._errors + 2 * self._height(producer) + 2)
 
     def _if_several(self, rank: int) -> int:
         return rank if self._several else 0
@@ -231,6 +240,17 @@ class Canvas(NetBuilder):
         """Whose interfaces of a resource are drawn (``None``: it has one for all)."""
         owners = self.usage.sharing.owners(resource)
         return [o for o in owners if o is None or ("activity", o) not in self.left_out]
+
+    @cached_property
+    def resting(self) -> list[str]:
+        """Where some producer is kept, the place that says that an objective has ended in this reaction.
+
+        It is marked until what stops has stopped, before any activity handles an error.
+        """
+        usage = self.usage
+        drawn = (a for a in usage.started if ("activity", a) not in self.left_out)
+        name = self.place_of("mission", usage.mission.name, "resting")
+        return [name] if any(map(usage.sharing.kept, drawn)) else []
 
     def role(self, place: str, role: Role) -> str:
         """Notes what the place says when it is marked, and returns the place."""

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
+from itertools import product
 
 from mcpn.mission.flatten import ObjectivesGraph
 from mcpn.mission.robot import Activity
@@ -75,11 +76,10 @@ class _CompactAlternative(AlternativeDrawing):
 
     def stop_while_waiting(self) -> None:
         """It is stopped while some resource has not answered yet."""
-        ending = self.life.ending
-        for k in self.unanswered():
+        for ending, k in product(self.life.endings, self.unanswered()):
             taken = [self.wait, self.of(k, "waiting"), *ending.consume]
             put = [*self.after(k, "waiting"), self.place_of("halting")]
-            self.draw("giveup", taken, put, k, read=ending.read, rank=ending.rank)
+            self.draw(f"{ending.moment}giveup", taken, put, k, read=ending.read, rank=ending.rank)
 
     def unanswered(self) -> Iterator[str]:
         """Resources whose answer may take long."""
@@ -115,7 +115,7 @@ class _CompactAlternative(AlternativeDrawing):
         self.draw("onward", [*given, onward], self.otherwise)
         if any(self.unanswered()):
             halting = self.pen.place(*self.part("halting"))
-            self.draw("halted", [*given, halting], self.life.ending.produce)
+            self.draw("halted", [*given, halting], self.life.endings[0].produce)
 
     # --- return to a better alternative ---------------------------------------------------------------
 

@@ -41,6 +41,8 @@ def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:
     for handler in graph.once():
         draw_once(canvas, pen, handler, begin)
     draw_facts(canvas, pen, begin)
+    for resting in canvas.resting:
+        pen.transition("rested", [pen.own(resting)], [], rank=canvas.ranks.rested)
     control = _Control(canvas, graph, exits)
     pen.transition("EV_START", [begin], control.enter(graph.entry), event=START)
     control.draw()
@@ -67,7 +69,8 @@ class _Control(Interrupting):
             self.canvas.role(gate, ("pending", section.name))
             own = tuple(a for a in section.activities if a in self.canvas.usage.handover.with_idle)
         taken, read = self.of_activities(own, "idle"), list(self.around.running)
-        rank = self.canvas.ranks.entering
+        ranks = self.canvas.ranks
+        rank = ranks.entering_branches if self.around.in_branch else ranks.entering
         pen.transition("begin", [gate, *taken], self.begin(section), read=read, rank=rank)
 
     def elementary(self, section: ElementarySection) -> None:
@@ -93,7 +96,7 @@ class _Control(Interrupting):
             if (outcome, section.timed_out) == (TIMED_OUT, None):
                 continue
             for number, way, entered in self.led(section, outcome, section.setting(outcome)):
-                after = [*stops, *entered, *way.produce]
+                after = [*stops, *entered, *way.produce, *self.canvas.resting]
                 asked, event = [*read, *way.read], Event(what, name)
                 pen.transition(f"{part}{number}", [place, *way.consume], after, read=asked, event=event)
 

@@ -52,7 +52,8 @@ class Interrupting(Level):
                 read = [place for place in dict.fromkeys(position.read) if place not in position.take]
                 read += self.of_handlers(position.happened, "happened")
                 take = [*position.take, *self.of_handlers(position.once, "open")]
-                put = [*(position.put or ()), *self.of_handlers(position.once, "happened")]
+                happened = self.of_handlers(position.once, "happened")
+                put = [*(position.put or ()), *happened, *self.canvas.resting]
                 pen.transition(f"EV{number}_{name}", take, put, read=read, event=event)
 
     def of_handlers(self, handlers: Iterable[str], part: str) -> list[str]:

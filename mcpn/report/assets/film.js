@@ -233,12 +233,13 @@
   function replay(lines) {
     for (const [index, line] of lines.entries()) {
       if (!line.trim()) continue;
-      let event, refused;
+      let event, refused, resumed;
       try {
-        ({ event, refused } = JSON.parse(line));
+        ({ event, refused, resumed } = JSON.parse(line));
       } catch {
         return `Line ${index + 1} is no line of a journal.`;
       }
+      if (event === undefined && typeof resumed === "number") continue; // the run was resumed here
       if (typeof event !== "string" || typeof refused !== "boolean") return `Line ${index + 1} holds no event.`;
       if (refused ? take(current(), event) : !move(event)) {
         return `Line ${index + 1}: ${event} is ${refused ? "" : "not "}possible here.`;

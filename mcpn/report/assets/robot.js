@@ -2,9 +2,9 @@
   const follows = byId("robot-follows");
   if (follows) {
     const came = [], told = byId("robot-told"), journal = new EventSource("stream");
-    let refused = 0, shown = 0;
+    let refused = 0, shown = 0, lost = "";
     const tell = (how) => {
-      told.textContent = `${how}: ${came.length} events${refused ? `, ${refused} refused` : ""}.`;
+      told.textContent = `${how}: ${came.length} events${refused ? `, ${refused} refused` : ""}.${lost}`;
     };
     // Who clicks, plays or goes back looks at something else than what the robot does.
     const strayed = () => film.length !== shown || place !== shown;
@@ -27,6 +27,10 @@
           show();
         }
       }
+      tell("The robot runs");
+    });
+    journal.addEventListener("lost", (line) => {
+      lost = ` ${JSON.parse(line.data)}`;
       tell("The robot runs");
     });
     journal.addEventListener("end", (line) => {

@@ -15,6 +15,7 @@ from mcpn.space.run import Run
 
 if TYPE_CHECKING:
     from mcpn.check.causes.risk import Risk
+    from mcpn.check.causes.whole.within import Within
 
 
 def causes_object(causes: Causes, *, runs: bool = True) -> dict[str, Any]:
@@ -104,4 +105,9 @@ def _lists(cut_sets: Sequence[CutSet]) -> list[list[str]]:
 
 def risk_object(numbers: Risk) -> dict[str, Any]:
     """Numbers of risk as an object for JSON; those of aborts are left out where the mission cannot abort."""
+    return given(numbers)
+
+
+def given(numbers: Risk | Within) -> dict[str, Any]:
+    """Numbers as an object for JSON, without those that there are none of."""
     return {name: value for name, value in asdict(numbers).items() if value is not None}

@@ -6,7 +6,7 @@ safely (success or abort).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from mcpn.check.causes.cutsets import CutSet
@@ -129,6 +129,15 @@ def risk_counts(numbers: Risk) -> Iterator[tuple[str, float]]:
     for found, end in ((numbers.importance, ""), (numbers.safety_importance or {}, " for a safe end")):
         for hardware, value in sorted(found.items(), key=lambda pair: -pair[1]):
             yield f"importance of {hardware}{end}", value if abs(value) > ROUNDING else 0.0
+
+
+def ranked(values: Mapping[str, float]) -> list[str]:
+    """Hardware by falling values; of values that differ by rounding alone the first comes first."""
+
+    def size(name: str) -> float:
+        return float(f"{values[name]:.9g}") if abs(values[name]) > ROUNDING else 0.0
+
+    return sorted(values, key=size, reverse=True)
 
 
 def without_a_rate(numbers: Risk) -> str:

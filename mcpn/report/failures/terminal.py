@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import TYPE_CHECKING
 
 from mcpn.check.causes.cutsets import CutSet
@@ -11,7 +12,7 @@ from mcpn.check.causes.find import Causes, GoalCauses, Survival
 from mcpn.check.causes.fmeca import Row
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event
-from mcpn.report.failures.sentences import condition, headlines, risk_counts, survived, without_a_rate
+from mcpn.report.failures.sentences import condition, headlines, ranked, risk_counts, survived, without_a_rate
 from mcpn.report.failures.tables import STANDARD, Classes, fmeca_rows
 from mcpn.report.terminal import Terminal
 from mcpn.report.text import print_counts, print_steps
@@ -21,6 +22,7 @@ from mcpn.space.run import Run
 
 if TYPE_CHECKING:
     from mcpn.check.causes.risk import Risk
+    from mcpn.check.causes.whole.within import Within
 
 
 AFTER = "critical events: after them nothing but repair can help"
@@ -160,3 +162,33 @@ def print_risk(numbers: Risk) -> None:
     print_counts({name: f"{value:.6g}" for name, value in risk_counts(numbers)})
     if numbers.unrated:
         Terminal().print(without_a_rate(numbers))
+
+
+def print_within(numbers: Within, time: str) -> None:
+    """Prints how probable each end is by a time, which is given as the user wrote it."""
+    ends = {"success": numbers.success, "abort": numbers.abort, "failure": numbers.failure}
+    print_counts({f"{end} within {time}": f"{value:.6g}" for end, value in ends.items() if value is not None})
+    Terminal().print(f"within {time}: each is off by {numbers.error:.1e} at most")
+
+
+def print_slopes(numbers: Risk, slopes: Mapping[str, float]) -> None:
+    """Prints the derivatives of success where they put the hardware in another order than its importance."""
+    order = ranked({name: -slope for name, slope in slopes.items()})
+    if order != ranked({name: numbers.importance[name] for name in slopes}):
+        Terminal().print(
+            "by the derivative of success by their failure rates, per failure an hour, they rank otherwise:"
+        )
+        told = {f"derivative by {name}": f"{slopes[name]:.6g}" for name in order}
+        print_counts(told)
+
+
+def print_bounds(bounds: Mapping[str, tuple[float, float]], means: str) -> None:
+    """Prints bounds of probabilities, rounded outward, and what the other numbers took for intervals."""
+    told = ((end, outward(a, ROUND_FLOOR), outward(b, ROUND_CEILING)) for end, (a, b) in bounds.items())
+    print_counts({f"{end} for all rates in their intervals": f"{low} .. {high}" for end, low, high in told})
+    Terminal().print(f"the other numbers are {means}")
+
+
+def outward(bound: float, rounding: str) -> str:
+    """A bound with 6 digits, which is still one."""
+    return f"{float(Context(prec=6, rounding=rounding).create_decimal_from_float(bound)):g}"

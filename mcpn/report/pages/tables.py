@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mcpn.net.compose import MissionNet
     from mcpn.report.findings import Findings
 
-_NAME = re.compile(r"[\w.-]*\w")
+_NAME = re.compile(r"\w(?:[\w.-]*\w)?")
 """Matches words in a text that may be names of objectives."""
 
 MOST_ROWS = 2000

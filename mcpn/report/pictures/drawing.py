@@ -87,7 +87,7 @@ class Drawing:
 
 
 _SIZE = re.compile(r'(?:width|height)="(\d+)"')
-_VARIABLE = re.compile(r"(--[\w-]+):\s*([^;{}]+);")
+_VARIABLE = re.compile(r"(?<![\w-])(--[\w-]+):\s*([^:;{}]+);")
 _USED = re.compile(r"var\((--[\w-]+)\)")
 _STYLE = re.compile(r"<style>(.*?)</style>", re.DOTALL)
 _MEDIA = re.compile(r"@media[^{]*\{(?:[^{}]*\{[^{}]*\})*[^{}]*\}")

@@ -7,7 +7,7 @@ a name is neither markup nor a formula, and a reader of the file finds it.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -19,7 +19,7 @@ from mcpn.report.pictures.drawing import KNOWN, needed
 from mcpn.report.terminal import plain
 
 if TYPE_CHECKING:
-    from mcpn.check.compare import Measurement
+    from mcpn.check.compare import Measured, Measurement
 
 FAR_APART = 20
 """Ratio of the largest to the smallest number from which on a scale is logarithmic."""
@@ -90,28 +90,58 @@ def save_plot(path: Path, plots: Sequence[Curves | Bars], title: str = "") -> No
     write_atomically(path, plotted(plots, title, path.suffix.lower().removeprefix(".")))
 
 
-def save_engines(path: Path, found: Sequence[Measurement], title: str) -> None:
+def save_engines(path: Path, members: Sequence[Measured]) -> None:
     """Plots engines side by side: seconds, memory, and the nodes of diagrams with their order of places.
 
     Args:
         path: Where, ``.svg`` or ``.png``.
-        found: What each engine took; those that gave up are left out.
-        title: Stands above the plots.
+        members: One subject, whose engines are bars; or a family, whose engines are curves over its sizes,
+            with the least and the median of CPU time. Engines that gave up are left out.
 
     Raises:
         InputError: The suffix is another, or the file cannot be written.
         LimitError: matplotlib is not installed.
     """
-    ran = {m.engine: m for m in found if m.sizes is not None}
+    if len(members) > 1:
+        save_plot(path, _growth(members), f"Engines on {members[0].name} to {members[-1].name}")
+        return
+    (member,) = members
+    ran = {m.engine: m for m in member.engines if m.sizes is not None}
     bars = [
-        Bars("seconds", {engine: m.seconds for engine, m in ran.items()}),
+        Bars("CPU seconds", {engine: m.cpu_seconds for engine, m in ran.items()}),
         Bars("megabytes", {engine: m.megabytes for engine, m in ran.items()}),
     ]
     for engine, m in ran.items():
         nodes, peak = ((m.sizes or {}).get(name) for name in ("nodes", "peak_nodes"))
         if nodes is not None and peak is not None:
             bars.append(Bars(f"nodes, {engine}, order {m.order}", {"in the end": nodes, "at the peak": peak}))
-    save_plot(path, bars, title)
+    save_plot(path, bars, f"Engines on {member.name}")
+
+
+def _growth(members: Sequence[Measured]) -> list[Curves]:
+    from mcpn.check.compare import exponents
+
+    slopes = exponents(members)
+    engines = list(dict.fromkeys(m.engine for member in members for m in member.engines))
+
+    def curves(value: Callable[[Measurement], float | None]) -> dict[str, list[tuple[float, float]]]:
+        return {
+            engine + (f" (size^{slopes[engine]:.2f})" if engine in slopes else ""): [
+                (member.size or 0, number)
+                for member in members
+                for m in member.engines
+                if m.engine == engine and m.sizes is not None and (number := value(m)) is not None
+            ]
+            for engine in engines
+        }
+
+    return [
+        Curves("CPU time, the least run", "size", "seconds", curves(lambda m: m.cpu_seconds)),
+        Curves("CPU time, the median run", "size", "seconds", curves(lambda m: m.median_cpu_seconds)),
+        Curves("memory", "size", "megabytes", curves(lambda m: m.megabytes)),
+        Curves("peak of nodes", "size", "nodes", curves(lambda m: (m.sizes or {}).get("peak_nodes"))),
+        Curves("markings", "size", "markings", curves(lambda m: (m.sizes or {}).get("states"))),
+    ]
 
 
 def plotted(plots: Sequence[Curves | Bars], title: str = "", form: str = "svg") -> bytes:

@@ -45,8 +45,8 @@ class Diagrams:
         free = set(first if self.net.priorities else self.encoding.events)
         self.free = [t for t in self.encoding.events if t in free]
         """Transitions that fire wherever they have their tokens."""
-        internal = {t for t, made in enumerate(self.net.transitions) if made.internal}
-        self.waiting = [t for t in self.encoding.events if t not in free | internal]
+        early = free.union(t for t, made in enumerate(self.net.transitions) if made.internal)
+        self.waiting = [t for t in self.encoding.events if t not in early]
         """Transitions that priorities let fire in stable markings only."""
 
     @property
@@ -244,9 +244,20 @@ class Diagrams:
         return run
 
     def before(
-        self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
+        self,
+        states: Zdd,
+        transitions: Collection[int] | None = None,
+        guards: Guards[Zdd] = None,
+        among: Zdd | None = None,
     ) -> Zdd:
         """States with an edge into some states."""
+        before = self.leading_into(states, transitions, guards)
+        return before if among is None else before & among
+
+    def leading_into(
+        self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
+    ) -> Zdd:
+        """All states with an edge into some states."""
         raise NotImplementedError
 
     def reaching(self, goal: Zdd, along: Zdd | None = None) -> Zdd:
@@ -259,9 +270,9 @@ class Diagrams:
 
     def crossing(self, among: Zdd, into: Zdd) -> Iterator[tuple[int, Zdd]]:
         """Transitions with edges from some states into others, each with the states before it."""
-        candidates = self.before(into) & among
+        candidates = self.before(into, among=among)
         for t in sorted(self.firings(candidates)) if candidates else ():
-            states = self.before(into, [t]) & candidates
+            states = self.before(into, [t], among=candidates)
             if states:
                 yield t, states
 

@@ -12,7 +12,8 @@ from functools import partial
 from mcpn.errors import UnsafeError
 from mcpn.net.petri import PetriNet
 from mcpn.space.diagrams.order import Order
-from mcpn.space.diagrams.symbolic import DEFAULT_MEMORY, SymbolicSpace, closure, reach
+from mcpn.space.diagrams.race import Work, finished
+from mcpn.space.diagrams.symbolic import DEFAULT_MEMORY, SymbolicSpace, closing, reaching
 
 # Counters are loaded where a place may hold several tokens, as in missions none does.
 
@@ -47,14 +48,25 @@ def reach_markings(
         UnboundedError: The net is unbounded.
         LimitError: A limit was hit.
     """
-    if not net.priorities and surely_unsafe(net):
-        return reach_tokens(net, order=order, seed=seed, memory_limit=memory_limit)
-    try:
-        return reach(net, order=order, seed=seed, memory_limit=memory_limit, edges=edges)
-    except UnsafeError:
-        if net.priorities:
-            raise
-        return reach_tokens(net, order=order, seed=seed, memory_limit=memory_limit)
+    return finished(reaching_markings(net, order=order, seed=seed, memory_limit=memory_limit, edges=edges))
+
+
+def reaching_markings(
+    net: PetriNet,
+    *,
+    order: Order | None = None,
+    seed: int | None = None,
+    memory_limit: int = DEFAULT_MEMORY,
+    edges: bool = False,
+) -> Work[SymbolicSpace]:
+    """As :func:`reach_markings`, as work that may rest between the rounds of the race."""
+    if net.priorities or not surely_unsafe(net):
+        try:
+            return (yield from reaching(net, order=order, seed=seed, memory_limit=memory_limit, edges=edges))
+        except UnsafeError:
+            if net.priorities:
+                raise
+    return (yield from _reaching_tokens(net, order, seed, memory_limit))
 
 
 def surely_unsafe(net: PetriNet) -> bool:
@@ -78,13 +90,19 @@ def reach_tokens(
         UnboundedError: The net is unbounded.
         LimitError: A limit was hit.
     """
+    return finished(_reaching_tokens(net, order, seed, memory_limit))
+
+
+def _reaching_tokens(
+    net: PetriNet, order: Order | None, seed: int | None, memory_limit: int
+) -> Work[SymbolicSpace]:
     from mcpn.space.diagrams.counters import MOST_BITS, TokenEncoding
     from mcpn.space.markings.widths import Widths
 
     widths = Widths(net, first=FIRST_BITS, most=MOST_BITS)
     while True:
         encodes = [partial(TokenEncoding, widths=tuple(widths.bits), low_first=low) for low in (True, False)]
-        space = closure(net, *encodes, order=order, seed=seed, memory_limit=memory_limit)
+        space = yield from closing(net, *encodes, order=order, seed=seed, memory_limit=memory_limit)
         assert isinstance(space.encoding, TokenEncoding), "asked for counters"
         narrow = _overflowing(space, space.encoding.overflows)
         if not narrow:

@@ -16,12 +16,13 @@ they stand in that round, of those that end in the earliest round in which any d
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass, field
 from math import isqrt
-from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Generic, Protocol, TypeAlias, TypeVar, cast
 
 from mcpn._kernel import BudgetExceeded, Cancelled, MemoryLimit
+from mcpn.errors import McpnError
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -42,6 +43,51 @@ NEAR = 2.0
 budgets meanwhile."""
 
 Result = TypeVar("Result", covariant=True)
+Made = TypeVar("Made")
+Work: TypeAlias = Generator[int, None, Made]
+"""Work that says before each of its rounds how many steps it is of, and that may rest between them."""
+
+
+def finished(work: Work[Made]) -> Made:
+    """What comes of work that does not rest."""
+    while True:
+        try:
+            next(work)
+        except StopIteration as end:
+            return cast(Made, end.value)
+
+
+class Resting(Generic[Made]):
+    """Work that is gone on with now and then, while something else is done in between.
+
+    Args:
+        work: The work.
+    """
+
+    def __init__(self, work: Work[Made]) -> None:
+        self._work = work
+        self._next = 0
+        self.ended = False
+
+    def go_on(self, most: int) -> bool:
+        """Takes rounds of at most so many steps; whether the work has ended, and not by an error."""
+        try:
+            while not self.ended and self._next <= most:
+                self._next = next(self._work)
+        except StopIteration as end:
+            self.ended, self._made = True, cast(Made, end.value)
+        except McpnError as error:
+            self.ended, self._error = True, error
+        return self.ended and not hasattr(self, "_error")
+
+    @property
+    def made(self) -> Made:
+        """What comes of it; raises the error that it has ended with."""
+        while not self.ended:
+            self.go_on(self._next)
+        if hasattr(self, "_error"):
+            raise self._error
+        return self._made
 
 
 class Racer(Protocol[Result]):
@@ -90,10 +136,11 @@ class Race(Generic[Result]):
     _drawn: list[Racer[Result]] = field(default_factory=list)
     _out: set[int] = field(default_factory=set)
 
-    def run(self) -> Result | None:
-        """The result of the winner, or ``None`` where none stays within memory."""
+    def rounds(self) -> Work[Result | None]:
+        """Round after round, each with its budget; returns as :meth:`run` does."""
         budget = self.first_budget
         while True:
+            yield budget
             result = self._side_by_side(budget) if self._spread(budget) else self._in_turn(budget)
             if result is not None:
                 return result
@@ -101,6 +148,10 @@ class Race(Generic[Result]):
                 return None
             self._make_room()
             budget *= GROWTH
+
+    def run(self) -> Result | None:
+        """The result of the winner, or ``None`` where none stays within memory."""
+        return finished(self.rounds())
 
     def _spread(self, budget: int) -> bool:
         if self.workers == 1 or budget < SIDE_BY_SIDE or len(self._drawn) - len(self._out) < 2:

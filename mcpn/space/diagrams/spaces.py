@@ -35,10 +35,10 @@ class DiagramMarkings(Diagrams):
     def __init__(self, space: SymbolicSpace) -> None:
         super().__init__(space, space.reachable, space.encoding.initial())
 
-    def before(
+    def leading_into(
         self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
     ) -> Zdd:
-        """States with an edge into some states."""
+        """All states with an edge into some states."""
         undoing = self.encoding.undoing
         sources = self.nothing
         for group, where in self.groups:
@@ -139,10 +139,10 @@ class DiagramAlternatives(Diagrams):
         """Markings from which internal evolution ends in a goal."""
         return self._endings(goal)
 
-    def before(
+    def leading_into(
         self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
     ) -> Zdd:
-        """States with an edge into some states."""
+        """All states with an edge into some states."""
         return self.firing_into(self.ending(states), transitions, guards)
 
     def firing_into(

@@ -11,16 +11,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from itertools import chain, islice
+from itertools import chain
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from mcpn._kernel import BudgetExceeded, MemoryLimit, Zdd
+from mcpn._kernel import MemoryLimit, Zdd
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import PetriNet, Provenance
 from mcpn.space.diagrams.encoding import Encoding, distinct
 from mcpn.space.diagrams.evolution import Clock, behind, leading, passing
-from mcpn.space.diagrams.order import Order, candidates
-from mcpn.space.diagrams.race import FIRST_BUDGET, Race, cores
+from mcpn.space.diagrams.order import Order
+from mcpn.space.diagrams.race import FIRST_BUDGET, Race, Work, cores, finished
 from mcpn.space.markings.explicit import Counts
 from mcpn.space.markings.firing import unsafe_at_start
 
@@ -30,8 +30,6 @@ if TYPE_CHECKING:
 DEFAULT_MEMORY = 4 << 30
 FIRST_BUDGET_OF_MISSIONS = 8_000_000
 """About a second; with less, exploration one by one goes on instead, which takes ten times as long."""
-BRIEF = 300_000
-"""Steps of each of two orders that are often good, where the space is only wanted if it is soon there."""
 MOST_WORKERS = 4
 Encode: TypeAlias = Callable[[PetriNet, Order, int], Encoding]
 """Puts a net on the levels of a store, given an order of places and the bytes that the store may take."""
@@ -212,20 +210,32 @@ def reach(
 
     See Also:
         :func:`mcpn.space.markings.explicit.explore`: the same markings, listed.
-        :func:`reach_briefly`: where few steps reach all.
+        :func:`reaching`: the same work, which may rest.
         :mod:`mcpn.space.diagrams.order`: the orders of places that decide the size of diagrams.
     """
+    return finished(reaching(net, order=order, seed=seed, memory_limit=memory_limit, edges=edges))
+
+
+def reaching(
+    net: PetriNet,
+    *,
+    order: Order | None = None,
+    seed: int | None = None,
+    memory_limit: int = DEFAULT_MEMORY,
+    edges: bool = False,
+) -> Work[SymbolicSpace]:
+    """As :func:`reach`, as work that may rest between the rounds of the race."""
     if error := unsafe_at_start(net):
         raise error
     from mcpn.space.diagrams.unsafe import refuse_unsafe
 
-    space = closure(net, Encoding, order=order, seed=seed, memory_limit=memory_limit, edges=edges)
+    space = yield from closing(net, Encoding, order=order, seed=seed, memory_limit=memory_limit, edges=edges)
     if space.explored is None:  # exploration looks at each firing
         refuse_unsafe(space)
     return space
 
 
-def closure(
+def closing(
     net: PetriNet,
     encode: Encode,
     *others: Encode,
@@ -233,7 +243,7 @@ def closure(
     seed: int | None,
     memory_limit: int,
     edges: bool = False,
-) -> SymbolicSpace:
+) -> Work[SymbolicSpace]:
     """The markings that firings lead to as far as an encoding can say them.
 
     Args:
@@ -252,32 +262,14 @@ def closure(
     try:
         if order:
             return close(encode(net, order, memory_limit), "given", order)
-        return _race(net, (encode, *others), memory_limit, seed, edges)
+        return (yield from _race(net, (encode, *others), memory_limit, seed, edges))
     except MemoryLimit as error:
         raise LimitError(str(error)) from error
 
 
-def reach_briefly(net: PetriNet) -> SymbolicSpace | None:
-    """The markings of a 1-safe net without priorities, where few steps reach them; nothing else."""
-    if unsafe_at_start(net):
-        return None
-    from mcpn.space.diagrams.unsafe import refuse_unsafe
-
-    for candidate in islice(candidates(net, None), 2):
-        try:
-            space = close(Encoding(net, candidate[1], DEFAULT_MEMORY), *candidate, BRIEF)
-            refuse_unsafe(space)
-        except UnsafeError:
-            return None
-        except (BudgetExceeded, MemoryLimit):
-            continue
-        return space
-    return None
-
-
 def _race(
     net: PetriNet, encodes: Sequence[Encode], memory_limit: int, seed: int | None, edges: bool
-) -> SymbolicSpace:
+) -> Work[SymbolicSpace]:
     # Missions are larger than small nets and have orders that are seldom bad: fewer rounds do.
     first = FIRST_BUDGET_OF_MISSIONS if net.priorities else FIRST_BUDGET
     from mcpn.space.diagrams.runners import runners
@@ -285,7 +277,7 @@ def _race(
     limit: MemoryLimit | None = None
     for workers in sorted({min(cores(), MOST_WORKERS), 1}, reverse=True):  # one alone may have all the memory
         race = Race(runners(net, encodes, seed, memory_limit // workers, edges), memory_limit, workers, first)
-        winner = race.run()
+        winner = yield from race.rounds()
         if isinstance(winner, UnsafeError):
             raise winner
         if winner is not None:

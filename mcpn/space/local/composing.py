@@ -14,12 +14,12 @@ from collections.abc import Hashable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from mcpn.errors import LimitError, WorkersError
+from mcpn.errors import ConfluenceError, DivergenceError, LimitError, WorkersError
 from mcpn.net.compose import MissionNet
 from mcpn.net.forgetful import forgetful
 from mcpn.net.mortal import crashing_anytime, mortal
 from mcpn.net.petri import PetriNet
-from mcpn.net.sections import SectionParts, part_of
+from mcpn.net.sections import SectionParts, part_of, refuse_wide
 from mcpn.net.templates import TemplateSet
 from mcpn.net.templates.named import looks_at_no_names
 from mcpn.space.local.composite import CompositeSpace
@@ -31,7 +31,7 @@ from mcpn.space.local.sections import WholeNet
 from mcpn.space.markings.explicit import Progress
 from mcpn.space.stable.clash_words import in_mission_words
 from mcpn.space.stable.completion import MAX_STABLE_STATES
-from mcpn.space.stable.falsification import nearest_fault
+from mcpn.space.stable.falsification import FIRST_FIRINGS, nearest_fault
 from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
@@ -75,11 +75,12 @@ def composite_space(
     usage = mission_net.usage
     if usage.contentions and not may_die:
         step(Doing.FINDING_CLASH)
-        error = nearest_fault(mission_net.net)  # a clash near the start is found at once
-        if error is not None:
-            raise error
+        near = nearest_fault(mission_net.net, FIRST_FIRINGS)  # a clash near the start is found at once
+        if near is not None:
+            raise near
     alone = SectionParts(usage).alone
     parts = {section.name: alone(section) for section in mission_net.graph.sections}
+    refuse_wide(parts.values())
     renamable = looks_at_no_names(templates)
     first: dict[Hashable, str] = {}  # by type, its first section, which stands for it
     representative = {
@@ -113,7 +114,10 @@ def composite_space(
     if not may_die or mission_net.mission.crashes:
         if not renamable:
             refuse_open_junctions(composite)
-        refuse_nonconfluent(composite, {types[name]: known for name, known in explored.items()})
+        try:
+            refuse_nonconfluent(composite, {types[name]: known for name, known in explored.items()})
+        except (ConfluenceError, DivergenceError) as error:
+            raise nearest_fault(mission_net.net) or error from error
     return composite
 
 

@@ -183,9 +183,13 @@ class Glued:
     def leaving(self, into: Mapping[str, Zdd], within: CompositeSet, allowed: Filter) -> SectionSets:
         """States of a set with an event that leads out of their section, into another set."""
         sources = SectionSets()
-        for name in dict.fromkeys(stage for route in into for stage in self.into[route]):
+        if len(within.parts) == 1:  # a region of one section, which is most of them
+            names = [n for n in within.parts if not into.keys().isdisjoint(self.stages[n].routes.values())]
+        else:
+            names = [n for n in dict.fromkeys(s for r in into for s in self.into[r]) if n in within.parts]
+        for name in names:
             stage = self.stages[name]
-            if name in within.parts and stage.type.may_end(allowed(name).local):
+            if stage.type.may_end(allowed(name).local):
                 ends = self.ends_into(stage, into)
                 sources.add(name, stage.type.before_step(ends, allowed(name)) & within.of(name))
         return sources
@@ -204,12 +208,15 @@ class Glued:
         states: CompositeSet,
         transitions: Collection[int] | None = None,
         guards: Guards[CompositeSet] = None,
+        among: CompositeSet | None = None,
     ) -> CompositeSet:
         """States with an edge into some states."""
         allowed = self.filtered(transitions, guards)
-        sources = self.leaving(states.parts, self.everything, allowed)
+        within = self.everything if among is None else among
+        sources = self.leaving(states.parts, within, allowed)
         for name, part in states.parts.items():
-            sources.add(name, self.stages[name].back(part, allowed(name), self.everything.of(name)))
+            if name in within.parts:
+                sources.add(name, self.stages[name].back(part, allowed(name), within.of(name)))
         return CompositeSet(self, sources)
 
     def after(

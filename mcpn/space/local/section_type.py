@@ -256,7 +256,7 @@ class SectionType:
         most = max_states if self.part.once else self.size
         return direct(self.forgetful(kept)[0].net, proof=False, max_states=most)
 
-    def refuse_list(self, section: str, max_states: int, why: str) -> None:
+    def refuse_list(self, section: str, max_states: int, why: str, option: str = "--max-states") -> None:
         """Refuses to list more states than a limit, for a reason that the error names.
 
         Raises:
@@ -264,4 +264,4 @@ class SectionType:
         """
         if self.size > max_states:
             sentence = f"section {section} has {self.size:,} states: {why}"
-            raise LimitError(f"{sentence}, the limit is {max_states:,} (--max-states)")
+            raise LimitError(f"{sentence}, the limit is {max_states:,} ({option})")

@@ -93,11 +93,20 @@ class Searches:
         Returns:
             Runs to the goals that were met, by their index.
         """
+        return {goal: shortened(self.net, run) for goal, run in self._walked(goals, steps, seed, counts)}
+
+    def met(
+        self, goals: Sequence[Goal], *, steps: int, seed: int = 0, counts: Sequence[int] = ()
+    ) -> set[int]:
+        """The goals that :meth:`walk` meets, by index, where their runs are not asked for."""
+        return {goal for goal, _ in self._walked(goals, steps, seed, counts)}
+
+    def _walked(
+        self, goals: Sequence[Goal], steps: int, seed: int, counts: Sequence[int]
+    ) -> list[tuple[int, list[int]]]:
         encoded, roots = encode(goals, len(self.net.places))
-        runs = self.kernel.walk(
-            self.net.initial, encoded, roots, steps, self._length, seed, False, list(counts)
-        )
-        return {goal: shortened(self.net, run) for goal, run in runs}
+        length = max(self._length, 2 * sum(counts))
+        return self.kernel.walk(self.net.initial, encoded, roots, steps, length, seed, False, list(counts))
 
     def walk_unsafe(self, *, steps: int, seed: int = 0) -> UnsafeError | None:
         """Walks until a firing puts a second token in a place, if one does within so many steps.

@@ -241,10 +241,10 @@ class BigStepSpace(DiagramAlternatives):
             targets |= (states & where).images(events)
         return targets
 
-    def before(
+    def leading_into(
         self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
     ) -> Zdd:
-        """States with an edge into some states."""
+        """All states with an edge into some states."""
         free, guarded = self._asked(self._back, transitions, guards)
         sources = states.images(free, within=self.everything)
         for events, where in guarded:

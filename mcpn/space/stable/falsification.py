@@ -15,11 +15,17 @@ from mcpn.net.events import What
 from mcpn.net.petri import PetriNet
 from mcpn.space.markings.explicit import KernelNet
 from mcpn.space.markings.firing import mask_of, unsafe_after
-from mcpn.space.stable.completion import Walk, confluence_error, divergence_error, settled
+from mcpn.space.stable.completion import LEAST_TRANSIENT, Walk, confluence_error, divergence_error, settled
 from mcpn.space.stable.local_confluence import EndlessRun, Joining, Parting
 
 FIRINGS = 50_000
-"""Firings after which the search gives up; about a second."""
+"""Firings, and markings behind events, after which the search gives up; about a second."""
+
+FIRST_FIRINGS = 3_000
+"""The same for a first look, before anything is proved: it costs little where there is nothing to find."""
+
+PREPARING = 40
+"""Firings that are as much work as the kernel's preparation for one exploration behind an event."""
 
 WAYS = 30
 """Markings behind one event from which every order is tried."""
@@ -99,16 +105,19 @@ class _Search:
         return None if parting is None else self.parted(self.prefix, parting)
 
     def settle_by_rank(self, internal: KernelNet, marking: int, prefix: list[int]) -> SemanticsError | None:
-        """As :meth:`settle`, where internal transitions have ranks: every interleaving is explored."""
+        """As :meth:`settle`, where internal transitions have ranks: by enough interleavings to judge all."""
+        self.joining.firings += PREPARING
         walk = Walk(self.net)
         walk.marking[:] = [marking >> p & 1 for p in range(len(self.net.places))]
         walk.run[:] = prefix
         try:
-            exploration = settled(internal, walk.marking, orders="every", max_states=MOST_NEAR)
+            exploration = settled(internal, walk.marking, orders="enough", max_states=MOST_NEAR)
         except LimitError:  # too much behind this event to be near
-            exploration = None
-        if exploration is not None and exploration.trouble is not None:
-            return walk.fault(internal, exploration)
+            self.joining.firings += LEAST_TRANSIENT
+        else:
+            self.joining.firings += exploration.transient
+            if exploration.trouble is not None:
+                return walk.fault(internal, exploration)
         walk.settle()
         self.joining.firings += len(walk.run) - len(prefix)
         self.prefix, self.end = walk.run, mask_of(walk.marking)

@@ -45,7 +45,7 @@ def formulas(
 def text(formula: Written) -> str:
     """The formula in the language that is checked, every operator in parentheses."""
     operator, *operands = formula
-    if not _of_paths(formula):
+    if not speaks_of_paths(formula):
         return on_states.text(formula)
     if operator == "fires":
         return on_states.text(("enabled", *operands)).replace("enabled", "fires")
@@ -53,16 +53,17 @@ def text(formula: Written) -> str:
     return f"({operator} {inside[0]})" if len(inside) == 1 else f"({f' {operator} '.join(inside)})"
 
 
-def _of_paths(formula: Written) -> bool:
+def speaks_of_paths(formula: Written) -> bool:
+    """Whether a formula speaks of a path; else of one state."""
     operator, *operands = formula
     inside = [f for f in operands if isinstance(f, tuple)]
-    return operator in OF_PATHS or (operator in ("!", "&", "|", "->") and any(map(_of_paths, inside)))
+    return operator in OF_PATHS or (operator in ("!", "&", "|", "->") and any(map(speaks_of_paths, inside)))
 
 
 def read(formula: Written, net: PetriNet) -> Formula:
     """The formula on paths, as its operators make it."""
     operator, *operands = formula
-    if not _of_paths(formula):
+    if not speaks_of_paths(formula):
         return parse(on_states.text(formula), Names(net))
     if operator == "fires":
         return Happens(tuple(sorted({net.transition_index[name] for name in operands})))
@@ -90,7 +91,7 @@ def on_lasso(
         return found
 
     def of(f: Written) -> list[bool]:
-        if not _of_paths(f):
+        if not speaks_of_paths(f):
             states = on_states.satisfying(f, net, edges)
             return [marking in states for marking, _ in run]
         operator, *operands = f
@@ -217,14 +218,14 @@ def satisfying(
 
 
 def _leaves(formula: Written) -> list[Written]:
-    if not _of_paths(formula):
+    if not speaks_of_paths(formula):
         return [formula]
     return [leaf for f in formula[1:] if isinstance(f, tuple) for leaf in _leaves(f)]
 
 
 def promises(formula: Written) -> list[Written]:
     """What is said of the rest of a path: operators, each as often as it stands there."""
-    if not _of_paths(formula):
+    if not speaks_of_paths(formula):
         return []
     inside = [p for f in formula[1:] if isinstance(f, tuple) for p in promises(f)]
     return [*inside, *([formula] if formula[0] in "XFGURW" else [])]

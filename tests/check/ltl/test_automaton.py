@@ -15,10 +15,12 @@ from mcpn.check.logic.names import Names
 from mcpn.check.logic.syntax import parse_open
 from mcpn.check.logic.writing import show
 from mcpn.check.ltl.automaton import translated
-from mcpn.check.ltl.formulas import normal
+from mcpn.check.ltl.formulas import Next, always, eventually, normal
 from mcpn.check.ltl.hoa import classes, write_hoa
+from mcpn.errors import LimitError
 from mcpn.net.petri import NetBuilder
 from mcpn.space.components import strongly_connected
+from mcpn.space.search.goal import And, Formula, Not, Or, marked
 from tests.check.ltl.translators import (
     LETTERS,
     OURS,
@@ -117,6 +119,28 @@ def test_automata_are_printed(tmp_path: Path) -> None:
     printed = mcpn("ask", net, "G (on -> F off)", "--hoa")
     assert printed.returncode == 0
     assert printed.stdout.startswith('HOA: v1\nname: "G (on -> F off)"\n')
-    assert 'AP: 2 "off" "on"' in printed.stdout
+    assert 'AP: 2 "on" "off"' in printed.stdout
     assert 'mcpn.classes: "recurrence" "stutter-insensitive"' in printed.stdout
     assert printed.stdout.endswith("--END--\n")
+
+
+@pytest.mark.parametrize("levels", [1, 5, 40])
+@pytest.mark.parametrize("distinct", [False, True])
+@pytest.mark.parametrize("wanted", [False, True])
+def test_nested_sequences_grow_by_one_state_a_level(levels: int, distinct: bool, wanted: bool) -> None:
+    """``F (p & X F (...))`` and its negation: twice as many steps with each level, before."""
+    formula: Formula = marked(0)
+    for level in range(levels):
+        formula = eventually(And(marked(1 + level * distinct), Next(formula)))
+    automaton = translated(normal(formula, wanted))
+    assert len(automaton.edges) == levels + 1 + wanted
+    assert sum(map(len, automaton.edges)) == 2 * (levels + 1)
+
+
+def test_an_automaton_that_takes_too_many_steps_is_refused() -> None:
+    conjuncts = [always(eventually(marked(place))) for place in range(12)]
+    with pytest.raises(LimitError, match=r"the automaton of a formula on paths .*: the limit was hit"):
+        translated(normal(And(*conjuncts)))
+    other = Or(Not(And(*conjuncts)), always(eventually(marked(90))))
+    with pytest.raises(LimitError, match="takes more than 15,000,000 steps to build: the limit was hit"):
+        translated(normal(other, wanted=False))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
@@ -9,9 +10,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from mcpn.net.formats import read_net
-from mcpn.net.petri import NetBuilder
+from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.net.reduce.reduction import reduce_for_deadlock
-from mcpn.space.search.equation import StateEquation
+from mcpn.space.search.equation import Proof, StateEquation
 from mcpn.space.search.goal import DEADLOCK, And, AtMost, Goal, marked
 from mcpn.space.search.searches import Searches
 from tests.space.search.goals import all_markings, goals, is_goal, negated
@@ -36,6 +37,90 @@ def test_nothing_reachable_is_ruled_out(data: st.DataObject) -> None:
                     assert t in net.enabled(marking)
                     marking = net.fire(marking, t)
                 assert is_goal(goal, net, marking)
+
+
+def assert_proved(proof: Proof, net: PetriNet, weights: dict[int, int], bound: Fraction) -> None:
+    """The rows are those of the net and its traps, and the multipliers prove the bound, all in fractions."""
+    effects = [{p: after - before for p, (before, after) in arcs.items()} for arcs in arcs_of(net)]
+    first = len(net.transitions)
+    factors = [Fraction(m, proof.common) for m in proof.multipliers]
+    total = [Fraction(weights.get(p, 0)) for p in range(len(net.places))]
+    columns, left = [Fraction(0)] * len(proof.lower), Fraction(0)
+    for number, (factor, (row, least, most)) in enumerate(zip(factors, proof.rows, strict=True)):
+        if number < len(net.places):  # the equation: initial tokens, what firings add, less the tokens
+            assert least == most == -net.initial[number]
+            changed = {t: effect[number] for t, effect in enumerate(effects) if effect.get(number)}
+            assert row == {**changed, first + number: -1}
+        end_of_row = least if factor > 0 else most
+        if factor:
+            left -= factor * Fraction(end_of_row)
+            for variable, weight in row.items():
+                columns[variable] += factor * weight
+    for place, own in enumerate(total):
+        columns[first + place] += own
+    for variable, column in enumerate(columns):
+        if column:
+            left += column * Fraction(proof.upper[variable] if column > 0 else proof.lower[variable])
+    assert left <= bound
+
+
+def arcs_of(net: PetriNet) -> list[dict[int, tuple[int, int]]]:
+    """By transition, the places with what it takes and what it puts."""
+    return [
+        {
+            p: (dict(t.consume).get(p, 0), dict(t.produce).get(p, 0))
+            for p in {place for place, _ in (*t.consume, *t.produce)}
+        }
+        for t in net.transitions
+    ]
+
+
+@given(st.data())
+def test_whatever_is_ruled_out_is_proved_in_fractions(data: st.DataObject) -> None:
+    net = data.draw(PLAIN_NETS)
+    found = StateEquation(net).solve(data.draw(goals(net) | st.just(DEADLOCK)))
+    assert bool(found.proofs) == (found.kind == "unreachable")
+    for proof in found.proofs:
+        assert_proved(proof, net, {}, Fraction(-1, 10**9))
+
+
+@given(st.data())
+def test_a_ceiling_is_proved_in_fractions_and_holds(data: st.DataObject) -> None:
+    net = data.draw(PLAIN_NETS)
+    markings = all_markings(net)
+    equation = StateEquation(net)
+    places = st.integers(0, len(net.places) - 1)
+    for weights in data.draw(st.lists(st.dictionaries(places, st.integers(1, 3)), max_size=3)):
+        found = equation.most(weights)
+        if found.bound is None:
+            continue
+        assert found.proof is not None
+        assert_proved(found.proof, net, weights, Fraction(found.bound + 1) - Fraction(1, 10**9))
+        for marking in markings or ():
+            assert sum(w * marking[p] for p, w in weights.items()) <= found.bound
+
+
+def test_an_invariant_bounds_the_sum_of_its_places() -> None:
+    net = mutual_exclusion().build()
+    equation = StateEquation(net)
+    assert equation.most({net.place_index["a_in"]: 1, net.place_index["b_in"]: 1}).bound == 1
+    assert equation.most({net.place_index["a_in"]: 2, net.place_index["b_in"]: 3}).bound == 3
+    assert equation.most({net.place_index["a_out"]: 1, net.place_index["b_out"]: 1}).bound == 2
+
+
+def test_tokens_of_any_size_are_bounded_exactly() -> None:
+    builder = NetBuilder("stock")
+    builder.place("stock", initial=999_999_999)
+    builder.place("packed")
+    builder.transition("pack", consume={"stock": 7}, produce={"packed": 3})
+    assert StateEquation(builder.build()).most({1: 1}).bound == 428571428
+
+
+def test_what_grows_has_no_ceiling() -> None:
+    builder = NetBuilder("spring")
+    builder.place("water")
+    builder.transition("rise", produce=["water"])
+    assert StateEquation(builder.build()).most({0: 1}).bound is None
 
 
 @given(st.data())

@@ -1,0 +1,175 @@
+"""Engines side by side, on a file or along a family of nets; two sets of templates on one mission."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from mcpn.cli.shared import (
+    EXIT_FAILED,
+    FILE,
+    emit_json,
+    import_option,
+    json_option,
+    limit_option,
+    without_threads_of_numpy,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from mcpn.check.compare import Measured
+
+
+@click.command()
+@click.argument("file", type=FILE, required=False)
+@click.option(
+    "--family",
+    nargs=2,
+    metavar="NAME SIZES",
+    help="Instead of FILE, the nets of a family that grow: philosophers 5..100, or 5..100..5 in steps of 5.",
+)
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(["text", "csv", "latex", "json"]),
+    default="text",
+    help="How the table is written.",
+)
+@click.option(
+    "--repeat",
+    type=click.IntRange(1, 1000),
+    default=1,
+    help="Run each engine so often: the least and the median are told.",
+)
+@click.option(
+    "--seconds",
+    type=click.FloatRange(0.001, 86400),
+    default=60.0,
+    show_default=True,
+    help="Wall-clock limit on each run.",
+)
+@click.option(
+    "--plot",
+    type=FILE,
+    help="Write a plot of seconds, memory and nodes: .svg or .png (needs mcpn[experiments]).",
+)
+@click.option(
+    "--templates",
+    "sets",
+    nargs=2,
+    metavar="SET SET",
+    help="Compare two sets of templates on a mission, instead of engines: paper, compact, or MODULE:NAME.",
+)
+@limit_option
+@import_option
+@json_option
+def compare(
+    file: Path | None,
+    family: tuple[str, str] | None,
+    form: str,
+    repeat: int,
+    seconds: float,
+    plot: Path | None,
+    sets: tuple[str, str] | None,
+    max_states: int | None,
+    import_root: Path | None,
+    as_json: bool,
+) -> None:
+    """Run every engine on FILE, a mission or a net, side by side; exit code 1 if they disagree.
+
+    With a family: on its nets as they grow, with how CPU time grows. With two sets of templates: whether the
+    mission behaves the same with both, event by event.
+    """
+    from mcpn.check.compare import disagreement, measure
+    from mcpn.opening import open_study
+
+    form = "json" if as_json else form
+    if (file is None) == (family is None):
+        raise click.UsageError("expected a FILE, or --family NAME SIZES, and not both")
+    if sets:
+        if file is None or plot is not None or form not in ("text", "json"):
+            raise click.UsageError("--templates takes a mission, and neither --plot nor a table's --format")
+        _compare_sets(file, sets, max_states, import_root, form == "json")
+        return
+    if plot is not None:
+        from mcpn.report.pictures.plots import ready
+
+        ready(plot)
+    if family is not None:
+        members = _members(*family, max_states, seconds, repeat)
+    else:
+        assert file is not None
+        study = open_study(file, import_root=import_root)
+        subject = study.net if study.is_net else study.mission_net.mission
+        members = [measure(subject, max_states=max_states, seconds=seconds, repeats=repeat)]
+    if plot is not None:
+        from mcpn.report.pictures.plots import save_engines
+
+        save_engines(plot, members)
+    error = next((e for member in members if (e := disagreement(member.engines)) is not None), None)
+    from mcpn.report.comparison import comparison_object, print_comparison, table
+
+    if form == "json":
+        emit_json(comparison_object(members, error))
+    elif form == "text":
+        print_comparison(members)
+    else:
+        click.echo(table(members, form), nl=False)
+    if error is not None:
+        if form == "json":
+            sys.exit(EXIT_FAILED)
+        raise error
+
+
+def _members(
+    name: str, sizes: str, max_states: int | None, seconds: float, repeat: int
+) -> Sequence[Measured]:
+    from mcpn.check.compare import grown
+    from mcpn.testing.nets import FAMILIES
+
+    if (family := FAMILIES.get(name)) is None:
+        raise click.UsageError(f"found the family {name!r}, expected one of {', '.join(sorted(FAMILIES))}")
+    if (found := re.fullmatch(r"(\d{1,9})(?:\.\.(\d{1,9})(?:\.\.(\d{1,9}))?)?", sizes)) is None:
+        raise click.UsageError(f"found the sizes {sizes!r}, expected FIRST..LAST or FIRST..LAST..STEP")
+    first, last, step = int(found[1]), int(found[2] or found[1]), int(found[3] or 1)
+    if first < family.least or last < first or step < 1:
+        raise click.UsageError(
+            f"found the sizes {sizes!r}, expected sizes of {name} that grow from {family.least}"
+        )
+    nets = ((size, family.net(size)) for size in range(first, last + 1, step))
+    return list(grown(nets, max_states=max_states, seconds=seconds, repeats=repeat))
+
+
+def _compare_sets(
+    file: Path, names: tuple[str, str], max_states: int | None, import_root: Path | None, as_json: bool
+) -> None:
+    from dataclasses import asdict
+
+    from mcpn.check.likeness import likeness_of
+    from mcpn.net.templates.named import templates_named
+    from mcpn.opening import open_study
+    from mcpn.report.text import print_likeness
+
+    without_threads_of_numpy()
+    sets = [templates_named(name) for name in names]
+    studies = [open_study(file, import_root=import_root, templates=templates) for templates in sets]
+    one, other = (study.spaces for study in studies)
+    found = likeness_of(one, other, names=names, max_states=max_states)
+    if as_json:
+        parted = found.difference
+        sizes = [{"templates": name} | asdict(of) for name, of in zip(names, found.sizes, strict=True)]
+        told = parted and {
+            "events": [str(event) for event in parted.events],
+            "message": parted.message,
+            "firings": parted.firings,
+        }
+        emit_json({"sets": sizes, "same": parted is None, "isomorphic": found.isomorphic, "difference": told})
+    else:
+        print_likeness(found, names, studies[0].mission_net.mission.name)
+    if found.difference is not None:
+        sys.exit(EXIT_FAILED)

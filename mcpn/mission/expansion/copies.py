@@ -1,0 +1,250 @@
+"""What names stand for: one home for which blocks are copies of one that is written once.
+
+A block is written once and stands in the mission many times: its rounds, tries, runs and values, its copies
+that are run while others pause or recover, and all of these in each use of its protocol. Flattening notes
+where every objective stands (:class:`Standing`), and :class:`Copies` answers from that alone which of them a
+name means, and by which name all copies of one are told together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import accumulate
+from typing import TypeAlias, TypeVar
+
+from mcpn.sentences import shortened
+
+Written: TypeAlias = tuple[str, str]
+"""The text that holds a block (a protocol by name; empty for the mission itself), and its name there."""
+Path: TypeAlias = tuple[str, ...]
+"""A block in one use of its text: the blocks that use protocols around it, then the block, as written."""
+
+T = TypeVar("T")
+K = TypeVar("K")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Standing:
+    """A block in its place, or one copy of it.
+
+    Args:
+        prefix: Qualifies its name.
+        block: Its name as written.
+        suffixes: Tell the copy from others, the outermost first.
+        around: The block that it stands in; ``None`` for a block of the mission itself.
+        protocol: What it uses; empty for a block of another kind.
+    """
+
+    prefix: str
+    block: str
+    suffixes: tuple[str, ...] = ()
+    around: Standing | None = None
+    protocol: str = ""
+
+    @property
+    def names(self) -> Iterator[str]:
+        """Its unqualified name as written, then with one suffix more at a time; the last is its own."""
+        return accumulate(self.suffixes, "{}_{}".format, initial=self.block)
+
+    @property
+    def chain(self) -> Iterator[Standing]:
+        """Itself, then the blocks around it."""
+        here: Standing | None = self
+        while here is not None:
+            yield here
+            here = here.around
+
+    @property
+    def path(self) -> Path:
+        """The block, whatever copy of it or of the blocks around this is."""
+        _, *around = self.chain
+        return *(each.block for each in reversed(around) if each.protocol), self.block
+
+    def says(self, parts: list[str], within: str = "") -> int | None:
+        """Whether a name says it: its own name, which the blocks around it may qualify, suffixes left out.
+
+        Args:
+            parts: The name, taken apart.
+            within: What stands before all names of the use of a protocol that the name is written in.
+
+        Returns:
+            How many uses of protocols the name leaves out, the outermost; ``None`` if it says something else.
+        """
+        left, omitted = list(parts), 0
+        for each in self.chain:
+            if within and each.protocol and f"{each.prefix}{[*each.names][-1]}." == within:
+                return None if left else omitted
+            if left and left[-1] in each.names:
+                left.pop()
+            elif each is self or (left and each.protocol):
+                return None
+            elif each.protocol:
+                omitted += 1
+        return None if left or within else omitted
+
+
+class Copies:
+    """Tells the copies of the blocks of a mission apart from what is written.
+
+    Attributes:
+        objectives: By name where each elementary objective stands, those that no route reaches too.
+    """
+
+    def __init__(self) -> None:
+        self.objectives: dict[str, Standing] = {}
+
+    # --- what a name means ---
+
+    def meant(self, name: str, within: str = "") -> list[str]:
+        """The objectives that a name means: all copies of one that is written.
+
+        Args:
+            name: As written, or of some of the copies (``visit_3``, all tries of it); the blocks around it
+                qualify it, as they are written or as copies of them are called. Uses of protocols may be
+                left out where one objective is meant all the same.
+            within: What stands before all names of the use of a protocol in which the name is written; there
+                it is looked for first.
+
+        Returns:
+            Their names; none where the name says no objective, or several.
+        """
+        leaves = {id(standing): name for name, standing in self.objectives.items()}
+        return [leaves[id(each)] for each in self._said(name, within, leaves)]
+
+    def inside(self, name: str, within: str = "") -> list[str]:
+        """The objectives in a block that a name means, in all copies of it; arguments as of :meth:`meant`."""
+        blocks = {id(each) for each in self._said(name, within)}
+        return [leaf for leaf, of in self.objectives.items() if any(id(each) in blocks for each in of.chain)]
+
+    def _said(self, name: str, within: str, among: Collection[int] | None = None) -> list[Standing]:
+        """What a name says, in the use of a protocol that it is written in, else in the whole mission."""
+        parts = name.split(".")
+        for text in dict.fromkeys((within, "")):
+            full, loose = dict[Path, list[Standing]](), dict[Path, list[Standing]]()
+            for each in self._by_last.get(parts[-1], ()):
+                omitted = None if among is not None and id(each) not in among else each.says(parts, text)
+                if omitted is not None:
+                    (loose if omitted else full).setdefault(each.path, []).append(each)
+            for found in (full, loose):
+                exact = {path: these for path, these in found.items() if path[-1] == parts[-1]} or found
+                if len(exact) == 1:
+                    return next(iter(exact.values()))
+        return []
+
+    def plain(self, name: str) -> str:
+        """The one name that means all copies of a block; uses of protocols still qualify it.
+
+        Args:
+            name: Of an objective, a block or a branch; or of something else in a text, whose last part is
+                kept as it is.
+        """
+        if name in self._blocks:
+            return self._plain[self._blocks[name].path]
+        around, dot, last = name.rpartition(".")
+        return f"{self.plain(around)}.{last}" if dot else name
+
+    def written(self, name: str) -> Written:
+        """Where the block of this name is written.
+
+        Args:
+            name: Of an objective, a block or a branch.
+        """
+        here, *around = self._blocks[name].chain
+        return next((each.protocol for each in around if each.protocol), ""), here.block
+
+    @cached_property
+    def held(self) -> dict[str, tuple[str, ...]]:
+        """By name of a block the objectives that it holds, at any depth, in document order.
+
+        An objective holds itself. A block with copies stands beside them, and holds what they hold.
+        """
+        found: dict[str, list[str]] = {}
+        for objective, standing in self.objectives.items():
+            for each in standing.chain:
+                for name in each.names:
+                    found.setdefault(f"{each.prefix}{name}", []).append(objective)
+        return {name: tuple(objectives) for name, objectives in found.items()}
+
+    # --- sentences ---
+
+    def told(self, names: Iterable[str], every: Iterable[str]) -> list[str]:
+        """Names in a sentence; where all copies of one are among them, they are one.
+
+        Args:
+            names: What is spoken of.
+            every: All names of their sort.
+        """
+        here, found = grouped(dict.fromkeys(names), self.plain), list[str]()
+        whole = grouped(every, self.plain) if any(len(of) > 1 for of in here.values()) else {}
+        for plain, of in here.items():
+            copies = {name for name in whole.get(plain, ()) if name not in self.wholes}
+            together = len(of) > 1 and copies == {name for name in of if name not in self.wholes}
+            found += [f"{plain} (all {len(copies)})"] if together else of
+        return found
+
+    def subject(self, kind: str, names: Collection[str], every: Iterable[str]) -> tuple[str, bool]:
+        """What a sentence speaks of ("objectives north.fly, south.fly"), and whether that is plural.
+
+        Args:
+            kind: "objective", "block", and so on.
+            names: The names of those of that kind.
+            every: All names of their sort.
+        """
+        told = self.told(names, every)
+        return f"{kind if len(told) == 1 else f'{kind}s'} {shortened(told)}", len(told) > 1
+
+    # --- what is known of all ---
+
+    @cached_property
+    def _by_last(self) -> dict[str, list[Standing]]:
+        """By each unqualified name, with some or all suffixes, what it may say."""
+        found: dict[str, list[Standing]] = {}
+        for standing in self._standings:
+            for name in standing.names:
+                found.setdefault(name, []).append(standing)
+        return found
+
+    @cached_property
+    def _blocks(self) -> dict[str, Standing]:
+        """By name every block and copy of one, those that stand for several copies too."""
+        found: dict[str, Standing] = {}
+        for standing in self._standings:
+            for name in standing.names:
+                found.setdefault(f"{standing.prefix}{name}", standing)
+        return found
+
+    @cached_property
+    def _standings(self) -> list[Standing]:
+        found: dict[int, Standing] = {}
+        for objective in self.objectives.values():
+            for each in objective.chain:
+                if id(each) in found:
+                    break
+                found[id(each)] = each
+        return [*found.values()]
+
+    @cached_property
+    def wholes(self) -> set[str]:
+        """Names of blocks that stand for several copies, and of no copy by itself."""
+        copies = {f"{each.prefix}{[*each.names][-1]}" for each in self._standings}
+        return self._blocks.keys() - copies
+
+    @cached_property
+    def _plain(self) -> dict[Path, str]:
+        """By block the name that means all of its copies: qualified by what qualifies each of them."""
+        shown: dict[Path, list[str]] = {}
+        for standing in self._standings:
+            _, *around = standing.chain
+            own = [each.block for each in reversed(around) if each.protocol or each.suffixes]
+            shown[standing.path] = [name for name in shown.get(standing.path, own) if name in own]
+        return {path: ".".join((*around, path[-1])) for path, around in shown.items()}
+
+
+def grouped(these: Iterable[T], by: Callable[[T], K]) -> dict[K, list[T]]:
+    """Things by what they have in common, in the order in which they come."""
+    found: dict[K, list[T]] = {}
+    for each in these:
+        found.setdefault(by(each), []).append(each)
+    return found

@@ -1,0 +1,65 @@
+"""Requirements on missions in which names mean copies, against an interpreter that draws no net."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from hypothesis import event, given
+from hypothesis import strategies as st
+
+from mcpn.check.engines import Choice, Engine
+from mcpn.check.requirements import answer_requirements, asked_of
+from mcpn.check.spaces import spaces_of
+from mcpn.errors import LimitError, SemanticsError
+from mcpn.mission.flatten import flatten
+from mcpn.mission.model import Mission
+from mcpn.mission.requirement import Requirement
+from mcpn.net.compose import compose
+from tests.draws import fewer
+from tests.judge.asked import Claim, Runs, claims
+from tests.judge.drawn import LED
+from tests.judge.interpreter import Undetermined
+from tests.judge.named import ambiguous, meant
+from tests.shares import returns_early
+
+MOST_STATES = 300
+SHARED = LED.filter(lambda mission: bool(ambiguous(mission)))
+"""Siblings that are reached by routes and by pauses or recoveries too."""
+ASKED = 8
+"""Requirements of one mission."""
+
+
+def asked(mission: Mission, data: st.DataObject) -> list[Claim]:
+    """What is claimed of a drawn mission; none where it cannot be played, or is large."""
+    try:
+        runs = Runs(mission, MOST_STATES)
+    except (Undetermined, OverflowError) as error:
+        returns_early(type(error).__name__)
+        return []
+    reached = {objective.name for objective in flatten(mission).walk()}
+    known = {".".join(path): frozenset(copies) for path, copies in meant(mission).items() if copies & reached}
+    shared = [name for name in ambiguous(mission) if name in known]
+    event(f"a name of one and of all: {bool(shared)}")
+    x = data.draw(st.sampled_from(sorted(shared or known)))
+    y = data.draw(st.sampled_from(sorted(known)))
+    every = [*claims(runs, x, known[x], y, known[y])]
+    return data.draw(st.permutations(every))[:ASKED]
+
+
+@fewer(0.5)
+@given(LED | SHARED, st.sampled_from(["explicit", "symbolic", "local"]), st.data())
+def test_requirements_are_met_as_the_interpreter_finds(
+    mission: Mission, engine: Engine, data: st.DataObject
+) -> None:
+    if not (claimed := asked(mission, data)):
+        return
+    said = tuple(Requirement(name=f"r{i}", formula=claim.formula) for i, claim in enumerate(claimed))
+    mission_net = compose(replace(mission, requirements=said))
+    try:
+        space, _ = spaces_of(mission_net).stable(Choice(engine))
+    except (SemanticsError, LimitError) as error:
+        returns_early(type(error).__name__)
+        return
+    answers = answer_requirements(mission_net, asked_of(mission_net), space)
+    for claim, answer in zip(claimed, answers, strict=True):
+        assert answer.holds is claim.so, claim.formula

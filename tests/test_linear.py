@@ -1,0 +1,159 @@
+"""Patterns that meet text from outside take time in proportion to its length."""
+
+from __future__ import annotations
+
+import ast
+import re
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib import import_module
+from itertools import product
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+import pytest
+from lxml import etree
+
+from mcpn.errors import InputError
+from mcpn.mission.language import datatypes
+from mcpn.mission.language.datatypes import Datatype
+from mcpn.mission.language.grammar import _data
+from mcpn.mission.xml import read_mission
+from tests.conftest import ROOT
+
+LENGTH = 30_000
+"""Characters of a run. A quadratic pattern takes some 10^9 steps of them, a linear one some 10^5."""
+
+SECONDS = 2.0
+"""Of CPU time: far above what 10^5 steps take on any machine, and below 10^9."""
+
+UNITS = (
+    *(" ", "\t", "\n", "a", "7", "_", ".", "-", "!", "=", "(", ")", "[", "]", "{", "}", '"', "\\", "<", ":"),
+    *("a ", "a.", "a=", "[a", "a(", "done(", "OBJ_", "fact(", "P1", "a _EV_ ", "--a: ", "@media{", "e+"),
+)  # fmt: skip
+BEFORE = ("", "a", "done(", "P1DT", "1.", "a='")
+BEHIND = ("!", " ]x")
+
+
+class TooLong(Exception):
+    """A text took more time than a linear pattern needs."""
+
+
+@contextmanager
+def cpu_limit(seconds: float) -> Iterator[None]:
+    def late(_signal: int, _frame: FrameType | None) -> None:
+        raise TooLong
+
+    before = signal.signal(signal.SIGVTALRM, late)
+    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
+        signal.signal(signal.SIGVTALRM, before)
+
+
+SEARCHES = ("search", "findall", "finditer", "split", "sub")
+"""Functions that look for a pattern at each place of a text."""
+
+
+def patterns() -> Iterator[tuple[str, re.Pattern[str], bool]]:
+    """The patterns of each module, and whether they are looked for at each place of a text."""
+    for path in sorted((ROOT / "mcpn").rglob("*.py")):
+        text = path.read_text()
+        if "import re\n" not in text:
+            continue
+        module = import_module(".".join(path.relative_to(ROOT).with_suffix("").parts))
+        calls = [
+            (node.func.value.id, node.func.attr, node.args)
+            for node in ast.walk(ast.parse(text))
+            if isinstance(node, ast.Call)
+            and isinstance(node.func, ast.Attribute)
+            and isinstance(node.func.value, ast.Name)
+        ]
+        for name, value in vars(module).items():
+            if isinstance(value, re.Pattern):
+                yield (
+                    f"{module.__name__}.{name}",
+                    value,
+                    any((name, way) in {c[:2] for c in calls} for way in SEARCHES),
+                )
+        for of, way, given in calls:
+            if (
+                of == "re"
+                and way != "compile"
+                and given
+                and isinstance(given[0], ast.Constant)
+                and isinstance(given[0].value, str)
+            ):
+                yield f"{module.__name__} {given[0].value}", re.compile(given[0].value), way in SEARCHES
+
+
+DATATYPES = {value.name: value for value in vars(datatypes).values() if isinstance(value, Datatype)}
+PATTERNS = {name: (pattern, searched) for name, pattern, searched in patterns()}
+
+
+def texts() -> Iterator[str]:
+    for before, unit, behind in product(BEFORE, UNITS, BEHIND):
+        yield before + unit * (LENGTH // len(unit)) + behind
+
+
+def test_patterns_are_found() -> None:
+    assert len(DATATYPES) > 20
+    assert len(PATTERNS) > 30
+    assert any("syntax" in name for name in PATTERNS)
+
+
+@pytest.mark.parametrize("datatype", DATATYPES.values(), ids=DATATYPES)
+def test_datatypes_read_long_runs(datatype: Datatype) -> None:
+    for text in texts():
+        with cpu_limit(SECONDS):
+            datatype.matches(text)
+
+
+@pytest.mark.parametrize("datatype", DATATYPES.values(), ids=DATATYPES)
+def test_the_schema_reads_long_runs(datatype: Datatype) -> None:
+    """libxml2 matches the same patterns, and as the same."""
+    root = etree.Element("{http://relaxng.org/ns/structure/1.0}element", name="x")
+    root.set("datatypeLibrary", "http://www.w3.org/2001/XMLSchema-datatypes")
+    root.append(_data(datatype))
+    validator = etree.RelaxNG(root)
+    for text in texts():
+        element = etree.Element("x")
+        element.text = text
+        with cpu_limit(SECONDS):
+            fits = validator.validate(element)
+        assert fits == datatype.matches(text)
+
+
+@pytest.mark.parametrize(("pattern", "searched"), PATTERNS.values(), ids=PATTERNS)
+def test_patterns_read_long_runs(pattern: re.Pattern[Any], searched: bool) -> None:
+    for run in texts():
+        text = run.encode() if isinstance(pattern.pattern, bytes) else run
+        with cpu_limit(SECONDS):
+            pattern.fullmatch(text)
+        if searched:
+            with cpu_limit(SECONDS):
+                for _ in pattern.finditer(text):
+                    pass
+
+
+@pytest.mark.parametrize("attribute", ["consumes", "produces"])
+def test_names_and_spaces_in_a_file(tmp_path: Path, attribute: str) -> None:
+    """They took 10 s at this length, and time as its square."""
+    path = tmp_path / "m.xml"
+    path.write_text(
+        '<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r"><hardware name="H"/>\n'
+        f'<activity name="a" {attribute}="{" " * LENGTH}!"/></robot>\n'
+        '<objective name="o" activities="a"/></mission>'
+    )
+    with cpu_limit(SECONDS), pytest.raises(InputError, match=f"{path}:2:.*names of letters, digits and _"):
+        read_mission(path)
+
+
+@pytest.mark.parametrize("name", ["quadratic_names.xml"])
+def test_a_mission_that_was_slow(faults: Path, name: str) -> None:
+    with cpu_limit(SECONDS), pytest.raises(InputError, match="names of letters, digits and _"):
+        read_mission(faults / name)
