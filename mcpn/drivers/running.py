@@ -248,8 +248,8 @@ class RobotRun:
                 self._told(str(started), f"{what} is done")
 
         waiting: list[str] = []
-        changes = {started.name, *row["produces"], *(consumed - software)}
-        return self._turns.begin(done, changes, consumed & software, waits)
+        changes = dict.fromkeys((started.name, *row["produces"], *sorted(consumed - software)))
+        return self._turns.begin(done, changes, sorted(consumed & software), waits)
 
     def _start(self, name: str) -> None:
         chosen = self._chosen[name]

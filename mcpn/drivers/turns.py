@@ -33,16 +33,18 @@ class Turns:
 
         Args:
             work: What is to be done.
-            changes: What it alone may have meanwhile.
+            changes: What it alone may have meanwhile; what is waited for is told by the first that names it.
             uses: What others may use at the same time, and nobody may change.
             waits: Called with what it has to wait for, if that takes long.
         """
         before: dict[asyncio.Task[None], str] = {}
         for name in (*changes, *uses):
             if (task := self._changes.get(name)) is not None and not task.done():
-                before[task] = name
+                before.setdefault(task, name)
         for name in changes:
-            before |= {task: name for task in self._uses.pop(name, ()) if not task.done()}
+            for task in self._uses.pop(name, ()):
+                if not task.done():
+                    before.setdefault(task, name)
 
         async def turn() -> None:
             if before:
