@@ -30,8 +30,9 @@ ULYSSE = ROOT / "experiments" / "ulysse" / "mission.xml"
 
 
 def interruptible() -> None:
-    """For ``preexec_fn``: a child that hears Ctrl-C, also where the tests are a background job."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    """For ``preexec_fn``: a child that hears the signals that a background job or ``nohup`` ignores."""
+    for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
 
 
 _quiet = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much]

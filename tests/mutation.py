@@ -23,11 +23,11 @@ SECONDS = 20
 
 
 @contextlib.contextmanager
-def at_most(seconds: int) -> Iterator[None]:
+def at_most(seconds: float) -> Iterator[None]:
     """Raises where the body takes more seconds of CPU time."""
 
     def late(_signal: int, _frame: FrameType | None) -> None:
-        raise TimeoutError(f"longer than {seconds} s of CPU time")
+        raise TimeoutError(f"longer than {seconds:g} s of CPU time")
 
     before = signal.signal(signal.SIGPROF, late)
     signal.setitimer(signal.ITIMER_PROF, seconds)

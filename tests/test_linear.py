@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import ast
 import re
-import signal
 from collections.abc import Iterator
-from contextlib import contextmanager
 from importlib import import_module
 from itertools import product
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 import pytest
@@ -22,6 +19,7 @@ from mcpn.mission.language.datatypes import Datatype
 from mcpn.mission.language.grammar import _data
 from mcpn.mission.xml import read_mission
 from tests.conftest import ROOT
+from tests.mutation import at_most
 
 LENGTH = 30_000
 """Characters of a run. A quadratic pattern takes some 10^9 steps of them, a linear one some 10^5."""
@@ -35,24 +33,6 @@ UNITS = (
 )  # fmt: skip
 BEFORE = ("", "a", "done(", "P1DT", "1.", "a='")
 BEHIND = ("!", " ]x")
-
-
-class TooLong(Exception):
-    """A text took more time than a linear pattern needs."""
-
-
-@contextmanager
-def cpu_limit(seconds: float) -> Iterator[None]:
-    def late(_signal: int, _frame: FrameType | None) -> None:
-        raise TooLong
-
-    before = signal.signal(signal.SIGVTALRM, late)
-    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
-        signal.signal(signal.SIGVTALRM, before)
 
 
 SEARCHES = ("search", "findall", "finditer", "split", "sub")
@@ -109,7 +89,7 @@ def test_patterns_are_found() -> None:
 @pytest.mark.parametrize("datatype", DATATYPES.values(), ids=DATATYPES)
 def test_datatypes_read_long_runs(datatype: Datatype) -> None:
     for text in texts():
-        with cpu_limit(SECONDS):
+        with at_most(SECONDS):
             datatype.matches(text)
 
 
@@ -123,7 +103,7 @@ def test_the_schema_reads_long_runs(datatype: Datatype) -> None:
     for text in texts():
         element = etree.Element("x")
         element.text = text
-        with cpu_limit(SECONDS):
+        with at_most(SECONDS):
             fits = validator.validate(element)
         assert fits == datatype.matches(text)
 
@@ -132,10 +112,10 @@ def test_the_schema_reads_long_runs(datatype: Datatype) -> None:
 def test_patterns_read_long_runs(pattern: re.Pattern[Any], searched: bool) -> None:
     for run in texts():
         text = run.encode() if isinstance(pattern.pattern, bytes) else run
-        with cpu_limit(SECONDS):
+        with at_most(SECONDS):
             pattern.fullmatch(text)
         if searched:
-            with cpu_limit(SECONDS):
+            with at_most(SECONDS):
                 for _ in pattern.finditer(text):
                     pass
 
@@ -149,11 +129,11 @@ def test_names_and_spaces_in_a_file(tmp_path: Path, attribute: str) -> None:
         f'<activity name="a" {attribute}="{" " * LENGTH}!"/></robot>\n'
         '<objective name="o" activities="a"/></mission>'
     )
-    with cpu_limit(SECONDS), pytest.raises(InputError, match=f"{path}:2:.*names of letters, digits and _"):
+    with at_most(SECONDS), pytest.raises(InputError, match=f"{path}:2:.*names of letters, digits and _"):
         read_mission(path)
 
 
 @pytest.mark.parametrize("name", ["quadratic_names.xml"])
 def test_a_mission_that_was_slow(faults: Path, name: str) -> None:
-    with cpu_limit(SECONDS), pytest.raises(InputError, match="names of letters, digits and _"):
+    with at_most(SECONDS), pytest.raises(InputError, match="names of letters, digits and _"):
         read_mission(faults / name)

@@ -230,7 +230,7 @@ def test_by_a_time_one_objective_and_one_sensor() -> None:
 def test_by_a_time_drawn_missions_are_as_the_exponential_says(mission: Mission, hours: float) -> None:
     mission_net = composed(mission)
     try:
-        prospects = Prospects(mission_net, spaces_of(mission_net).space("explicit", "alternatives"))
+        prospects = whole(mission_net)
         chain = whole_chain(prospects, 2000)
     except (SemanticsError, LimitError):
         return
@@ -333,8 +333,7 @@ STEP = 2.0**-20
 def test_derivatives_are_those_of_exact_differences(mission: Mission) -> None:
     mission_net = composed(mission)
     try:
-        prospects = Prospects(mission_net, spaces_of(mission_net).space("explicit", "alternatives"))
-        chain = whole_chain(prospects, 2000)
+        chain = whole_chain(whole(mission_net), 2000)
     except (SemanticsError, LimitError):
         return
     assume(chain.states <= 150)

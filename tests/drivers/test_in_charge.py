@@ -226,7 +226,16 @@ def test_a_group_of_another_boot_is_a_stranger(monkeypatch: pytest.MonkeyPatch) 
     assert not warden.is_left(ProcessGroup(5, "before:1", signal.SIGTERM, 0.0))
 
 
-FLOOD = """
+PANEL = """
+[activities.hand_over]
+nothing = true
+lines = {done = "success"}
+[sources.panel]
+process = ["{python}", "{robot}", "panel"]
+lines = {"called back" = "called_back", "done" = "OBJ_give_EV_OK", "no" = "OBJ_give_EV_FAIL"}
+"""
+FLOOD = (
+    """
 never = {never}
 [activities.lidar_driver]
 process = ["yes", "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa"]
@@ -237,13 +246,9 @@ process = ["sh", "-c", "tr '\\\\0' a < /dev/zero"]
 process = ["{python}", "{robot}", "drive"]
 lines = {arrived = "success"}
 ends.other = "failure"
-[activities.hand_over]
-nothing = true
-lines = {done = "success"}
-[sources.panel]
-process = ["{python}", "{robot}", "panel"]
-lines = {"called back" = "called_back", "done" = "OBJ_give_EV_OK", "no" = "OBJ_give_EV_FAIL"}
 """
+    + PANEL
+)
 
 
 def memory(number: int) -> int:
@@ -289,7 +294,8 @@ def test_a_terminal_that_stands_still_stops_no_robot(made: Made) -> None:
     assert run.returncode in (143, 2)
 
 
-DEAF = """
+DEAF = (
+    """
 never = {never}
 [activities.lidar_driver]
 process = ["{python}", "{robot}", "lidar"]
@@ -303,13 +309,9 @@ process = ["{python}", "{robot}", "odometry"]
 process = ["{python}", "{robot}", "drive"]
 lines = {arrived = "success"}
 ends.other = "failure"
-[activities.hand_over]
-nothing = true
-lines = {done = "success"}
-[sources.panel]
-process = ["{python}", "{robot}", "panel"]
-lines = {"called back" = "called_back", "done" = "OBJ_give_EV_OK", "no" = "OBJ_give_EV_FAIL"}
 """
+    + PANEL
+)
 
 
 def test_a_deaf_driver_delays_no_event(made: Made) -> None:

@@ -22,8 +22,9 @@ from mcpn.testing import missions
 from tests.commands import mcpn
 from tests.draws import composed
 from tests.drivers.robots import MISSION, NEVER
+from tests.mutation import at_most
 from tests.shares import returns_early
-from tests.test_linear import SECONDS, cpu_limit
+from tests.test_linear import SECONDS
 
 GOOD = f"""never = {json.dumps([*NEVER, "called_back"])}
 [activities.lidar_driver]
@@ -218,7 +219,7 @@ def test_long_lists_are_read_in_linear_time(tmp_path: Path) -> None:
     """A list of 3,000 lines was read once for each of them."""
     long = "never = [\n" + '"lidar_EV_OOS", # [\n' * 30_000 + "]\nmisspelt = 1\n"
     (tmp_path / "drivers.toml").write_text(long)
-    with cpu_limit(SECONDS), pytest.raises(InputError, match=":30003: unknown key 'misspelt'"):
+    with at_most(SECONDS), pytest.raises(InputError, match=":30003: unknown key 'misspelt'"):
         read_drivers(tmp_path / "drivers.toml")
 
 
@@ -232,7 +233,7 @@ def test_statements_of_several_lines(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["bigint.toml", "list3000.toml"])
 def test_files_that_were_slow_or_ended_badly(faults: Path, name: str) -> None:
-    with cpu_limit(SECONDS):
+    with at_most(SECONDS):
         found = mcpn("run", faults / "robot/mission.xml", "--drivers", faults / "robot" / name, "--check")
     assert found.returncode == 2
     assert "internal error" not in found.stderr
