@@ -243,7 +243,7 @@ class _Space:
         sets, places = self.sets, range(len(self.net.places))
         marked = [(self.root[p], bool(self.net.initial[p])) for p in places]
         reachable = sets.moved(sets.one, sorted((root, tokens, tokens) for root, tokens in marked))
-        ranks = sorted({*self.net.ranks}) if self.net.priorities else [EVENTS]
+        ranks = sorted({*self.net.ranks, EVENTS}) if self.net.priorities else [EVENTS]
         waiting = {ranks[0]: reachable}  # by rank, markings whose lower ranks enable nothing
         while waiting:
             rank = min(waiting)

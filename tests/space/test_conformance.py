@@ -6,14 +6,14 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 
 from mcpn.check.sizes import summarise
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import compose
 from mcpn.net.formats import read_net
-from mcpn.net.petri import PetriNet
+from mcpn.net.petri import PetriNet, Place
 from mcpn.space.summary import ENGINES, SpaceSummary
 from mcpn.testing import missions
 from tests.draws import fewer
@@ -33,6 +33,8 @@ def sizes(summary: SpaceSummary) -> SpaceSummary:
 @pytest.mark.parametrize("engine", ENGINES)
 @fewer(0.25)
 @given(net=nets(max_weight=2))
+@example(net=PetriNet("nothing_fires", (Place("p0", 0),), ()))
+@example(net=PetriNet("nothing_fires", (Place("p0", 0),), (), priorities=True))
 def test_nets_have_the_sizes_of_the_plain_rule(engine: str, net: PetriNet) -> None:
     markings, edges, safe = reachable(net)
     if not safe and engine != "pyeda" and not net.priorities:
