@@ -18,21 +18,21 @@ from typing import Any
 
 import plots
 
-from mcpn.check.causes.find import Causes, find_causes
-from mcpn.check.causes.fmeca import fmeca
-from mcpn.check.logic.evaluate import Evaluation
-from mcpn.check.logic.names import Names
-from mcpn.check.logic.syntax import parse
+from mcpn.answers.causes.find import Causes, find_causes
+from mcpn.answers.causes.fmeca import fmeca
+from mcpn.answers.names import MissionNames
+from mcpn.drawing.compose import MissionNet, compose
+from mcpn.logic.evaluate import Evaluation
+from mcpn.logic.syntax import parse
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import MissionNet, compose
-from mcpn.net.events import Event, What
+from mcpn.nets.events import Event, What
 from mcpn.report.failures.tables import fmeca_rows
 from mcpn.report.pictures.plots import Curves
 from mcpn.sentences import enumeration
-from mcpn.space.diagrams.spaces import DiagramMarkings
-from mcpn.space.diagrams.symbolic import reach
+from mcpn.spaces.diagrams.spaces import DiagramMarkings
+from mcpn.spaces.diagrams.symbolic import reach
 
 ULYSSE = Path(__file__).parent / "ulysse" / "mission.xml"
 
@@ -73,7 +73,7 @@ def success_reachable(found: MissionNet, dead: tuple[str, ...]) -> bool:
     places = tuple(replace(p, initial=tokens.get(p.name, p.initial)) for p in found.net.places)
     kept = tuple(t for t in found.net.transitions if t.event not in {Event(What.REPAIRED, h) for h in dead})
     net = replace(found.net, places=places, transitions=kept)
-    return Evaluation(DiagramMarkings(reach(net))).holds(parse("EF success", Names(net, found)))
+    return Evaluation(DiagramMarkings(reach(net))).holds(parse("EF success", MissionNames(found, net=net)))
 
 
 def in_a_row(objectives: int, ways: int) -> Mission:

@@ -26,18 +26,18 @@ from limits import Result, measured
 from missions import Parameters, generate
 
 from mcpn import __version__
-from mcpn.check.verdicts.mission import check
+from mcpn.answers.verdicts.mission import check
+from mcpn.composite.composing import composite_space
+from mcpn.composite.composite import CompositeSpace
 from mcpn.controller.generate import generate as generate_controller
 from mcpn.controller.hierarchy import flat_controller
+from mcpn.drawing.compose import compose
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
 from mcpn.report.pictures.plots import Curves
-from mcpn.space.diagrams.symbolic import reach
-from mcpn.space.local.composing import composite_space
-from mcpn.space.local.composite import CompositeSpace
-from mcpn.space.markings.explicit import explore
-from mcpn.space.stable.alternatives import AlternativesGraph, by_reduction, direct, direct_with_proof
+from mcpn.spaces.diagrams.symbolic import reach
+from mcpn.spaces.markings.explicit import explore
+from mcpn.spaces.stable.alternatives import AlternativesGraph, by_reduction, direct, direct_with_proof
 
 GIB = 4
 ENGINES = ("explicit", "direct", "symbolic", "local")

@@ -22,8 +22,8 @@ from collections.abc import Callable
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
-from mcpn.net.petri import PetriNet
-from mcpn.space.diagrams.order import cuthill_mckee, force
+from mcpn.nets.petri import PetriNet
+from mcpn.spaces.diagrams.order import cuthill_mckee, force
 from mcpn.testing.nets import component_ring, philosophers, slotted_ring
 
 FAMILIES: dict[str, tuple[Callable[[int], PetriNet], tuple[int, ...]]] = {
@@ -36,7 +36,7 @@ Engine = Callable[[PetriNet, tuple[int, ...]], int]
 
 def ours(net: PetriNet, order: tuple[int, ...]) -> int:
     """Saturation in the kernel."""
-    from mcpn.space.diagrams.symbolic import reach
+    from mcpn.spaces.diagrams.symbolic import reach
 
     return reach(net, order=order).states
 
@@ -109,7 +109,7 @@ def oxidd(net: PetriNet, order: tuple[int, ...]) -> int:
 
 def pyeda(net: PetriNet, order: tuple[int, ...]) -> int:
     """The reference engine of mcpn on pyeda."""
-    from mcpn.space.pyeda_reference import count
+    from mcpn.spaces.pyeda_reference import count
 
     return count(net).states
 

@@ -24,13 +24,13 @@ from typing import Any
 import plots
 from limits import Result, measured
 
-from mcpn.check.sizes import summarise
+from mcpn.composite.composing import composite_space
+from mcpn.drawing.compose import compose
 from mcpn.mission.model import Mission, Objective, Parallel
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
-from mcpn.net.compose import compose
 from mcpn.report.pictures.plots import Curves
-from mcpn.space.local.composing import composite_space
-from mcpn.space.stable.alternatives import direct_with_proof
+from mcpn.spaces.sizes import summarise
+from mcpn.spaces.stable.alternatives import direct_with_proof
 
 ENGINES = ("explicit", "symbolic", "direct", "local", "pyeda")
 

@@ -12,11 +12,11 @@ from __future__ import annotations
 import argparse
 import time
 
-from mcpn.check.verdicts.mission import check
+from mcpn.answers.verdicts.mission import check
+from mcpn.drawing.compose import compose
+from mcpn.drawing.sections import SectionParts
 from mcpn.mission.model import FactRoute, Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Fact, FactChange, Hardware, Robot
-from mcpn.net.compose import compose
-from mcpn.net.sections import SectionParts
 
 
 def corridor(sections: int, facts: int) -> Mission:

@@ -21,12 +21,12 @@ from typing import Any
 import plots
 
 import mcpn
+from mcpn.drawing.compose import compose
 from mcpn.mission.model import Mission, Use
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
-from mcpn.net.petri import PetriNet
+from mcpn.nets.petri import PetriNet
 from mcpn.report.pictures.plots import Curves
-from mcpn.space.diagrams.symbolic import reach
+from mcpn.spaces.diagrams.symbolic import reach
 from mcpn.testing.nets import FAMILIES
 
 ULYSSE = Path(__file__).parent / "ulysse" / "mission.xml"

@@ -23,14 +23,14 @@ from typing import Any
 import plots
 
 from mcpn import __version__
+from mcpn.drawing.compose import compose
 from mcpn.mission.model import Block, Mission, Objective, Parallel, Recursive
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
 from mcpn.report.pictures.plots import Curves
-from mcpn.space.diagrams.symbolic import reach
-from mcpn.space.markings.explicit import explore
-from mcpn.space.stable.alternatives import by_reduction, direct_with_proof
+from mcpn.spaces.diagrams.symbolic import reach
+from mcpn.spaces.markings.explicit import explore
+from mcpn.spaces.stable.alternatives import by_reduction, direct_with_proof
 
 ULYSSE = Path(__file__).parent / "ulysse" / "mission.xml"
 

@@ -11,9 +11,9 @@ import time
 from pathlib import Path
 
 from mcpn import __version__
-from mcpn.check.logic.questions import Questions
+from mcpn.drawing.compose import compose
+from mcpn.logic.questions import Questions
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
 
 ULYSSE = Path(__file__).parent / "ulysse" / "mission.xml"
 FORMULAS: tuple[tuple[str, tuple[str, ...]], ...] = (

@@ -2,7 +2,7 @@
 
 Usage: ``python experiments/forward.py FOLDER NET... [--seconds S]``; it takes some three minutes for 50 nets.
 
-*Backward* finds the states of each sub-formula, as mcpn does (``mcpn.check.logic.evaluate``). *Forward* asks
+*Backward* finds the states of each sub-formula, as mcpn does (``mcpn.logic.evaluate``). *Forward* asks
 whether some of a set of states satisfies a formula, and follows it: ``EX f`` is ``f`` of some successor,
 ``E[f U g]`` is ``g`` of what runs through ``f`` come to, a conjunction first narrows the set by what speaks
 of no path, and ``EG f`` is asked of the set alone (H. Iwashita, T. Nakata, F. Hirose, *CTL model checking
@@ -32,16 +32,16 @@ from typing import Any
 from limits import Result, measured
 
 from mcpn import __version__
-from mcpn.check.logic import verdicts
-from mcpn.check.logic.contest import read_properties
-from mcpn.check.logic.evaluate import Evaluation
-from mcpn.check.logic.formulas import EG, EU, EX, is_temporal
-from mcpn.check.logic.questions import Questions
-from mcpn.check.logic.verdicts import answer_all
 from mcpn.errors import McpnError
-from mcpn.net.formats import read_net
-from mcpn.space.algebra import S
-from mcpn.space.search.goal import TRUE, And, Formula, Not, Or
+from mcpn.logic import verdicts
+from mcpn.logic.contest import read_properties
+from mcpn.logic.evaluate import Evaluation
+from mcpn.logic.formulas import EG, EU, EX, is_temporal
+from mcpn.logic.questions import Questions
+from mcpn.logic.verdicts import answer_all
+from mcpn.nets.formats import read_net
+from mcpn.spaces.algebra import S
+from mcpn.spaces.search.goal import TRUE, And, Formula, Not, Or
 
 QUICKLY = 0.1
 """Seconds below which a formula tells nothing about ways."""

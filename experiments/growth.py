@@ -185,8 +185,8 @@ BARS: tuple[tuple[str, int, str, float, int | None], ...] = (
 LIST = """
 import json, resource, sys, time
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
-from mcpn.space.stable.alternatives import direct
+from mcpn.drawing.compose import compose
+from mcpn.spaces.stable.alternatives import direct
 net = compose(read_mission(sys.argv[1])).net
 begin = time.process_time()
 graph = direct(net, proof=False, max_states=2_000_000)

@@ -26,7 +26,7 @@ from math import comb, factorial, prod
 
 import mcc
 
-from mcpn.net.petri import NetBuilder, PetriNet
+from mcpn.nets.petri import NetBuilder, PetriNet
 
 DEFAULTS = (
     *("peterson-3", "peterson-4", "peterson-5", "queens-8", "queens-9", "queens-10", "latin-3", "latin-4"),

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from mcpn.check.compare import peak_megabytes
+from mcpn.answers.compare import peak_megabytes
 
 Result = dict[str, Any]
 

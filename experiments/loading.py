@@ -13,9 +13,9 @@ from pathlib import Path
 
 from mcpn.controller.generate import generate
 from mcpn.controller.targets.json import write_json
+from mcpn.drawing.compose import compose
 from mcpn.errors import McpnError
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
 
 LOAD = """
 import sys, time

@@ -36,6 +36,7 @@ from missions import Parameters
 from missions import generate as generate_mission
 
 import mcpn.runtime
+from mcpn.composite.composing import composite_space
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.hierarchy import TableController
 from mcpn.controller.minimise import minimise
@@ -45,12 +46,11 @@ from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
 from mcpn.controller.targets.names import identifiers
 from mcpn.controller.targets.scxml import event_name
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import MissionNet, compose
-from mcpn.net.events import Event
+from mcpn.nets.events import Event
 from mcpn.runtime.tables import Tables
-from mcpn.space.local.composing import composite_space
 from mcpn.testing import missions
 
 HERE = Path(__file__).parent

@@ -22,7 +22,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command line does
 from growth import BASE, natural
 
 import mcpn
-from mcpn.check.causes.risk import risk
+from mcpn.answers.causes.risk import risk
 from mcpn.mission.model import Block, Mission, Objective, Recursive
 from mcpn.mission.writer import write_mission
 

@@ -20,8 +20,8 @@ import sys
 from pathlib import Path
 
 import mcpn
-from mcpn.net.formats import read_net
-from mcpn.net.petri import PetriNet
+from mcpn.nets.formats import read_net
+from mcpn.nets.petri import PetriNet
 
 QUICK = 2.0
 
@@ -31,7 +31,7 @@ def solve(net: PetriNet, gigabytes: float) -> None:
     import resource
     import time
 
-    from mcpn.space.diagrams.bounded import reach_markings
+    from mcpn.spaces.diagrams.bounded import reach_markings
 
     started, working = time.perf_counter(), time.process_time()
     space = reach_markings(net, memory_limit=int(gigabytes * 2**30))

@@ -52,11 +52,11 @@ def answer_questions(
     limit: int = SECONDS,
 ) -> None:
     """Answers one file, or the examinations, within CPU seconds; puts verdicts as they come."""
-    from mcpn.check.logic.contest import read_properties
-    from mcpn.check.logic.questions import Questions
-    from mcpn.check.logic.verdicts import answer_all
     from mcpn.errors import McpnError
-    from mcpn.net.formats import read_net
+    from mcpn.logic.contest import read_properties
+    from mcpn.logic.questions import Questions
+    from mcpn.logic.verdicts import answer_all
+    from mcpn.nets.formats import read_net
 
     resource.setrlimit(resource.RLIMIT_AS, (GIB << 30, GIB << 30))
     resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))

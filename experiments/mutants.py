@@ -42,21 +42,21 @@ import lxml.etree  # noqa: F401
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-FOLDERS = ("mcpn/space", "mcpn/check", "mcpn/controller", "mcpn/runtime", "mcpn/mission")
+FOLDERS = ("mcpn/spaces", "mcpn/answers", "mcpn/controller", "mcpn/runtime", "mcpn/mission")
 COPIED = ("mcpn", "tests", "docs", "experiments", "papers", "kernel", "pyproject.toml", "README.md")
 """What the tests read; not the ``conftest.py`` beside them, which leads to the installed package."""
 
 AREAS = {
     "mcpn": "tests/test_smoke.py tests/test_face.py tests/test_cli.py",
     "mcpn/mission": "tests/mission tests/test_language_page.py tests/judge",
-    "mcpn/net": "tests/net tests/space/test_conformance.py tests/judge",
-    "mcpn/net/reduce": "tests/net/test_reduce.py tests/space",
-    "mcpn/space": "tests/space tests/check/test_engines.py",
-    "mcpn/space/stable": "tests/space/test_confluence.py tests/space/test_alternatives.py tests/space",
-    "mcpn/space/local": "tests/space/test_local.py tests/space tests/test_once.py",
-    "mcpn/space/search": "tests/space/search tests/check/test_contest.py tests/check/test_properties.py",
-    "mcpn/check": "tests/check",
-    "mcpn/check/logic": "tests/check/test_syntax.py tests/check/test_ctl.py tests/check",
+    "mcpn/nets": "tests/nets tests/spaces/test_conformance.py tests/judge",
+    "mcpn/nets/reduce": "tests/nets/test_reduce.py tests/spaces",
+    "mcpn/spaces": "tests/spaces tests/answers/test_engines.py",
+    "mcpn/spaces/stable": "tests/spaces/test_confluence.py tests/spaces/test_alternatives.py tests/spaces",
+    "mcpn/composite": "tests/composite/test_local.py tests/spaces tests/test_once.py",
+    "mcpn/spaces/search": "tests/spaces/search tests/logic/test_contest.py tests/logic/test_properties.py",
+    "mcpn/answers": "tests/answers",
+    "mcpn/logic": "tests/logic/test_syntax.py tests/logic/test_ctl.py tests/answers",
     "mcpn/controller": "tests/controller tests/test_once.py",
     "mcpn/runtime": "tests/controller/test_runtime.py tests/controller/test_sessions.py tests/controller",
     "mcpn/report": "tests/report tests/test_cli.py",

@@ -16,13 +16,13 @@ from dataclasses import replace
 from itertools import pairwise
 
 from mcpn import __version__
-from mcpn.check.causes.find import find_causes
-from mcpn.check.verdicts.mission import check
+from mcpn.answers.causes.find import find_causes
+from mcpn.answers.verdicts.mission import check
 from mcpn.controller.generate import generate
+from mcpn.drawing.compose import MissionNet, compose
+from mcpn.drawing.sections import SectionParts
 from mcpn.mission.model import Each, Handler, Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware, Robot, Software
-from mcpn.net.compose import MissionNet, compose
-from mcpn.net.sections import SectionParts
 
 
 def sprayer(handlers: int, rows: int) -> Mission:

@@ -22,12 +22,12 @@ from typing import get_args
 from growth import FAMILIES
 from limits import Result, measured
 
+from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
-from mcpn.net.petri import PetriNet
-from mcpn.space.markings.explicit import KernelNet
-from mcpn.space.stable.completion import Orders, settled
+from mcpn.nets.petri import PetriNet
+from mcpn.spaces.markings.explicit import KernelNet
+from mcpn.spaces.stable.completion import Orders, settled
 
 SIZES = {
     "ladder": (10, 30),

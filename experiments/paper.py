@@ -29,13 +29,13 @@ from limits import Result, measured
 from missions import Parameters, generate
 
 from mcpn import __version__
-from mcpn.check.causes.find import find_causes
+from mcpn.answers.causes.find import find_causes
 from mcpn.controller.generate import Form
 from mcpn.controller.generate import generate as generate_controller
 from mcpn.controller.minimise import minimise
+from mcpn.drawing.compose import compose
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
 
 PAGE = Path(__file__).parents[1] / "papers" / "mcpn.md"
 BLOCK = re.compile(r"(<!-- measured: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)

@@ -28,9 +28,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mcpn import __version__
-from mcpn.net.formats import read_net
-from mcpn.net.petri import PetriNet
-from mcpn.net.structure import needs
+from mcpn.nets.formats import read_net
+from mcpn.nets.petri import PetriNet
+from mcpn.nets.structure import needs
 
 COUNT, DEADLOCK = "count", "deadlock"
 FILES = ("ReachabilityFireability", "ReachabilityCardinality", "CTLFireability", "CTLCardinality")

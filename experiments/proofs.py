@@ -26,15 +26,15 @@ from drawing import drawn
 from growth import FAMILIES
 from limits import Result, measured
 
+from mcpn.composite.exploring import Explored, explore_local
+from mcpn.drawing.compose import compose
+from mcpn.drawing.sections import SectionParts
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
-from mcpn.net.petri import PetriNet
-from mcpn.net.sections import SectionParts
-from mcpn.space.diagrams.symbolic import reach
-from mcpn.space.local.exploring import Explored, explore_local
-from mcpn.space.markings.explicit import KernelNet
-from mcpn.space.stable.completion import settled
+from mcpn.nets.petri import PetriNet
+from mcpn.spaces.diagrams.symbolic import reach
+from mcpn.spaces.markings.explicit import KernelNet
+from mcpn.spaces.stable.completion import settled
 from tests.judge.drawn import MISSIONS
 
 MEANS = ("one at a time", "no arcs conflict", "units exclude", "out of reach", "every way tried")

@@ -3,7 +3,7 @@
 For each mission and factor on all failure rates of its hardware: the probability of success, and of its
 complement (failure and abort together), by composition and by the explicit engine, and how far each is from
 the exact one, relative to it. Storm judges, with rationals; where stormpy is not installed, so does the
-elimination of states in ``tests/check/automata.py``, which takes longer.
+elimination of states in ``tests/logic/automata.py``, which takes longer.
 
     python experiments/rare.py [--missions rover glider courier] [--factors 1 1e-2 ...] [--most 60000]
 
@@ -21,18 +21,18 @@ from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))
 
-from mcpn.check.causes.edge_rates import decimal
-from mcpn.check.causes.prospects import Prospects
-from mcpn.check.causes.risk import risk
-from mcpn.check.causes.whole.chain import whole_chain
-from mcpn.check.spaces import spaces_of
+from mcpn.answers.causes.edge_rates import decimal
+from mcpn.answers.causes.prospects import Prospects
+from mcpn.answers.causes.risk import risk
+from mcpn.answers.causes.whole.chain import whole_chain
+from mcpn.drawing.compose import compose
 from mcpn.errors import McpnError
 from mcpn.mission.model import Block, Holder, Mission, Objective
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
 from mcpn.report.failures.drn import drn
-from tests.check.automata import judged, read
-from tests.check.exact import scaled
+from mcpn.spaces.kept import spaces_of
+from tests.answers.exact import scaled
+from tests.logic.automata import judged, read
 
 HEAD = ("mission", "factor", "end", "exact", "local", "off by", "explicit", "off by")
 HERE = Path(__file__).parent

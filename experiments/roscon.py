@@ -27,15 +27,15 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
+from mcpn.answers.causes.risk import risk
 from mcpn.bench.runs import interval
-from mcpn.check.causes.risk import risk
 from mcpn.controller.monitors.writing import files, monitors_of
 from mcpn.controller.simulator import Simulation
 from mcpn.controller.targets.json import document
 from mcpn.drivers.mapping import check_plan
 from mcpn.drivers.reading import read_drivers
 from mcpn.drivers.running import RobotRun
-from mcpn.net.events import Event
+from mcpn.nets.events import Event
 from mcpn.opening import open_study
 from mcpn.runtime.controller import Controller
 from mcpn.runtime.monitors import Monitors

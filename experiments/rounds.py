@@ -14,11 +14,11 @@ import time
 from itertools import pairwise
 
 from mcpn import __version__
-from mcpn.check.verdicts.mission import check
+from mcpn.answers.verdicts.mission import check
 from mcpn.controller.generate import generate
+from mcpn.drawing.compose import compose
 from mcpn.mission.model import Mission, Objective, Recursive
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
-from mcpn.net.compose import compose
 
 
 def rounds(repeat: int, retries: int) -> Mission:

@@ -16,7 +16,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 
-from mcpn.net.petri import NetBuilder, PetriNet
+from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.testing.nets import FAMILIES
 
 EXAMINATIONS = ("OneSafe", "QuasiLiveness", "StableMarking", "Liveness", "ReachabilityDeadlock")
@@ -183,10 +183,10 @@ def answer(
     net: PetriNet, bounds: int, engine: str, seconds: int, answers: multiprocessing.SimpleQueue
 ) -> None:
     """Answers the bounds and the examinations of a net; puts them as they come."""
-    from mcpn.check.logic.contest import Property
-    from mcpn.check.logic.questions import Questions
-    from mcpn.check.logic.verdicts import answer_all
     from mcpn.errors import McpnError, Source
+    from mcpn.logic.contest import Property
+    from mcpn.logic.questions import Questions
+    from mcpn.logic.verdicts import answer_all
 
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
     asked = [

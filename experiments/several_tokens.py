@@ -18,7 +18,7 @@ import time
 from limits import Result, measured
 
 import mcpn
-from mcpn.check.sizes import summarise
+from mcpn.spaces.sizes import summarise
 from mcpn.testing.nets import FAMILIES
 
 SIZES = {

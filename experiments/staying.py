@@ -6,7 +6,7 @@ Usage: ``python experiments/staying.py [--contest FOLDER NET...] [--seconds S]``
 its strongly connected component by one closure forward and one back, and go on in what is left, with a state
 of the farthest layer (R. Gentilini, C. Piazza, A. Policriti, *Computing strongly connected components in a
 linear number of symbolic steps*, SODA 2003). *Turns* are what mcpn does: layers, and in turns with them one
-closure back from dead states and layers of what may fire on cycles (``mcpn.space.diagrams.staying``).
+closure back from dead states and layers of what may fire on cycles (``mcpn.spaces.diagrams.staying``).
 
 Asked are runs on which some of the transitions are never enabled, on nets of several families. With
 ``--contest`` the sets are those that come up while the CTL formulas of such nets are answered. Every way has
@@ -29,13 +29,13 @@ from limits import Result, measured
 
 from mcpn import __version__
 from mcpn._kernel import Zdd
-from mcpn.check.logic.contest import read_properties
-from mcpn.check.logic.questions import Questions
-from mcpn.check.logic.verdicts import answer_all
 from mcpn.errors import McpnError
-from mcpn.net.formats import read_net
-from mcpn.net.petri import PetriNet
-from mcpn.space.diagrams.base import Diagrams
+from mcpn.logic.contest import read_properties
+from mcpn.logic.questions import Questions
+from mcpn.logic.verdicts import answer_all
+from mcpn.nets.formats import read_net
+from mcpn.nets.petri import PetriNet
+from mcpn.spaces.diagrams.base import Diagrams
 from mcpn.testing.nets import component_ring, fms, kanban, philosophers, slotted_ring
 
 Way = Callable[[Diagrams, Zdd, Zdd | None], Zdd]

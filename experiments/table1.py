@@ -22,10 +22,10 @@ from rich.console import Console
 from rich.table import Table
 
 import mcpn
+from mcpn.drawing.compose import compose
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
-from mcpn.space.markings.explicit import explore
-from mcpn.space.stable.alternatives import by_reduction, direct
+from mcpn.spaces.markings.explicit import explore
+from mcpn.spaces.stable.alternatives import by_reduction, direct
 
 MISSION = Path(__file__).parent / "ulysse" / "mission.xml"
 T = TypeVar("T")

@@ -15,13 +15,13 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from mcpn.drawing.compose import compose
+from mcpn.drawing.templates import PaperTemplates, TemplateSet
+from mcpn.drawing.templates.compact import CompactTemplates
 from mcpn.errors import LimitError
 from mcpn.mission.model import Mission, Objective, Parallel
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
-from mcpn.net.templates import PaperTemplates, TemplateSet
-from mcpn.net.templates.compact import CompactTemplates
 
 ULYSSE = Path(__file__).resolve().parent / "ulysse" / "mission.xml"
 SETS: dict[str, TemplateSet] = {

@@ -449,7 +449,7 @@ class SafeNet:
     """A net as it acts on 1-safe markings.
 
     Each transition is given by the places that it needs, takes from and puts to, its rank
-    (:attr:`mcpn.net.petri.PetriNet.ranks`), and whether it is unsafe wherever it fires.
+    (:attr:`mcpn.nets.petri.PetriNet.ranks`), and whether it is unsafe wherever it fires.
     """
 
     def __init__(

@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mcpn.errors import InputError, Source
-from mcpn.net.petri import PetriNet
+from mcpn.nets.petri import PetriNet
 from mcpn.study import Study
 
 if TYPE_CHECKING:
+    from mcpn.drawing.compose import MissionNet
+    from mcpn.drawing.templates import TemplateSet
     from mcpn.mission.model import Mission
-    from mcpn.net.compose import MissionNet
-    from mcpn.net.templates import TemplateSet
 
 
 def open_study(
@@ -48,7 +48,7 @@ def open_study(
 
 
 def _read(file: Path, root: Path | None) -> Mission | PetriNet:
-    from mcpn.net.formats import READABLE, read_net
+    from mcpn.nets.formats import READABLE, read_net
 
     if file.suffix.lower() in READABLE:
         return read_net(file)

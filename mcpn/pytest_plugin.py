@@ -24,7 +24,7 @@ class TemplateTest(pytest.Item):
 
     def runtest(self) -> None:
         """Looks for a mission that breaks the property."""
-        from mcpn.net.templates.named import templates_named
+        from mcpn.drawing.templates.named import templates_named
         from mcpn.testing.kit.properties import behaves_as
         from mcpn.testing.kit.running import ALL, broken
 

@@ -11,7 +11,7 @@ True
 >>> [sorted(cut) for cut in study.causes().mission.cut_sets]
 [['thruster_actuator'], ['GPS_sensor', 'IMU_sensor']]
 
-Each space is built once (:mod:`mcpn.check.spaces`): these questions share a list of stable states.
+Each space is built once (:mod:`mcpn.spaces.kept`): these questions share a list of stable states.
 """
 
 from __future__ import annotations
@@ -21,31 +21,32 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from mcpn.errors import InputError, Source
-from mcpn.net.petri import PetriNet
+from mcpn.nets.petri import PetriNet
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from concurrent.futures import Executor
 
-    from mcpn.check.causes.find import Causes
-    from mcpn.check.engines import Asked, Choice, On
-    from mcpn.check.logic.questions import Answer, Questions
-    from mcpn.check.sizes import Counting
-    from mcpn.check.spaces import Spaces
-    from mcpn.check.verdicts.mission import MissionCheck
-    from mcpn.check.verdicts.nets import NetCheck, Structure
+    from mcpn.answers.causes.find import Causes
+    from mcpn.answers.spaces import MissionSpaces
+    from mcpn.answers.verdicts.mission import MissionCheck
     from mcpn.controller.generate import Form
     from mcpn.controller.modular import AnyController
+    from mcpn.drawing.compose import MissionNet
+    from mcpn.drawing.templates import TemplateSet
+    from mcpn.logic.behaviour import NetCheck, Structure
+    from mcpn.logic.questions import Answer, Questions
     from mcpn.mission.model import Mission
-    from mcpn.net.compose import MissionNet
-    from mcpn.net.templates import TemplateSet
     from mcpn.report.findings import Findings
     from mcpn.report.pictures.drawing import Drawing
     from mcpn.report.progress import Steps
-    from mcpn.space.algebra import Space
-    from mcpn.space.markings.explicit import Progress
-    from mcpn.space.markings.graph import StateGraph
-    from mcpn.space.summary import SpaceSummary
+    from mcpn.spaces.algebra import Space
+    from mcpn.spaces.engines import Asked, Choice, On
+    from mcpn.spaces.kept import Spaces
+    from mcpn.spaces.markings.explicit import Progress
+    from mcpn.spaces.markings.graph import StateGraph
+    from mcpn.spaces.sizes import Counting
+    from mcpn.spaces.summary import SpaceSummary
 
 # Methods import the modules that they need, so that each question loads no more than it needs.
 
@@ -94,14 +95,15 @@ class Study:
     @cached_property
     def spaces(self) -> Spaces:
         """Its spaces, built or not; here the net of a mission is composed."""
-        from mcpn.check.spaces import Spaces
-
         if isinstance(self._of, PetriNet):
+            from mcpn.spaces.kept import Spaces
+
             return Spaces(self._of)
-        from mcpn.net.compose import MissionNet, compose
+        from mcpn.answers.spaces import MissionSpaces
+        from mcpn.drawing.compose import MissionNet, compose
 
         of = self._of if isinstance(self._of, MissionNet) else compose(self._of, self._templates)
-        return Spaces(of, templates=self._templates)
+        return MissionSpaces(of, templates=self._templates)
 
     @property
     def net(self) -> PetriNet:
@@ -115,14 +117,20 @@ class Study:
         Raises:
             InputError: It is a net of no mission.
         """
-        return self._of_mission("this").mission
+        return self.mission_spaces().mission
 
-    def _of_mission(self, question: str) -> Spaces:
-        """The spaces of the mission, for a question that is asked of missions alone."""
+    def mission_spaces(self, question: str = "this") -> MissionSpaces:
+        """The spaces of the mission, for a question that is asked of missions alone.
+
+        Raises:
+            InputError: It is a net of no mission; the error says which question was asked.
+        """
         if self.is_net:
             source = None if self.file is None else Source(str(self.file))
             raise InputError.at(source, f"found a net, expected a mission: {question} is asked of missions")
-        return self.spaces
+        from mcpn.answers.spaces import spaces_of
+
+        return spaces_of(self.spaces)
 
     # --- questions ---
 
@@ -158,20 +166,20 @@ class Study:
         executor: Executor | None = None,
     ) -> MissionCheck:
         """What :meth:`check` gives of a mission: verdicts with their runs, sizes, functioning modes."""
-        from mcpn.check.verdicts.mission import check
+        from mcpn.answers.verdicts.mission import check
 
-        of = self._of_mission("whether a mission can succeed")
+        of = self.mission_spaces("whether a mission can succeed")
         return check(of, engine=engine, max_states=max_states, progress=progress, executor=executor)
 
     def behaviour(self, *, max_states: int | None = None) -> NetCheck:
         """What :meth:`check` gives of a net: bounds, deadlocks, liveness; of a mission, those of its net."""
-        from mcpn.check.verdicts.nets import MOST_LISTED, check_net
+        from mcpn.logic.behaviour import MOST_LISTED, check_net
 
         return check_net(self.spaces, max_states=MOST_LISTED if max_states is None else max_states)
 
     def structure(self) -> Structure:
         """What the arcs of the net prove without its markings."""
-        from mcpn.check.verdicts.nets import Structure
+        from mcpn.logic.behaviour import Structure
 
         return Structure(self.net)
 
@@ -200,8 +208,8 @@ class Study:
         max_states: int | None = None,
         progress: Progress | None = None,
     ) -> tuple[SpaceSummary, Choice | None]:
-        """The sizes of the states, and the engine that was chosen; see :func:`mcpn.check.sizes.sizes`."""
-        from mcpn.check.sizes import sizes
+        """The sizes of the states, and the engine that was chosen; see :func:`mcpn.spaces.sizes.sizes`."""
+        from mcpn.spaces.sizes import sizes
 
         return sizes(self.spaces, engine=engine, on=on, max_states=max_states, progress=progress)
 
@@ -215,7 +223,7 @@ class Study:
         executor: Executor | None = None,
     ) -> Questions:
         """What answers formulas; those that are asked alike share what has been found out."""
-        from mcpn.check.logic.questions import Questions
+        from mcpn.logic.questions import Questions
 
         key = on, tuple(fair), engine, max_states
         if key not in self._questions:
@@ -236,7 +244,7 @@ class Study:
         """Answers a formula of temporal logic, with a run that shows why.
 
         Args:
-            formula: As :mod:`mcpn.check.logic.syntax` describes it.
+            formula: As :mod:`mcpn.logic.syntax` describes it.
             on: Whether it speaks of all ``markings``, or of ``alternatives``: stable states and events. By
                 default the latter of a mission, the former of a net.
             fair: ``progress``, or formulas that hold again and again on the paths that count.
@@ -264,10 +272,10 @@ class Study:
             SemanticsError: The mission is not safe or not confluent.
             LimitError: A limit was hit.
         """
-        from mcpn.check.causes.find import find_causes
+        from mcpn.answers.causes.find import find_causes
 
         return find_causes(
-            self._of_mission("what makes it fail"),
+            self.mission_spaces("what makes it fail"),
             engine=engine,
             max_states=max_states,
             progress=progress,
@@ -283,14 +291,14 @@ class Study:
             SemanticsError: The mission is not safe or not confluent.
             LimitError: A limit was hit.
         """
-        from mcpn.check.engines import answered
+        from mcpn.spaces.engines import answered
 
-        spaces = self._of_mission("the alternatives graph")
+        spaces = self.mission_spaces("the alternatives graph")
 
         def ask(choice: Choice) -> Space[Any]:
             return spaces.space(choice, "alternatives", progress=progress)
 
-        return answered(ask, spaces.mission, engine=engine, on="alternatives", max_states=max_states)[0]
+        return answered(ask, spaces.choices(engine, "alternatives", max_states))[0]
 
     def graph(self, on: On = "alternatives", *, max_states: int | None = None) -> StateGraph:
         """Lists the states one by one, with the edges between them.
@@ -312,9 +320,9 @@ class Study:
             >>> stable.number_of_nodes(), stable.number_of_edges()
             (260, 1332)
         """
-        from mcpn.check.engines import Choice
-        from mcpn.space.arrays import ArraySpace
-        from mcpn.space.stable.listing import written_out
+        from mcpn.spaces.arrays import ArraySpace
+        from mcpn.spaces.engines import Choice
+        from mcpn.spaces.stable.listing import written_out
 
         if on == "markings":
             space = self.spaces.space(Choice("explicit", max_states=max_states), "markings")
@@ -340,7 +348,7 @@ class Study:
         from mcpn.controller.generate import generate
 
         return generate(
-            self._of_mission("a controller"),
+            self.mission_spaces("a controller"),
             form,
             max_states=max_states,
             progress=progress,
@@ -368,7 +376,7 @@ class Study:
         if self.is_net and kind in (None, "net") and section is None:
             return net_drawing(self.net)
         kind = kind or ("mission" if section is None else "alternatives")
-        return drawn(self._of_mission("this picture"), kind, section)
+        return drawn(self.mission_spaces("this picture"), kind, section)
 
     def findings(
         self,
@@ -381,7 +389,7 @@ class Study:
         """What a report tells of the mission; see :func:`mcpn.report.findings.findings`."""
         from mcpn.report.findings import findings
 
-        return findings(self._of_mission("a report"), engine, max_states, steps, executor)
+        return findings(self.mission_spaces("a report"), engine, max_states, steps, executor)
 
     def report(self, path: str | Path) -> None:
         """Writes a report of the mission as one HTML page, as ``mcpn report`` does.

@@ -17,12 +17,12 @@ from hypothesis import HealthCheck, settings
 
 from mcpn.controller.generate import generate
 from mcpn.controller.targets.json import document
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import Controller
-from mcpn.space.markings.explicit import explore
-from mcpn.space.markings.graph import StateGraph
+from mcpn.spaces.markings.explicit import explore
+from mcpn.spaces.markings.graph import StateGraph
 from tests import shares
 
 ROOT = Path(__file__).resolve().parents[1]

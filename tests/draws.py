@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from hypothesis import assume, settings
 
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.model import Mission
-from mcpn.net.compose import MissionNet, compose
 
 MOST_TRANSITIONS = 2_000
 """Larger nets are drawn now and then; a proof on their diagrams takes minutes."""

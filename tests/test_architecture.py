@@ -11,22 +11,19 @@ import networkx
 import pytest
 
 PACKAGE = Path(__file__).resolve().parents[1] / "mcpn"
+BASE = ("_kernel", "errors", "files", "xmlio", "notebook", "sentences", "steps", "cluster", "workers")
+"""What both wings stand on."""
+NETS = ("nets", "spaces", "logic")
+"""The wing that knows no mission: nets, their spaces, temporal logic."""
 # The way of the data; a room may import its own kind and what stands before it.
 WAY = [
-    "_kernel",
     "runtime",
-    "errors",
-    "files",
-    "xmlio",
-    "notebook",
-    "sentences",
-    "steps",
-    "cluster",
-    "workers",
+    *BASE,
+    *NETS,
     "mission",
-    "net",
-    "space",
-    "check",
+    "drawing",
+    "composite",
+    "answers",
     "controller",
     "bench",
     "drivers",
@@ -85,9 +82,20 @@ def test_rooms_do_not_import_each_other_in_circles() -> None:
     ] == []
 
 
+def test_the_wing_of_nets_knows_no_mission() -> None:
+    """Not where a question is asked, nor for types alone: what checks nets can be taken by itself."""
+    strangers = {
+        f"{path.relative_to(PACKAGE)} imports {name}"
+        for path in MODULES
+        if path.relative_to(PACKAGE).parts[0] in NETS
+        for name in imported(path)
+        if name.startswith("mcpn.") and name.split(".")[1] not in (*BASE, *NETS)
+    }
+    assert strangers == set()
+
+
 BUILDERS = {
     "by_reduction",
-    "composite_space",
     "count",
     "count_markings",
     "direct",
@@ -95,24 +103,27 @@ BUILDERS = {
     "explore",
     "explore_markings",
     "explore_tokens",
-    "local_graph",
     "prove_confluent",
     "pyeda_reference",
     "reaching",
     "reaching_markings",
     "reach_markings",
 }
-"""Names of ``mcpn.space`` that build a space, or count one."""
+"""Names of ``mcpn.spaces`` that build a space, or count one."""
+COMPOSERS = {"composite_space", "local_graph"}
+"""Names of ``mcpn.composite`` that do."""
 SPACES = {"CompositeSpace", "DiagramAlternatives", "DiagramMarkings"}
 """Classes of spaces over a whole net."""
 
 
 def builders(path: Path) -> set[str]:
-    """What a module outside of ``mcpn.space`` takes from it to build spaces."""
+    """What a module outside of where spaces are defined takes from there to build them."""
     found = set[str]()
     for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("mcpn.space"):
-            found |= {alias.name for alias in node.names} & BUILDERS
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(
+            ("mcpn.spaces", "mcpn.composite")
+        ):
+            found |= {alias.name for alias in node.names} & (BUILDERS | COMPOSERS)
         elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
             found |= {node.func.id} & SPACES
     return found
@@ -122,10 +133,14 @@ def test_engines_are_built_in_one_place() -> None:
     found = {
         str(path.relative_to(PACKAGE)): names
         for path in MODULES
-        if path.relative_to(PACKAGE).parts[0] != "space" and (names := builders(path))
+        if (names := builders(path))
+        and path.relative_to(PACKAGE).parts[0] != "composite"
+        and not path.is_relative_to(PACKAGE / "spaces")
+    } | {"spaces/kept.py": builders(PACKAGE / "spaces" / "kept.py")}
+    assert found == {
+        "spaces/kept.py": BUILDERS | SPACES - {"CompositeSpace"},
+        "answers/spaces.py": COMPOSERS,
     }
-    assert found.keys() == {"check/spaces.py"}
-    assert found["check/spaces.py"] == BUILDERS | SPACES - {"CompositeSpace"}
 
 
 def test_modules_are_of_a_size_to_be_read() -> None:
@@ -177,15 +192,14 @@ HEAVY = {
     "asyncio",
     "logging",
     "tempfile",
-    "mcpn.net.compose",
-    "mcpn.space.diagrams.counters",
-    "mcpn.space.markings.widths",
-    "mcpn.space.search.portfolio",
-    "mcpn.check.logic.contest",
+    "mcpn.spaces.diagrams.counters",
+    "mcpn.spaces.markings.widths",
+    "mcpn.spaces.search.portfolio",
+    "mcpn.logic.contest",
 }
-MISSION, TOKENS = {"mcpn.net.compose"}, {"mcpn.space.markings.widths"}
+TOKENS = {"mcpn.spaces.markings.widths"}
 ARRAYS, FILES = {"numpy"}, {"tempfile"}
-CONTEST = {"mcpn.check.logic.contest", "mcpn.space.search.portfolio"}
+CONTEST = {"mcpn.logic.contest", "mcpn.spaces.search.portfolio"}
 LOADS: dict[str, set[str]] = {
     "states --json": TOKENS,
     "states": TOKENS,
@@ -210,8 +224,8 @@ LOADS: dict[str, set[str]] = {
 
 LOADS_OF_NETS: dict[str, set[str]] = {
     "states": set(),
-    "check": TOKENS | {"mcpn.space.search.portfolio"},
-    "ask EF(deadlock)": {"mcpn.space.search.portfolio"},
+    "check": TOKENS | {"mcpn.spaces.search.portfolio"},
+    "ask EF(deadlock)": {"mcpn.spaces.search.portfolio"},
     "ask AG(EF(b))": set(),
     "ask --examination StableMarking": TOKENS | CONTEST,
     "convert {folder}/net.pnml": FILES,
@@ -224,12 +238,15 @@ tr u b -> a
 """
 
 
+OF_MISSIONS = tuple(f"mcpn.{room}." for room in ("mission", "drawing", "composite"))
+
+
 def loaded(arguments: list[str]) -> set[str]:
     script = (
         "import sys\n"
         "from mcpn.cli.line import run\n"
         f"assert run({arguments!r}) in (0, 1)\n"
-        f"heavy = {HEAVY!r}.union(m for m in sys.modules if m.startswith('mcpn.mission.'))\n"
+        f"heavy = {HEAVY!r}.union(m for m in sys.modules if m.startswith({OF_MISSIONS!r}))\n"
         "print('loaded', *sorted(heavy & sys.modules.keys()))\n"
     )
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
@@ -240,8 +257,8 @@ def loaded(arguments: list[str]) -> set[str]:
 def test_a_question_loads_what_it_needs(command: str, tmp_path: Path) -> None:
     mission = PACKAGE.parent / "experiments" / "ulysse" / "mission.xml"
     name, *options = command.format(folder=tmp_path).split()
-    found = {m for m in loaded([name, str(mission), *options]) if not m.startswith("mcpn.mission.")}
-    assert found <= LOADS[command] | MISSION
+    found = {m for m in loaded([name, str(mission), *options]) if not m.startswith(OF_MISSIONS)}
+    assert found <= LOADS[command]
 
 
 @pytest.mark.parametrize("command", LOADS_OF_NETS)
@@ -249,7 +266,7 @@ def test_a_question_of_a_net_loads_what_it_needs(command: str, tmp_path: Path) -
     (tmp_path / "net.net").write_text(NET)
     name, *options = command.format(folder=tmp_path).split()
     found = loaded([name, str(tmp_path / "net.net"), *options])
-    assert not [module for module in found if module.startswith("mcpn.mission")]
+    assert not [module for module in found if module.startswith(OF_MISSIONS)]
     assert found <= LOADS_OF_NETS[command]
 
 

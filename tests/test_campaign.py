@@ -21,24 +21,24 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
+from mcpn.composite.composing import composite_space
 from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import flat_controller
 from mcpn.controller.targets.json import document
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.mission.model import Mission
 from mcpn.mission.writer import write_mission
-from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import Controller as Runtime
-from mcpn.space.diagrams.symbolic import reach
-from mcpn.space.local.composing import composite_space
-from mcpn.space.markings.explicit import explore
-from mcpn.space.stable.alternatives import AlternativesGraph, by_reduction
-from mcpn.space.stable.confluence import prove_confluent
-from mcpn.space.stable.listing import written_out
+from mcpn.spaces.diagrams.symbolic import reach
+from mcpn.spaces.markings.explicit import explore
+from mcpn.spaces.stable.alternatives import AlternativesGraph, by_reduction
+from mcpn.spaces.stable.confluence import prove_confluent
+from mcpn.spaces.stable.listing import written_out
 from mcpn.testing import missions
 from mcpn.testing.stacks import stacked_missions
 from tests.controller.test_lockstep import walk
-from tests.net.promises import check_each_is_one_thing, check_promises
+from tests.drawing.promises import check_each_is_one_thing, check_promises
 
 MISSIONS = st.one_of(
     missions(),

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn._kernel import MemoryLimit
-from mcpn.check.compare import measure
+from mcpn.answers.compare import measure
 from mcpn.testing.nets import philosophers
 from tests.commands import mcpn, output
 from tests.conftest import ULYSSE
@@ -266,7 +266,7 @@ def test_memory_is_that_of_the_engine_and_not_of_who_asks() -> None:
 
 
 def test_engines_that_disagree_are_a_loud_error() -> None:
-    from mcpn.check.compare import SIZES, Measurement, disagreement
+    from mcpn.answers.compare import SIZES, Measurement, disagreement
 
     one: dict[str, int | None] = {**dict.fromkeys(SIZES, 7), "states": 10}
     silent: dict[str, int | None] = {**dict.fromkeys(SIZES), "stable_states": 7}
@@ -524,7 +524,7 @@ def test_memory_that_runs_out_is_an_error_that_says_so(monkeypatch: pytest.Monke
     def nothing_left(*_: object, **__: object) -> None:
         raise MemoryLimit("the store's memory limit of 1 bytes was hit at 0 nodes")
 
-    monkeypatch.setattr("mcpn.check.sizes.summarise", nothing_left)
+    monkeypatch.setattr("mcpn.spaces.sizes.summarise", nothing_left)
     run = mcpn("states", ULYSSE)
     assert run.returncode == 2
     assert run.stderr.startswith("error: out of memory: the store's memory limit of 1 bytes")

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
-from tests.check.test_cutsets import ULYSSE as CUT_SETS
+from tests.answers.test_cutsets import ULYSSE as CUT_SETS
 from tests.commands import mcpn, output
 from tests.conftest import ULYSSE
 
@@ -136,7 +136,7 @@ def test_without_scipy_rates_name_their_extra_and_the_rest_is_answered(
     path = tmp_path / "m.xml"
     path.write_text(TIMED)
     for name in ("chain", "elimination", "linear_systems", "passages", "risk", "section_chains"):
-        monkeypatch.delitem(sys.modules, f"mcpn.check.causes.{name}", raising=False)
+        monkeypatch.delitem(sys.modules, f"mcpn.answers.causes.{name}", raising=False)
     for name in ("scipy", "scipy.linalg", "scipy.sparse", "scipy.sparse.linalg"):
         monkeypatch.setitem(sys.modules, name, None)
     assert mcpn("causes", path).returncode == 0

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from mcpn.check.verdicts.mission import REQUIRED
+from mcpn.answers.verdicts.mission import REQUIRED
+from mcpn.drawing.compose import compose
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
 from tests.commands import mcpn, output
 
 CONTENDED = """<mission name="m" xmlns="urn:mcpn:mission:1">

@@ -12,7 +12,7 @@ from mcpn.controller import generate
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.mission.writer import save_mission
-from mcpn.space.stable import alternatives
+from mcpn.spaces.stable import alternatives
 from tests.commands import mcpn, output
 
 

@@ -10,8 +10,8 @@ from tests.commands import mcpn, output
 from tests.conftest import ULYSSE
 
 MINE = '''
-from mcpn.net.events import What
-from mcpn.net.templates import PaperTemplates
+from mcpn.nets.events import What
+from mcpn.drawing.templates import PaperTemplates
 
 class Unrepaired(PaperTemplates):
     """Hardware that stays out of service."""

@@ -31,13 +31,13 @@ def summary(*counts: int) -> dict[str, Any]:
 
 def test_figures_are_by_room(script: ModuleType) -> None:
     files = {
-        "/a/mcpn/net/petri.py": summary(3, 1, 1, 1),
-        "/a/mcpn/net/formats/pnml.py": summary(3, 1, 0, 0),
+        "/a/mcpn/nets/petri.py": summary(3, 1, 1, 1),
+        "/a/mcpn/nets/formats/pnml.py": summary(3, 1, 0, 0),
         "/a/mcpn/study.py": summary(0, 1, 0, 0),
     }
     assert script.by_room({"files": files}) == {
         "mcpn": {"lines": 0.0, "branches": 100.0},
-        "net": {"lines": 75.0, "branches": 50.0},
+        "nets": {"lines": 75.0, "branches": 50.0},
     }
 
 

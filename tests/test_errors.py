@@ -9,7 +9,7 @@ from importlib import import_module
 import pytest
 
 import mcpn
-from mcpn.check.compare import Disagreement
+from mcpn.answers.compare import Disagreement
 from mcpn.errors import (
     ConfluenceError,
     DivergenceError,

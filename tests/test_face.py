@@ -14,21 +14,21 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 import mcpn
-from mcpn.check.causes.find import Causes
-from mcpn.check.logic.questions import Answer
-from mcpn.check.verdicts.mission import MissionCheck
-from mcpn.check.verdicts.nets import NetCheck
+from mcpn.answers.causes.find import Causes
+from mcpn.answers.verdicts.mission import MissionCheck
 from mcpn.controller.modular import AnyController
 from mcpn.errors import LimitError
+from mcpn.logic.behaviour import NetCheck
+from mcpn.logic.questions import Answer
 from mcpn.mission.model import Mission
-from mcpn.net.petri import PetriNet
+from mcpn.nets.petri import PetriNet
 from mcpn.report.pictures.drawing import Drawing
-from mcpn.space.markings.graph import StateGraph
-from mcpn.space.summary import SpaceSummary
+from mcpn.spaces.markings.graph import StateGraph
+from mcpn.spaces.summary import SpaceSummary
 from mcpn.testing import missions
 from mcpn.testing.shown import as_xml
 from tests.conftest import ROOT, ULYSSE
-from tests.net.nets import graph_of, pt_nets
+from tests.nets.nets import graph_of, pt_nets
 
 
 @pytest.mark.parametrize("name", ["mcpn", "mcpn.opening", "mcpn.study"])

@@ -10,22 +10,22 @@ from typing import get_args
 import pytest
 from hypothesis import HealthCheck, event, given, settings
 
-from mcpn.check.engines import Engine
-from mcpn.check.logic.names import Names
-from mcpn.check.logic.syntax import parse
-from mcpn.check.spaces import spaces_of
-from mcpn.check.verdicts.mission import check
+from mcpn.answers.names import MissionNames
+from mcpn.answers.spaces import spaces_of
+from mcpn.answers.verdicts.mission import check
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
+from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
+from mcpn.logic.syntax import parse
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Fact, FactChange, Robot
 from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.validate import find_errors
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
 from mcpn.runtime import Controller as Runtime
+from mcpn.spaces.engines import Engine
 from mcpn.testing import missions
 from tests.conftest import ROOT
 from tests.controller.test_c import build, run_lines
@@ -279,7 +279,7 @@ def test_formulas_say_what_is_wrong(formula: str, said: str, tmp_path: Path) -> 
     path.write_text(body(OK))
     mission_net = compose(read_mission(path))
     with pytest.raises(InputError, match=said.replace("(", "[(]").replace(")", "[)]")):
-        parse(formula, Names(mission_net.net, mission_net))
+        parse(formula, MissionNames(mission_net))
 
 
 @pytest.mark.parametrize("form", FORMS)

@@ -6,13 +6,13 @@ import random
 
 import pytest
 
-from mcpn.check.verdicts.modes import situation
+from mcpn.answers.verdicts.modes import situation
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.model import Mission, Objective, Parallel, Recursive
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
-from mcpn.net.compose import MissionNet, compose
-from mcpn.net.events import START, Event, What
-from mcpn.space.markings.explicit import explore
-from mcpn.space.stable.alternatives import AlternativesGraph, by_reduction
+from mcpn.nets.events import START, Event, What
+from mcpn.spaces.markings.explicit import explore
+from mcpn.spaces.stable.alternatives import AlternativesGraph, by_reduction
 from tests.test_campaign import judge
 
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from mcpn.drawing.compose import compose
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
-from mcpn.net.formats import save_net
+from mcpn.nets.formats import save_net
 from tests.mutation import SECONDS, Seeds, a_case, at_most, complaint
 
 MISSION = b"""<mission name="m" description="a &lt;small> mission" xmlns="urn:mcpn:mission:1">

@@ -12,14 +12,14 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
-from mcpn.check.verdicts.mission import check
+from mcpn.answers.verdicts.mission import check
 from mcpn.cli.begin import EXAMPLES
+from mcpn.drawing.compose import compose
 from mcpn.mission.language.forms import language
 from mcpn.mission.language.grammar import relax_ng
 from mcpn.mission.schema import SCHEMA, find_misfits
 from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
 from tests.conftest import ROOT
 
 PAGES = [ROOT / "docs" / "language.md", ROOT / "docs" / "patterns.md"]

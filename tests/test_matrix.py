@@ -10,24 +10,25 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from mcpn.check.causes.cutsets import CutSet
-from mcpn.check.causes.effects import Severity
-from mcpn.check.causes.find import Causes
-from mcpn.check.causes.fmeca import fmeca
-from mcpn.check.causes.risk import risk
-from mcpn.check.engines import Engine, On
-from mcpn.check.logic.questions import Questions
-from mcpn.check.spaces import spaces_of
-from mcpn.check.verdicts.mission import INFORMATIVE, REQUIRED, MissionCheck, check
-from mcpn.check.verdicts.nets import Behaviour
+from mcpn.answers.causes.cutsets import CutSet
+from mcpn.answers.causes.effects import Severity
+from mcpn.answers.causes.find import Causes
+from mcpn.answers.causes.fmeca import fmeca
+from mcpn.answers.causes.risk import risk
+from mcpn.answers.spaces import spaces_of
+from mcpn.answers.verdicts.mission import INFORMATIVE, REQUIRED, MissionCheck, check
 from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import flat_controller
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import InputError
+from mcpn.logic.behaviour import Behaviour
+from mcpn.logic.questions import Questions
 from mcpn.mission.model import Mission, Objective, Parallel
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
-from mcpn.net.compose import MissionNet, compose
-from mcpn.space.stable.listing import written_out
-from tests.check.asked import Asked
+from mcpn.spaces.engines import Engine, On
+from mcpn.spaces.kept import Spaces
+from mcpn.spaces.stable.listing import written_out
+from tests.logic.asked import Asked
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "engines.md"
 BEGIN, END = "<!-- matrix -->\n", "<!-- end of matrix -->\n"
@@ -64,14 +65,14 @@ def decided(found: MissionCheck) -> bool:
 def answers(engine: Engine, on: On, formula: str, *fair: str) -> bool:
     """Whether a formula is answered, with a run that shows it."""
     found = mission(contention=False)
-    questions = Questions(found, on=on, fair=fair, engine=engine)
+    questions = Questions(spaces_of(found), on=on, fair=fair, engine=engine)
     answer = questions.answer(formula)
     return bool(answer.witness.steps) or answer.holds
 
 
 def behaves(engine: Engine) -> bool:
     net = replace(mission(contention=False).net, priorities=False)
-    return Behaviour(spaces_of(net).space(engine)).home_markings >= 0
+    return Behaviour(Spaces(net).space(engine)).home_markings >= 0
 
 
 CHECKED: dict[Engine, MissionCheck] = {}

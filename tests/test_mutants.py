@@ -54,7 +54,7 @@ def test_the_mutants_of_a_small_file(mutants: ModuleType) -> None:
 
 
 @pytest.mark.parametrize(
-    "path", ["mcpn/errors.py", "mcpn/runtime/tables.py", "mcpn/space/stable/commutation.py"]
+    "path", ["mcpn/errors.py", "mcpn/runtime/tables.py", "mcpn/spaces/stable/commutation.py"]
 )
 def test_each_mutant_parses_and_is_another_program(mutants: ModuleType, path: str) -> None:
     source = (ROOT / path).read_bytes()
@@ -106,7 +106,7 @@ def test_the_tests_that_call_what_is_changed(mutants: ModuleType) -> None:
 @pytest.fixture
 def checkout(tmp_path: Path) -> Path:
     """A checkout with two files and the experiment."""
-    for path in ("experiments", "mcpn/space"):
+    for path in ("experiments", "mcpn/spaces"):
         (tmp_path / path).mkdir(parents=True)
     shutil.copy(ROOT / "experiments" / "mutants.py", tmp_path / "experiments")
     for name in ("old", "new"):
@@ -126,7 +126,7 @@ def listed(checkout: Path, *arguments: str, path: str | None = None) -> tuple[se
         text=True,
         check=True,
     )
-    return set(re.findall(r"^mcpn/space/(\w+)\.py:", found.stdout, re.MULTILINE)), found.stderr
+    return set(re.findall(r"^mcpn/spaces/(\w+)\.py:", found.stdout, re.MULTILINE)), found.stderr
 
 
 @pytest.mark.skipif(shutil.which("git") is None, reason="needs git")
@@ -145,7 +145,7 @@ def test_since_a_revision_or_a_date(checkout: Path) -> None:
     (checkout / "mcpn" / "space" / "gone.py").write_bytes(SOURCE)
     git("add", ".", day=20)
     git("commit", "-m", "second", day=20)
-    git("rm", "mcpn/space/gone.py", day=21)
+    git("rm", "mcpn/spaces/gone.py", day=21)
     git("commit", "-m", "third", day=21)
     assert listed(checkout) == ({"old", "new"}, "")
     assert listed(checkout, "--since", "HEAD~2") == ({"new"}, "")

@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.check.engines import Choice, Engine
-from mcpn.check.spaces import spaces_of
-from mcpn.check.verdicts.mission import check
+from mcpn.answers.spaces import spaces_of
+from mcpn.answers.verdicts.mission import check
+from mcpn.composite.composing import composite_space
 from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import TableController
 from mcpn.controller.minimise import minimise
@@ -21,15 +21,15 @@ from mcpn.controller.modular import AnyController
 from mcpn.controller.simulator import Simulation
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
+from mcpn.drawing.compose import MissionNet, compose
+from mcpn.drawing.forgetful import forgetful
+from mcpn.drawing.sections import section_part
 from mcpn.errors import LimitError, McpnError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import MissionNet, compose
-from mcpn.net.events import Event
-from mcpn.net.forgetful import forgetful
-from mcpn.net.sections import section_part
-from mcpn.space.local.composing import composite_space
-from mcpn.space.stable.alternatives import direct_with_proof
+from mcpn.nets.events import Event
+from mcpn.spaces.engines import Choice, Engine
+from mcpn.spaces.stable.alternatives import direct_with_proof
 from mcpn.testing import missions
 from tests.controller.test_c import build, run_lines
 from tests.controller.test_lockstep import walk

@@ -51,7 +51,7 @@ def test_a_signal_ends_an_exploration_cleanly(number: signal.Signals, big: Path)
 
 INTERRUPTED = """
 import os, sys
-import mcpn.space.local.composing as composing
+import mcpn.composite.composing as composing
 explore = composing.explore_local
 def interrupted(*nets):
     os.kill(os.getpid(), {number})

@@ -14,23 +14,23 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import mcpn
-from mcpn.check.engines import Choice, Engine
-from mcpn.check.spaces import Spaces
+from mcpn.answers.spaces import MissionSpaces
 from mcpn.cli.line import run
+from mcpn.drawing.compose import compose
 from mcpn.errors import InputError, LimitError, McpnError, SemanticsError
 from mcpn.mission.model import Mission
-from mcpn.net.compose import compose
 from mcpn.report.notebook import show
-from mcpn.space.stable import alternatives
+from mcpn.spaces.engines import Choice, Engine
+from mcpn.spaces.stable import alternatives
 from mcpn.testing import missions
 from tests.conftest import ROOT, ULYSSE
 from tests.draws import fewer
 
 BUILT = {
-    "composite": "mcpn.space.local.composing.composite_space",
-    "listing": "mcpn.space.stable.alternatives.direct_with_proof",
-    "diagram": "mcpn.check.spaces.reaching",
-    "markings": "mcpn.check.spaces.explore",
+    "composite": "mcpn.composite.composing.composite_space",
+    "listing": "mcpn.spaces.stable.alternatives.direct_with_proof",
+    "diagram": "mcpn.spaces.kept.reaching",
+    "markings": "mcpn.spaces.kept.explore",
 }
 """What builds a space of the whole mission."""
 NET = """pl a (1)
@@ -51,8 +51,8 @@ def built() -> Iterator[Counter[str]]:
 
         return counted
 
-    from mcpn.check import spaces
-    from mcpn.space.local import composing
+    from mcpn.composite import composing
+    from mcpn.spaces import kept as spaces
 
     homes = {"composite": composing, "listing": alternatives, "diagram": spaces, "markings": spaces}
     with ExitStack() as stack:
@@ -90,7 +90,7 @@ def test_a_report_lists_the_stable_states_once(built: Counter[str], tmp_path: Pa
 def sections_listed() -> int:
     """Local graphs that a report of Ulysse draws: one for each type of section."""
     net = compose(mcpn.read_mission(ULYSSE))
-    from mcpn.net.sections import SectionParts
+    from mcpn.drawing.sections import SectionParts
 
     alone = SectionParts(net.usage).alone
     return len({alone(section).type for section in net.graph.sections})
@@ -121,7 +121,7 @@ def test_an_engine_that_gave_up_is_not_asked_again(built: Counter[str]) -> None:
 
 
 def test_what_was_listed_within_a_limit_serves_every_higher_one(built: Counter[str]) -> None:
-    spaces = Spaces(compose(mcpn.read_mission(ULYSSE)))
+    spaces = MissionSpaces(compose(mcpn.read_mission(ULYSSE)))
     for limit in (259, 259, 260, 1000):
         if limit == 259:
             with pytest.raises(LimitError, match="259"):

@@ -13,9 +13,9 @@ from unittest.mock import patch
 
 import pytest
 
+from mcpn.composite.composing import composite_space
+from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError, WorkersError
-from mcpn.net.compose import MissionNet
-from mcpn.space.local.composing import composite_space
 from mcpn.workers import executor_of
 from tests.commands import mcpn, output
 from tests.conftest import ROOT
@@ -149,7 +149,7 @@ def test_a_killed_process_is_an_error_that_says_so(ulysse_net: MissionNet) -> No
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
 def test_the_command_line_says_so_too(tmp_path: Path) -> None:
     for command in COMMANDS:
-        with patch("mcpn.space.local.composing.explore_and_prove", die):
+        with patch("mcpn.composite.composing.explore_and_prove", die):
             run = mcpn(*asking(command, tmp_path), "--jobs", 2)
         assert run.returncode == 2, run.stderr
         assert "error: a process that explored sections ended before its work was done" in run.stderr

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from mcpn._kernel import Zdd
-from mcpn.space.diagrams.spaces import DiagramMarkings
+from mcpn.spaces.diagrams.spaces import DiagramMarkings
 
 
 class _Spent(Exception):

@@ -13,8 +13,8 @@ from typing import Protocol
 from mcpn.bench.places import ControllerPlace, Places
 from mcpn.controller.modular import AnyController
 from mcpn.controller.targets import files
+from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
-from mcpn.net.compose import MissionNet
 from mcpn.runtime.tables import Action
 
 

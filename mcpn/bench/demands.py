@@ -1,6 +1,6 @@
 """Hardware that fails on demand, as the bench plays it: what starts on an event is asked, one by one.
 
-The order is that of the numbers of risk (:mod:`mcpn.check.causes.demands`): resources as the activities of
+The order is that of the numbers of risk (:mod:`mcpn.answers.causes.demands`): resources as the activities of
 the section come upon them, then activities, then alternatives. What starts is read from the controller's
 actions.
 """
@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple, TypeAlias
 
-from mcpn.net.compose import MissionNet
-from mcpn.net.events import Event, What
-from mcpn.net.sections import SectionParts, Used
+from mcpn.drawing.compose import MissionNet
+from mcpn.drawing.sections import SectionParts, Used
+from mcpn.nets.events import Event, What
 from mcpn.runtime.tables import Action, Inside, TableSection
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from mcpn.errors import InputError, Source
 from mcpn.files import read_bounded
-from mcpn.net.events import Event, What
+from mcpn.nets.events import Event, What
 
 
 def read_script(path: Path) -> list[tuple[float, str]]:

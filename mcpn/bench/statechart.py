@@ -13,8 +13,8 @@ from mcpn.bench.places import ControllerPlace
 from mcpn.controller.hierarchy import TableController
 from mcpn.controller.targets import files
 from mcpn.controller.targets.scxml import Regions, event_name
+from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
-from mcpn.net.compose import MissionNet
 from mcpn.runtime.tables import Action
 
 

@@ -1,12 +1,12 @@
 """A robot and its world as fake drivers: what may happen where the controller is, and how soon.
 
-The model is that of the numbers of risk (:mod:`mcpn.check.causes.risk`), played instead of solved, and played
-on the controller instead of the net: exponential durations, failures and repairs; hardware that fails as an
-alternative starts; an objective whose present run cannot succeed any more fails at once. The world knows of
-each loss: one that is detected late is drawn as any other, and told to the controller, which changes no mode;
-its detection is drawn at its rate; and an objective that uses what is lost ends in failure. Timers, which
-numbers of risk do not know, run out in virtual time. Each place of the controller and what each event does
-there are asked of the runtime once.
+The model is that of the numbers of risk (:mod:`mcpn.answers.causes.risk`), played instead of solved, and
+played on the controller instead of the net: exponential durations, failures and repairs; hardware that fails
+as an alternative starts; an objective whose present run cannot succeed any more fails at once. The world
+knows of each loss: one that is detected late is drawn as any other, and told to the controller, which
+changes no mode; its detection is drawn at its rate; and an objective that uses what is lost ends in failure.
+Timers, which numbers of risk do not know, run out in virtual time. Each place of the controller and what
+each event does there are asked of the runtime once.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from itertools import accumulate
 
 from mcpn.bench.demands import Demands
 from mcpn.bench.places import ControllerPlace, Places
+from mcpn.drawing.compose import MissionNet
 from mcpn.mission.expansion.routes import Interrupted
 from mcpn.mission.flatten import ElementarySection, ParallelSection
-from mcpn.net.compose import MissionNet
-from mcpn.net.events import Event, What
+from mcpn.nets.events import Event, What
 from mcpn.runtime.tables import Action, Inside, Tables, TableSection
 
 UNTIMED = 1.0

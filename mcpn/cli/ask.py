@@ -27,13 +27,13 @@ from mcpn.cli.shared import (
 )
 
 if TYPE_CHECKING:
-    from mcpn.check.engines import Asked, On
-    from mcpn.check.logic.questions import Answer, Questions
-    from mcpn.check.logic.verdicts import ContestAnswer
-    from mcpn.check.logic.witness import Witness
-    from mcpn.net.compose import MissionNet
-    from mcpn.net.petri import PetriNet
-    from mcpn.net.templates import TemplateSet
+    from mcpn.drawing.compose import MissionNet
+    from mcpn.drawing.templates import TemplateSet
+    from mcpn.logic.questions import Answer, Questions
+    from mcpn.logic.verdicts import ContestAnswer
+    from mcpn.logic.witness import Witness
+    from mcpn.nets.petri import PetriNet
+    from mcpn.spaces.engines import Asked, On
 
 EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", "StableMarking")
 
@@ -96,7 +96,7 @@ def ask(
     if scn and len(formulas) != 1:
         raise click.UsageError("--scn goes with one FORMULA")
     without_threads_of_numpy()
-    from mcpn.check.logic.verdicts import answer_typed
+    from mcpn.logic.verdicts import answer_typed
     from mcpn.opening import open_study
     from mcpn.workers import executor_of
 
@@ -131,19 +131,19 @@ def ask(
     elif answers:
         from mcpn.report.text import print_answers
 
-        print_answers(answers, study.net, study.spaces.mission_net)
+        print_answers(answers, study.net, None if study.is_net else study.mission_net)
     if not all(answer.holds for answer in answers):
         sys.exit(EXIT_FAILED)
 
 
 def _print_automata(questions: Questions, formulas: tuple[str, ...], as_json: bool) -> None:
     """The automata of formulas on paths, in the Hanoi format."""
-    from mcpn.check.logic.syntax import parse_open
-    from mcpn.check.logic.writing import show
-    from mcpn.check.ltl.automaton import translated
-    from mcpn.check.ltl.formulas import is_of_paths, normal
-    from mcpn.check.ltl.hoa import classes, write_hoa
     from mcpn.errors import InputError
+    from mcpn.logic.ltl.automaton import translated
+    from mcpn.logic.ltl.formulas import is_of_paths, normal
+    from mcpn.logic.ltl.hoa import classes, write_hoa
+    from mcpn.logic.syntax import parse_open
+    from mcpn.logic.writing import show
 
     found = []
     for text in formulas:
@@ -162,7 +162,7 @@ def _print_automata(questions: Questions, formulas: tuple[str, ...], as_json: bo
 
 def _list_words(mission_net: MissionNet, as_json: bool) -> None:
     """The words that formulas about a mission are made of."""
-    from mcpn.check.vocabulary import vocabulary
+    from mcpn.answers.vocabulary import vocabulary
 
     words = vocabulary(mission_net)
     if as_json:
@@ -178,8 +178,8 @@ def _of_contest(
 ) -> Iterator[ContestAnswer]:
     """The answers to property files, all of which are understood first, and to examinations."""
     if properties or examinations:
-        from mcpn.check.logic.contest import read_properties
-        from mcpn.check.logic.verdicts import answer_all
+        from mcpn.logic.contest import read_properties
+        from mcpn.logic.verdicts import answer_all
 
         files = dict.fromkeys(properties)
         of_files = [each for path in files for each in read_properties(path, questions.names)]
@@ -187,8 +187,8 @@ def _of_contest(
 
 
 def _write_scenario(answer: Answer, path: Path) -> None:
-    from mcpn.check.logic.witness import scenario
     from mcpn.files import write_atomically
+    from mcpn.logic.witness import scenario
 
     write_atomically(path, scenario(answer.witness))
 

@@ -28,9 +28,9 @@ from mcpn.cli.shared import (
 from mcpn.errors import InputError, LimitError
 
 if TYPE_CHECKING:
-    from mcpn.check.engines import Asked
-    from mcpn.net.templates import TemplateSet
+    from mcpn.drawing.templates import TemplateSet
     from mcpn.report.failures.tables import Classes
+    from mcpn.spaces.engines import Asked
 
 MOST_TOLD = 50
 """Objectives up to which runs and FMECA rows are told without being asked for."""
@@ -97,7 +97,7 @@ def causes(
     objectives, runs and FMECA rows are of those that --objective names, or of all with --fmeca.
     """
     without_threads_of_numpy()
-    from mcpn.check.causes.fmeca import fmeca as table_of
+    from mcpn.answers.causes.fmeca import fmeca as table_of
     from mcpn.files import write_atomically
     from mcpn.mission.static.intervals import at_their_means, interval_rates
     from mcpn.opening import open_study
@@ -124,11 +124,11 @@ def causes(
         rows = table_of(found.prospects, wanted) if short or fmeca is not None else []
         numbers = slopes = bounded = by_then = unanswered = None
         if rates:
-            from mcpn.check.causes.risk import risk
-            from mcpn.check.causes.whole.bounds import bounds
-            from mcpn.check.causes.whole.chain import whole_chain
-            from mcpn.check.causes.whole.slopes import slopes_of
-            from mcpn.check.causes.whole.within import within as ends_within
+            from mcpn.answers.causes.risk import risk
+            from mcpn.answers.causes.whole.bounds import bounds
+            from mcpn.answers.causes.whole.chain import whole_chain
+            from mcpn.answers.causes.whole.slopes import slopes_of
+            from mcpn.answers.causes.whole.within import within as ends_within
 
             try:
                 numbers, slopes = risk(every.prospects, max_chain), slopes_of(every.prospects, max_chain)
@@ -179,7 +179,7 @@ def causes(
 
 def _classes(given: tuple[str, ...]) -> Classes:
     """Severity classes with the names that the user gives."""
-    from mcpn.check.causes.effects import Severity
+    from mcpn.answers.causes.effects import Severity
     from mcpn.report.failures.tables import STANDARD
 
     known = {severity.words: severity for severity in Severity}

@@ -29,9 +29,9 @@ from mcpn.cli.shared import (
 )
 
 if TYPE_CHECKING:
-    from mcpn.check.engines import Asked
-    from mcpn.check.verdicts.mission import MissionCheck
-    from mcpn.net.templates import TemplateSet
+    from mcpn.answers.verdicts.mission import MissionCheck
+    from mcpn.drawing.templates import TemplateSet
+    from mcpn.spaces.engines import Asked
 
 
 @click.command()

@@ -22,7 +22,7 @@ from mcpn.cli.shared import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from mcpn.check.compare import Measured
+    from mcpn.answers.compare import Measured
 
 
 @click.command()
@@ -85,7 +85,7 @@ def compare(
     With a family: on its nets as they grow, with how CPU time grows. With two sets of templates: whether the
     mission behaves the same with both, event by event.
     """
-    from mcpn.check.compare import disagreement, measure
+    from mcpn.answers.compare import disagreement, measure
     from mcpn.opening import open_study
 
     form = "json" if as_json else form
@@ -129,7 +129,7 @@ def compare(
 def _members(
     name: str, sizes: str, max_states: int | None, seconds: float, repeat: int
 ) -> Sequence[Measured]:
-    from mcpn.check.compare import grown
+    from mcpn.answers.compare import grown
     from mcpn.testing.nets import FAMILIES
 
     if (family := FAMILIES.get(name)) is None:
@@ -150,15 +150,15 @@ def _compare_sets(
 ) -> None:
     from dataclasses import asdict
 
-    from mcpn.check.likeness import likeness_of
-    from mcpn.net.templates.named import templates_named
+    from mcpn.answers.likeness import likeness_of
+    from mcpn.drawing.templates.named import templates_named
     from mcpn.opening import open_study
     from mcpn.report.text import print_likeness
 
     without_threads_of_numpy()
     sets = [templates_named(name) for name in names]
     studies = [open_study(file, import_root=import_root, templates=templates) for templates in sets]
-    one, other = (study.spaces for study in studies)
+    one, other = (study.mission_spaces() for study in studies)
     found = likeness_of(one, other, names=names, max_states=max_states)
     if as_json:
         parted = found.difference

@@ -24,7 +24,7 @@ from mcpn.cli.shared import (
 from mcpn.errors import InputError, Source
 
 if TYPE_CHECKING:
-    from mcpn.net.templates import TemplateSet
+    from mcpn.drawing.templates import TemplateSet
 
 
 @click.command()
@@ -135,7 +135,7 @@ def convert(
     places and transitions. With --rates TARGET ends in .drn: the chain of the mission as a Markov automaton,
     for the model checker Storm.
     """
-    from mcpn.net.formats import WRITABLE, save_net
+    from mcpn.nets.formats import WRITABLE, save_net
     from mcpn.opening import open_study
     from mcpn.report.pictures.drawing import KNOWN
 
@@ -176,9 +176,9 @@ def _write_chain(
 ) -> None:
     """Writes the chain of a mission with rates as a Markov automaton."""
     without_threads_of_numpy()
-    from mcpn.check.causes.edge_rates import decimal
-    from mcpn.check.causes.prospects import Prospects
-    from mcpn.check.causes.whole.chain import whole_chain
+    from mcpn.answers.causes.edge_rates import decimal
+    from mcpn.answers.causes.prospects import Prospects
+    from mcpn.answers.causes.whole.chain import whole_chain
     from mcpn.files import write_atomically
     from mcpn.opening import open_study
     from mcpn.report.failures.drn import drn

@@ -24,8 +24,8 @@ from mcpn.cli.shared import (
 from mcpn.errors import InputError, Source
 
 if TYPE_CHECKING:
-    from mcpn.check.engines import Asked
-    from mcpn.net.templates import TemplateSet
+    from mcpn.drawing.templates import TemplateSet
+    from mcpn.spaces.engines import Asked
 
 
 @click.command()

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from mcpn.check.engines import Choice, NoSpace
-    from mcpn.net.compose import MissionNet
-    from mcpn.net.templates import TemplateSet
+    from mcpn.drawing.compose import MissionNet
+    from mcpn.drawing.templates import TemplateSet
+    from mcpn.spaces.engines import Choice, NoSpace
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
@@ -58,7 +58,7 @@ def templates_of(_ctx: click.Context, _option: click.Parameter, name: str | None
     """The set of templates that is named; none where it is the paper's."""
     if name is None:
         return None
-    from mcpn.net.templates.named import PAPER, templates_named
+    from mcpn.drawing.templates.named import PAPER, templates_named
 
     return None if name == PAPER else templates_named(name)
 

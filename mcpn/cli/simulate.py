@@ -11,7 +11,7 @@ import click
 from mcpn.cli.shared import FILE, emit_json, import_option, json_option, limit_option, templates_option
 
 if TYPE_CHECKING:
-    from mcpn.net.templates import TemplateSet
+    from mcpn.drawing.templates import TemplateSet
     from mcpn.study import Study
 
 
@@ -65,7 +65,7 @@ def simulate(
 
 def _play_tokens(study: Study, steps: int | None, rng: random.Random, as_json: bool) -> None:
     from mcpn.cli.play.tokens import TokenSession
-    from mcpn.net.game import TokenGame
+    from mcpn.nets.game import TokenGame
 
     session = TokenSession(TokenGame(study.net), quiet=as_json)
     for _ in range(steps or 0):

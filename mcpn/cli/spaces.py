@@ -24,13 +24,14 @@ from mcpn.cli.shared import (
 )
 
 if TYPE_CHECKING:
-    from mcpn.check.engines import Asked, Choice, On
-    from mcpn.check.sizes import Counting
-    from mcpn.check.spaces import Spaces
-    from mcpn.net.templates import TemplateSet
-    from mcpn.space.algebra import Space
-    from mcpn.space.markings.explicit import Progress
-    from mcpn.space.summary import SpaceSummary
+    from mcpn.answers.spaces import MissionSpaces
+    from mcpn.drawing.templates import TemplateSet
+    from mcpn.spaces.algebra import Space
+    from mcpn.spaces.engines import Asked, Choice, On
+    from mcpn.spaces.kept import Spaces
+    from mcpn.spaces.markings.explicit import Progress
+    from mcpn.spaces.sizes import Counting
+    from mcpn.spaces.summary import SpaceSummary
 
 
 @click.command()
@@ -85,8 +86,8 @@ def states(
 
 
 def _in_order(spaces: Spaces, order: Path | None, seed: int | None, save_order: Path | None) -> SpaceSummary:
-    from mcpn.space.diagrams.order import read_order, write_order
-    from mcpn.space.summary import summary_of
+    from mcpn.spaces.diagrams.order import read_order, write_order
+    from mcpn.spaces.summary import summary_of
 
     started, net = time.perf_counter(), spaces.net
     space = spaces.ordered(read_order(order, net) if order else None, seed)
@@ -96,7 +97,7 @@ def _in_order(spaces: Spaces, order: Path | None, seed: int | None, save_order: 
 
 
 def _listed(
-    spaces: Spaces, method: str, proof: bool, choice: Choice, progress: Progress | None
+    spaces: MissionSpaces, method: str, proof: bool, choice: Choice, progress: Progress | None
 ) -> Space[Any]:
     """The alternatives graph as the user wants it listed."""
     if method == "reduction":
@@ -134,12 +135,12 @@ def alternatives(
     as_json: bool,
 ) -> None:
     """Build the alternatives graph of MISSION: its stable markings and events."""
-    from mcpn.check.engines import answered
+    from mcpn.composite.clash_words import in_mission_words
     from mcpn.opening import open_study
-    from mcpn.space.arrays import ArraySpace
-    from mcpn.space.stable.alternatives import AlternativesGraph
-    from mcpn.space.stable.clash_words import in_mission_words
-    from mcpn.space.stable.listing import written_out
+    from mcpn.spaces.arrays import ArraySpace
+    from mcpn.spaces.engines import answered
+    from mcpn.spaces.stable.alternatives import AlternativesGraph
+    from mcpn.spaces.stable.listing import written_out
 
     without_threads_of_numpy()
     if method is not None or not proof:
@@ -147,11 +148,10 @@ def alternatives(
             raise click.UsageError("--method and --no-proof are of the explicit engine")
         engine = "explicit"
     study = open_study(mission, import_root=import_root, templates=templates)
-    mission_net, spaces = study.mission_net, study.spaces
+    spaces = study.mission_spaces("the alternatives graph")
     started = time.perf_counter()
     if section is not None:
         spaces, engine = spaces.section(section), "explicit"
-        mission_net = spaces.mission
 
     def ask(choice: Choice) -> Space[Any]:
         if choice.engine == "explicit" and not choice.brief:
@@ -160,20 +160,20 @@ def alternatives(
         with progress_line(as_json or choice.brief, SECTIONS) as progress:
             return spaces.space(choice, "alternatives", progress=progress)
 
-    with in_mission_words(mission_net):
-        space, choice = answered(ask, mission_net, engine=engine, on="alternatives", max_states=max_states)
+    with in_mission_words(spaces.mission):
+        space, choice = answered(ask, spaces.choices(engine, "alternatives", max_states))
     listed = space.graph if isinstance(space, ArraySpace) else None
     graph = listed if isinstance(listed, AlternativesGraph) else None
     if output is not None:
         from mcpn.report.graphs import save_graph
 
         whole = graph or written_out(space, choice.engine, max_states)
-        save_graph(whole, mission_net, output, section)
+        save_graph(whole, spaces.mission, output, section)
     fired = space.firings(space.everything)
     counts = {
         "states": space.everything.count(),
         "edges": sum(fired.values()),
-        "events": len({mission_net.net.transitions[t].event for t in fired}),
+        "events": len({spaces.net.transitions[t].event for t in fired}),
         "method": choice.engine if graph is None else graph.method,
         **choice_object(choice),
         "seconds": time.perf_counter() - started,

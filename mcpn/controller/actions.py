@@ -11,12 +11,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from mcpn.check.verdicts.modes import Situation
+from mcpn.answers.verdicts.modes import Situation
 from mcpn.controller.run import Left
+from mcpn.drawing.sections import section_part
 from mcpn.mission.flatten import ObjectivesGraph, Section
 from mcpn.mission.graph import names_in
 from mcpn.mission.static.usage import Usage
-from mcpn.net.sections import section_part
 
 Verb = Literal["disarm", "stop", "release", "select", "start", "arm"]
 VERBS: tuple[Verb, ...] = ("disarm", "stop", "release", "select", "start", "arm")

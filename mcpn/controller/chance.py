@@ -1,6 +1,6 @@
 """How likely the events of a mission are beside each other: what a walk at random draws by.
 
-A weight is a rate, per hour, as the numbers of risk have it (:mod:`mcpn.check.causes.risk`): what the files
+A weight is a rate, per hour, as the numbers of risk have it (:mod:`mcpn.answers.causes.risk`): what the files
 of the mission give counts. Where they give nothing an objective takes an hour, and something fails, or a
 declared event happens, a tenth as often as an objective succeeds.
 """
@@ -10,8 +10,8 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Mapping, Sequence
 
-from mcpn.net.compose import MissionNet
-from mcpn.net.events import Event, What
+from mcpn.drawing.compose import MissionNet
+from mcpn.nets.events import Event, What
 
 USUAL, SELDOM = 1.0, 0.1
 """Rates, per hour, where the files give none: of successes, starts and repairs; of all else."""

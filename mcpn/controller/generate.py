@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Literal, overload
 
-from mcpn.check.spaces import Spaces, spaces_of
+from mcpn.answers.spaces import MissionSubject, spaces_of
+from mcpn.composite.clash_words import in_mission_words
 from mcpn.controller.hierarchy import TableController, flat_controller, hierarchical_controller
 from mcpn.controller.modular import AnyController, ModularController
 from mcpn.controller.rules import modular_controller
 from mcpn.controller.sizes import MAX_TABLE_STATES, rather_rules, standing, too_large
 from mcpn.errors import LimitError
-from mcpn.net.compose import MissionNet
-from mcpn.space.stable.clash_words import in_mission_words
-from mcpn.space.stable.completion import MAX_STABLE_STATES
+from mcpn.spaces.stable.completion import MAX_STABLE_STATES
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -27,7 +26,7 @@ MOST_UNTOLD = 10_000
 
 @overload
 def generate(
-    of: Spaces | MissionNet,
+    of: MissionSubject,
     form: Literal["flat", "hierarchical"] = "hierarchical",
     *,
     max_states: int | None = None,
@@ -37,7 +36,7 @@ def generate(
 ) -> TableController: ...
 @overload
 def generate(
-    of: Spaces | MissionNet,
+    of: MissionSubject,
     form: Literal["modular"],
     *,
     max_states: int | None = None,
@@ -47,7 +46,7 @@ def generate(
 ) -> ModularController: ...
 @overload
 def generate(
-    of: Spaces | MissionNet,
+    of: MissionSubject,
     form: Form | Literal["auto"],
     *,
     max_states: int | None = None,
@@ -56,7 +55,7 @@ def generate(
     executor: Executor | None = None,
 ) -> AnyController: ...
 def generate(
-    of: Spaces | MissionNet,
+    of: MissionSubject,
     form: Form | Literal["auto"] = "hierarchical",
     *,
     max_states: int | None = None,

@@ -24,23 +24,23 @@ from typing import Literal
 
 import numpy as np
 
-from mcpn.check.verdicts.modes import Situation
+from mcpn.answers.verdicts.modes import Situation
+from mcpn.composite.composite import CompositeSpace
+from mcpn.composite.renaming import Renaming
+from mcpn.composite.section_type import SectionType
 from mcpn.controller.actions import PlannedAction
 from mcpn.controller.machine import Machine, controller, event_at
 from mcpn.controller.sizes import refuse_entries
+from mcpn.drawing.compose import MissionNet
+from mcpn.drawing.forgetful import ALWAYS, Guard
+from mcpn.drawing.sections import LocalPart
 from mcpn.mission.expansion.faults import noticed
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Fact
 from mcpn.mission.world.conditions import all_flags, flags
-from mcpn.net.compose import MissionNet
-from mcpn.net.events import START, Event, What
-from mcpn.net.forgetful import ALWAYS, Guard
-from mcpn.net.sections import LocalPart
+from mcpn.nets.events import START, Event, What
 from mcpn.notebook import Drawn
-from mcpn.space.local.composite import CompositeSpace
-from mcpn.space.local.renaming import Renaming
-from mcpn.space.local.section_type import SectionType
-from mcpn.space.stable.alternatives import AlternativesGraph
+from mcpn.spaces.stable.alternatives import AlternativesGraph
 
 KINDS = ("hardware", "objectives", "activities", "alternatives")
 """Kinds of elements that machines speak of in their actions."""

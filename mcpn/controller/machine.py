@@ -14,14 +14,14 @@ from functools import cache, cached_property
 
 import numpy as np
 
-from mcpn.check.verdicts.modes import Situation, said_by
+from mcpn.answers.verdicts.modes import Situation, said_by
 from mcpn.controller.actions import Ordering, PlannedAction
 from mcpn.controller.run import Left, Runner
-from mcpn.net.compose import MissionNet
-from mcpn.net.events import Event
-from mcpn.net.petri import PetriNet
-from mcpn.space.markings.graph import Ints
-from mcpn.space.stable.alternatives import AlternativesGraph
+from mcpn.drawing.compose import MissionNet
+from mcpn.nets.events import Event
+from mcpn.nets.petri import PetriNet
+from mcpn.spaces.markings.graph import Ints
+from mcpn.spaces.stable.alternatives import AlternativesGraph
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +51,7 @@ class Machine:
         mission: The mission's name.
         states: What each state is, by number.
         graph: The alternatives graph, whose edges they are: sorted by source, then in the net's order; at
-            most one for each state and event, but in a net that forgets (:mod:`mcpn.net.forgetful`).
+            most one for each state and event, but in a net that forgets (:mod:`mcpn.drawing.forgetful`).
         orders: By edge, the number of its list of actions.
         lists: By number, actions in order: stops, releases, selections, starts.
         waiting: Numbers of the states before the mission's start.

@@ -12,7 +12,7 @@ from collections.abc import Hashable, Sequence
 from dataclasses import replace
 
 from mcpn.controller.hierarchy import Move, SectionMachine, TableController
-from mcpn.net.forgetful import Guard
+from mcpn.drawing.forgetful import Guard
 
 
 def minimise(controller: TableController) -> TableController:

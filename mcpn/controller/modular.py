@@ -5,7 +5,7 @@ one. An event is handled by one of its *rules* that fits: it asks some bits to b
 rule's *effect* says which bits change, which actions are ordered, and with which outcome the section is left,
 if it is. Rules of one event that fit one state have the same effect.
 
-Rules are the big steps of the local net (:mod:`mcpn.space.stable.big_steps`), each proved to be the one
+Rules are the big steps of the local net (:mod:`mcpn.spaces.stable.big_steps`), each proved to be the one
 outcome of its event in all stable states that it fits; every such state fits one. A section is entered from
 its idle marking, in which the bits of hardware out of service, and of handlers that have happened, are
 changed, by the rules of its start. So nothing is listed for each state of hardware.
@@ -23,7 +23,7 @@ from functools import cached_property
 
 from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import PlacedMachine, TableController
-from mcpn.net.events import Event
+from mcpn.nets.events import Event
 from mcpn.notebook import Drawn
 
 Literals = tuple[int, ...]
@@ -79,7 +79,7 @@ class Shown:
     """What is said of an element where a literal is true.
 
     Args:
-        kind: A field of :class:`mcpn.check.verdicts.modes.Situation`.
+        kind: A field of :class:`mcpn.answers.verdicts.modes.Situation`.
         name: The element; for modes and what waits, ``activity.alternative``.
         literal: When.
     """

@@ -10,23 +10,23 @@ from operator import or_, xor
 import numpy as np
 
 from mcpn._kernel import Zdd
-from mcpn.check.verdicts.modes import said_as
+from mcpn.answers.verdicts.modes import said_as
+from mcpn.composite.composite import CompositeSpace
+from mcpn.composite.layout import idle_places
+from mcpn.composite.section_type import SectionType
 from mcpn.controller.hierarchy import placed_machines
 from mcpn.controller.machine import Ordered, situations
 from mcpn.controller.modular import Effect, ModularController, Rule, Rules, Shown, Status
 from mcpn.controller.reduce import Cube, levels_of, reduced
 from mcpn.controller.run import Left, Runner
 from mcpn.controller.sizes import each_step, standing
+from mcpn.drawing.sections import Element
 from mcpn.errors import LimitError
-from mcpn.net.events import Event
-from mcpn.net.sections import Element
-from mcpn.space.diagrams.encoding import Encoding
-from mcpn.space.local.composite import CompositeSpace
-from mcpn.space.local.layout import idle_places
-from mcpn.space.local.section_type import SectionType
-from mcpn.space.markings.explicit import KernelNet
-from mcpn.space.markings.graph import StateGraph, pack
-from mcpn.space.stable.big_steps import MOST_STEPS, is_function, reach_in_big_steps
+from mcpn.nets.events import Event
+from mcpn.spaces.diagrams.encoding import Encoding
+from mcpn.spaces.markings.explicit import KernelNet
+from mcpn.spaces.markings.graph import StateGraph, pack
+from mcpn.spaces.stable.big_steps import MOST_STEPS, is_function, reach_in_big_steps
 
 
 def modular_controller(composite: CompositeSpace) -> ModularController:

@@ -17,15 +17,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mcpn.drawing.compose import MissionNet
 from mcpn.errors import DivergenceError
-from mcpn.net.compose import MissionNet
-from mcpn.space.markings.explicit import KernelNet
-from mcpn.space.markings.firing import MaskedNet, bits_of
+from mcpn.spaces.markings.explicit import KernelNet
+from mcpn.spaces.markings.firing import MaskedNet, bits_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from mcpn.space.markings.graph import Ints, StateGraph
+    from mcpn.spaces.markings.graph import Ints, StateGraph
 
 MAX_FIRINGS = 1_000_000
 """Internal firings after one event beyond which a run is taken for endless."""

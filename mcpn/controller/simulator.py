@@ -11,13 +11,13 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import combinations
 
-from mcpn.check.verdicts.modes import Situation, situation
+from mcpn.answers.verdicts.modes import Situation, situation
 from mcpn.controller.actions import Ordering, PlannedAction
 from mcpn.controller.run import Runner
+from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
 from mcpn.mission.expansion.faults import Crash
-from mcpn.net.compose import MissionNet
-from mcpn.net.events import Event, What
+from mcpn.nets.events import Event, What
 
 MAX_VISITED = 200_000
 """Stable markings that one search may look at."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 from array import array
 from collections.abc import Iterator, Mapping, Sequence
 
+from mcpn.composite.composite import CompositeSpace
+from mcpn.composite.section_type import SectionType
 from mcpn.errors import LimitError
-from mcpn.space.local.composite import CompositeSpace
-from mcpn.space.local.section_type import SectionType
-from mcpn.space.stable.big_steps import FEW_STEPS, is_function
+from mcpn.spaces.stable.big_steps import FEW_STEPS, is_function
 
 MAX_TABLE_STATES = 1_000_000
 """States of a section that its machine lists at most."""

@@ -28,8 +28,8 @@ from mcpn.report.pages.identity import files_of
 from mcpn.report.words import in_words
 
 if TYPE_CHECKING:
-    from mcpn.check.engines import Asked
-    from mcpn.check.logic.questions import Answer
+    from mcpn.logic.questions import Answer
+    from mcpn.spaces.engines import Asked
     from mcpn.study import Study
 
 LOOPBACK = "127.0.0.1"

@@ -18,10 +18,10 @@ from mcpn.report.words import modes_in_words
 from mcpn.study import Study
 
 if TYPE_CHECKING:
-    from mcpn.check.engines import Asked
     from mcpn.mission.model import Mission
     from mcpn.mission.requirement import Requirement
     from mcpn.mission.robot import Activity
+    from mcpn.spaces.engines import Asked
 
 
 def supposed(mission: Mission, lost: Sequence[str], ways: Mapping[str, Sequence[str]]) -> Mission:

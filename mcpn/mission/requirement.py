@@ -2,7 +2,7 @@
 
 The patterns are those of Dwyer, Avrunin, Corbett (*Patterns in property specifications for finite-state
 verification*, ICSE 1999) and of Menghi, Tsigkanos, Pelliccione, Ghezzi, Berger (*Specification patterns for
-robotic missions*, IEEE TSE 2019). What each means is said in :mod:`mcpn.check.patterns`.
+robotic missions*, IEEE TSE 2019). What each means is said in :mod:`mcpn.answers.patterns`.
 """
 
 from __future__ import annotations

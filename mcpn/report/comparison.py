@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from mcpn import __version__
-from mcpn.check.compare import DIAGRAM, SIZES, Disagreement, Measured, Measurement, exponents
+from mcpn.answers.compare import DIAGRAM, SIZES, Disagreement, Measured, Measurement, exponents
 from mcpn.report.terminal import Terminal
 
 COLUMNS = (

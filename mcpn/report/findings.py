@@ -8,10 +8,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from mcpn.check.causes.find import Causes, find_causes
-from mcpn.check.causes.fmeca import Row, fmeca
-from mcpn.check.spaces import Spaces, spaces_of
-from mcpn.check.verdicts.mission import MissionCheck, check
+from mcpn.answers.causes.find import Causes, find_causes
+from mcpn.answers.causes.fmeca import Row, fmeca
+from mcpn.answers.spaces import MissionSubject, spaces_of
+from mcpn.answers.verdicts.mission import MissionCheck, check
 from mcpn.controller.generate import generate
 from mcpn.controller.targets.json import document
 from mcpn.errors import McpnError
@@ -22,12 +22,11 @@ from mcpn.report.progress import Steps, counted, exploring
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-    from mcpn.check.causes.prospects import Prospects
-    from mcpn.check.causes.risk import Risk
-    from mcpn.check.engines import Asked
+    from mcpn.answers.causes.prospects import Prospects
+    from mcpn.answers.causes.risk import Risk
     from mcpn.controller.generate import Form
     from mcpn.mission.model import Mission
-    from mcpn.net.compose import MissionNet
+    from mcpn.spaces.engines import Asked
 
     Told = Callable[[int, int, float], str]
 
@@ -68,7 +67,7 @@ class Findings:
 
 
 def findings(
-    of: Spaces | MissionNet,
+    of: MissionSubject,
     engine: Asked = "auto",
     max_states: int | None = None,
     steps: Steps | None = None,
@@ -134,7 +133,7 @@ def findings(
 
 
 def _risk(prospects: Prospects[Any]) -> Risk:
-    from mcpn.check.causes.risk import risk  # an extra
+    from mcpn.answers.causes.risk import risk  # an extra
 
     return risk(prospects)
 

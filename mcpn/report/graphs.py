@@ -6,12 +6,12 @@ import json
 from dataclasses import asdict
 from pathlib import Path
 
-from mcpn.check.verdicts.modes import Situation, situation
+from mcpn.answers.verdicts.modes import Situation, situation
+from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError, Source
 from mcpn.files import write_atomically
-from mcpn.net.compose import MissionNet
 from mcpn.report.pictures.drawing import KNOWN as PICTURES
-from mcpn.space.stable.alternatives import AlternativesGraph
+from mcpn.spaces.stable.alternatives import AlternativesGraph
 
 KNOWN = (".json", ".graphml", ".aut", ".dot", *PICTURES)
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from mcpn.check.verdicts.nets import NetCheck, Structure
-from mcpn.net.game import TokenGame
-from mcpn.net.petri import Arcs, Marking, PetriNet
+from mcpn.logic.behaviour import NetCheck, Structure
+from mcpn.nets.game import TokenGame
+from mcpn.nets.petri import Arcs, Marking, PetriNet
 from mcpn.report.terminal import Terminal
-from mcpn.space.markings.tokens import OMEGA
+from mcpn.spaces.markings.tokens import OMEGA
 
 SHOWN = 20
 

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from mcpn.check.causes.find import Causes, GoalCauses
-from mcpn.check.logic.questions import Answer
-from mcpn.check.verdicts.mission import MissionCheck, Verdict
+from mcpn.answers.causes.find import Causes, GoalCauses
+from mcpn.answers.names import MissionNames
+from mcpn.answers.verdicts.mission import MissionCheck, Verdict
 from mcpn.controller.hierarchy import TableController
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import McpnError
+from mcpn.logic.questions import Answer
 from mcpn.mission.graph import ObjectivesGraph
 from mcpn.mission.model import Mission
-from mcpn.net.compose import MissionNet, compose
-from mcpn.net.petri import PetriNet
+from mcpn.nets.petri import PetriNet
 from mcpn.report.assets import environment
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.report.pictures.graph import drawing
@@ -23,7 +24,7 @@ from mcpn.report.pictures.objectives import objectives_picture
 from mcpn.report.text import SENTENCES
 from mcpn.report.words import in_words
 from mcpn.sentences import enumeration
-from mcpn.space.stable.alternatives import AlternativesGraph
+from mcpn.spaces.stable.alternatives import AlternativesGraph
 
 _TABLE = (
     "<table><caption>{{ caption }}</caption>"
@@ -122,8 +123,8 @@ def _sentence(verdict: Verdict) -> str:
 def _answer(answer: Answer) -> str:
     """An answer with the run that shows it, in mission words where it is of a mission."""
     witness = answer.witness
-    mission_net = witness.names.mission_net
-    if mission_net is not None:
+    if isinstance(witness.names, MissionNames):
+        mission_net = witness.names.mission_net
         steps = [(words, str(event)) for event, words in in_words(mission_net, witness.run)]
     else:
         steps = [(witness.names.net.transitions[t].name, "") for t in witness.firings]

@@ -6,11 +6,11 @@ import textwrap
 from collections.abc import Iterator
 from typing import Any
 
-from mcpn.check.verdicts.modes import Situation
+from mcpn.answers.verdicts.modes import Situation
 from mcpn.controller.actions import VERBS, PlannedAction
 from mcpn.controller.simulator import Change, Simulation, resources
-from mcpn.net.compose import MissionNet
-from mcpn.net.events import Event
+from mcpn.drawing.compose import MissionNet
+from mcpn.nets.events import Event
 from mcpn.report.terminal import Terminal
 from mcpn.report.words import event_in_words, what_happens
 

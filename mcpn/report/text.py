@@ -10,16 +10,16 @@ from mcpn.report.terminal import Terminal
 from mcpn.report.words import in_words, modes_together, skipped_in_words, what_happens
 
 if TYPE_CHECKING:
-    from mcpn.check.engines import Choice, NoSpace
-    from mcpn.check.likeness import Likeness
-    from mcpn.check.logic.questions import Answer
-    from mcpn.check.logic.witness import Witness
-    from mcpn.check.verdicts.mission import MissionCheck, Verdict
-    from mcpn.check.vocabulary import NamedWord, Vocabulary
-    from mcpn.net.compose import MissionNet
-    from mcpn.net.events import Event
-    from mcpn.net.petri import PetriNet
-    from mcpn.space.local.composite import CompositeSpace
+    from mcpn.answers.likeness import Likeness
+    from mcpn.answers.verdicts.mission import MissionCheck, Verdict
+    from mcpn.answers.vocabulary import NamedWord, Vocabulary
+    from mcpn.composite.composite import CompositeSpace
+    from mcpn.drawing.compose import MissionNet
+    from mcpn.logic.questions import Answer
+    from mcpn.logic.witness import Witness
+    from mcpn.nets.events import Event
+    from mcpn.nets.petri import PetriNet
+    from mcpn.spaces.engines import Choice, NoSpace
 
 SENTENCES: Mapping[str, tuple[str, str, str]] = {
     "success_reachable": (
@@ -216,7 +216,7 @@ _MEANT = {
 
 def print_vocabulary(words: Vocabulary) -> None:
     """Prints the words of a mission, by kind, each with what it stands for."""
-    from mcpn.check.vocabulary import NamedActivity, NamedFact
+    from mcpn.answers.vocabulary import NamedActivity, NamedFact
 
     terminal = Terminal()
     terminal.print(f"words of the mission {words.mission}", style="bold")
@@ -317,7 +317,7 @@ def _composite(check: MissionCheck) -> CompositeSpace | None:
     """The mission's composite, where the check has made it."""
     if check.choice.engine != "local":
         return None
-    from mcpn.space.local.composite import CompositeSpace
+    from mcpn.composite.composite import CompositeSpace
 
     return check.alternatives if isinstance(check.alternatives, CompositeSpace) else None
 

@@ -6,13 +6,13 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from mcpn.check.verdicts.modes import Mode, Situation, said_by
-from mcpn.net.events import Event, What
-from mcpn.space.run import Run
+from mcpn.answers.verdicts.modes import Mode, Situation, said_by
+from mcpn.nets.events import Event, What
+from mcpn.spaces.run import Run
 
 if TYPE_CHECKING:
-    from mcpn.check.verdicts.mission import MissionCheck
-    from mcpn.net.compose import MissionNet
+    from mcpn.answers.verdicts.mission import MissionCheck
+    from mcpn.drawing.compose import MissionNet
 
 
 def in_words(mission_net: MissionNet, run: Run) -> Iterator[tuple[Event | str, str]]:

@@ -1,7 +1,7 @@
 """Hypothesis strategies for users of mcpn: valid missions of any shape, small enough to be explored in full.
 
 >>> from hypothesis import HealthCheck, given, settings
->>> from mcpn.net.compose import compose
+>>> from mcpn.drawing.compose import compose
 >>> @settings(max_examples=5, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 ... @given(missions(max_objectives=2))
 ... def composes(mission):

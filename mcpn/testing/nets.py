@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import comb
 
-from mcpn.net.petri import NetBuilder, PetriNet
+from mcpn.nets.petri import NetBuilder, PetriNet
 
 
 @dataclass(frozen=True)

@@ -54,4 +54,4 @@ def print_whole(example: Any, printer: Any, cycle: bool) -> None:
 def register() -> None:
     """Tells hypothesis to print missions and nets so."""
     for_type_by_name("mcpn.mission.model", "Mission", print_mission)
-    for_type_by_name("mcpn.net.petri", "PetriNet", print_whole)
+    for_type_by_name("mcpn.nets.petri", "PetriNet", print_whole)

@@ -14,32 +14,32 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mcpn.answers.causes.prospects import Prospects
+from mcpn.answers.causes.risk import risk
 from mcpn.bench.against import Program, compare
 from mcpn.bench.places import ControllerPlace, Places
 from mcpn.bench.runs import bench, interval, one_run
 from mcpn.bench.sequences import sequences
 from mcpn.bench.statechart import Statechart
 from mcpn.bench.world import World
-from mcpn.check.causes.prospects import Prospects
-from mcpn.check.causes.risk import risk
 from mcpn.controller.generate import generate
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Hardware
 from mcpn.mission.writer import write_mission
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import Controller
 from mcpn.runtime.machines import TypeTables
 from mcpn.runtime.tables import Tables
-from mcpn.space.arrays import ArraySpace
-from mcpn.space.stable.alternatives import direct
+from mcpn.spaces.arrays import ArraySpace
+from mcpn.spaces.stable.alternatives import direct
 from mcpn.testing import missions
 from tests import small
-from tests.check.dense import interrupted_missions, with_numbers
-from tests.check.test_demands import BY_HAND
+from tests.answers.dense import interrupted_missions, with_numbers
+from tests.answers.test_demands import BY_HAND
 from tests.commands import mcpn
 from tests.conftest import ROOT, ULYSSE
 from tests.controller.test_c import build, run_lines

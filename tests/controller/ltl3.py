@@ -9,16 +9,16 @@ from itertools import product
 import numpy as np
 from hypothesis import strategies as st
 
-from mcpn.check.logic.names import Names
-from mcpn.check.logic.syntax import parse
-from mcpn.check.requirements import AskedRequirement
+from mcpn.answers.requirements import AskedRequirement
 from mcpn.controller.monitors.watched import Watcher, on_one_path
+from mcpn.logic.syntax import parse
 from mcpn.mission.requirement import Requirement
-from mcpn.net.events import Event
-from mcpn.net.petri import NetBuilder, PetriNet
-from mcpn.space.arrays import ArraySpace
-from mcpn.space.markings.explicit import explore
-from tests.check.patterns.words import Words
+from mcpn.nets.events import Event
+from mcpn.nets.petri import NetBuilder, PetriNet
+from mcpn.spaces.arrays import ArraySpace
+from mcpn.spaces.markings.explicit import explore
+from mcpn.spaces.names import Names
+from tests.answers.patterns.words import Words
 
 LETTERS = ("", "p", "q", "pq")
 """In the order of :class:`Words`."""

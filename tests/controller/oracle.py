@@ -9,7 +9,7 @@ from __future__ import annotations
 import random
 import re
 
-from mcpn.net.compose import MissionNet
+from mcpn.drawing.compose import MissionNet
 
 BUSY = re.compile(r"[_:](Start|Stop|StartByRes|(eval|wait|active)\d+|error|refusing|running)$")
 

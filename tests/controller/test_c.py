@@ -21,10 +21,10 @@ from mcpn.controller.targets import files
 from mcpn.controller.targets.c import Array
 from mcpn.controller.targets.json import document
 from mcpn.controller.targets.names import C_KEYWORDS, C_SIGNIFICANT, c_string, comment, identifiers
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
-from mcpn.net.compose import MissionNet, compose
 from mcpn.testing import missions
 from tests.controller.traces import Place, Traced, canonical, random_events, tour
 

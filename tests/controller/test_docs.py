@@ -12,7 +12,7 @@ import pytest
 
 from mcpn.controller.generate import generate
 from mcpn.controller.targets import files
-from mcpn.net.compose import MissionNet
+from mcpn.drawing.compose import MissionNet
 
 PAGE = Path(__file__).parents[2] / "docs" / "ros2.md"
 

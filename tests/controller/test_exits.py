@@ -14,10 +14,10 @@ from mcpn.controller.minimise import is_bisimulation, minimise, partition
 from mcpn.controller.modular import AnyController
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.model import Objective, Parallel, Recursive
 from mcpn.mission.robot import Fault, Hardware, Robot
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import Controller as Runtime
 from mcpn.runtime import ControllerFileError, Refused
 from tests.controller.test_c import build, run_lines

@@ -14,17 +14,17 @@ from mcpn.controller.actions import VERBS
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.modular import AnyController
 from mcpn.controller.targets.json import document
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Hardware
-from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import Action
 from mcpn.runtime import Controller as Runtime
 from mcpn.testing import missions
 from mcpn.testing.stacks import stacked_missions
 from tests.controller.oracle import NetRobot
+from tests.drawing.promises import check_each_is_one_thing
 from tests.draws import composed, fewer
-from tests.net.promises import check_each_is_one_thing
 from tests.small import activity, hw, mission, robot
 
 FORMS: tuple[Form, ...] = get_args(Form)

@@ -13,12 +13,12 @@ from mcpn.controller.generate import generate
 from mcpn.controller.machine import Machine, controller
 from mcpn.controller.run import Runner
 from mcpn.controller.targets.json import write_json
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
-from mcpn.net.compose import MissionNet, compose
-from mcpn.net.events import Event
-from mcpn.space.stable.alternatives import direct
+from mcpn.nets.events import Event
+from mcpn.spaces.stable.alternatives import direct
 from mcpn.testing import missions
 from mcpn.testing.stacks import stacked_missions
 from tests.draws import composed, fewer

@@ -8,17 +8,17 @@ from dataclasses import replace
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.check.verdicts.modes import Situation
+from mcpn.answers.verdicts.modes import Situation
 from mcpn.controller.actions import PlannedAction
 from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import Entry, Move, SectionMachine
 from mcpn.controller.minimise import is_bisimulation, minimise, partition, quotient
 from mcpn.controller.targets.json import document
+from mcpn.drawing.compose import MissionNet, compose
+from mcpn.drawing.forgetful import Guard
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
-from mcpn.net.compose import MissionNet, compose
-from mcpn.net.events import Event
-from mcpn.net.forgetful import Guard
+from mcpn.nets.events import Event
 from mcpn.testing import missions
 from tests.controller.test_lockstep import walk
 from tests.controller.traces import Traced, random_events

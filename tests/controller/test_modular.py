@@ -12,14 +12,14 @@ from hypothesis import strategies as st
 from mcpn.controller.generate import generate
 from mcpn.controller.modular import ModularController
 from mcpn.controller.targets.json import document, write_json
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective
-from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import Controller as Runtime
 from mcpn.runtime import ControllerFileError, Refused, SnapshotError
 from mcpn.runtime.machines import RuleTables
 from mcpn.runtime.restoring import snapshot_text
-from mcpn.space.stable import big_steps
+from mcpn.spaces.stable import big_steps
 from mcpn.testing import missions
 from tests.draws import composed, fewer
 from tests.judge import drawn

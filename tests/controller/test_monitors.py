@@ -183,7 +183,9 @@ def test_logs_are_read(survey: Path, capsys: pytest.CaptureFixture[str]) -> None
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 @pytest.mark.parametrize("path", ["survey", "courier"])
 def test_c_says_what_python_says(path: str, survey: Path, tmp_path: Path) -> None:
-    texts = files(monitors_of(open_study(COURIER if path == "courier" else survey / "survey.xml").spaces))
+    texts = files(
+        monitors_of(open_study(COURIER if path == "courier" else survey / "survey.xml").mission_spaces())
+    )
     for name, text in texts.items():
         (tmp_path / name).write_text(text)
     (source,) = tmp_path.glob("*.c")

@@ -9,9 +9,9 @@ from mcpn.controller.generate import generate
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
 from mcpn.controller.targets.tables import MachineNumbers
+from mcpn.drawing.compose import compose
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Parameter, Robot
-from mcpn.net.compose import compose
 from mcpn.runtime import Controller as Runtime
 from tests.controller.test_python import Generated
 

@@ -19,10 +19,10 @@ from mcpn.controller.generate import Form, generate
 from mcpn.controller.targets import files, python
 from mcpn.controller.targets.json import document
 from mcpn.controller.targets.python import bundle
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Parameter, Robot
-from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import Controller as Runtime
 from mcpn.testing import missions
 from tests.controller.traces import Traced, canonical, random_events, tour

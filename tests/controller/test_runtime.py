@@ -19,8 +19,8 @@ from hypothesis.stateful import Bundle, RuleBasedStateMachine, invariant, precon
 from mcpn import runtime
 from mcpn.controller.generate import generate
 from mcpn.controller.targets.json import document, write_json
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import (
     Action,
     AsyncController,

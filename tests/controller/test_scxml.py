@@ -18,9 +18,9 @@ from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
 from mcpn.controller.targets.names import identifiers
 from mcpn.controller.targets.scxml import NAMESPACE, event_name
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
-from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import Controller as Runtime
 from mcpn.testing import missions
 from tests.controller.interpreters import Answers, python_statemachine, qt, qt_rows

@@ -17,9 +17,9 @@ from mcpn.controller.minimise import minimise
 from mcpn.controller.modular import AnyController
 from mcpn.controller.simulator import Simulation
 from mcpn.controller.targets.json import document
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import MissionNet, compose
-from mcpn.net.events import Event
+from mcpn.nets.events import Event
 from mcpn.runtime import Controller as Runtime
 from mcpn.runtime import Refused
 from tests.conftest import ULYSSE

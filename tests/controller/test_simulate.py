@@ -18,11 +18,11 @@ from hypothesis import strategies as st
 
 from mcpn.cli.line import command_line
 from mcpn.controller.simulator import Simulation, resources
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, InputError, LimitError
 from mcpn.mission.model import Mission
-from mcpn.net.compose import MissionNet, compose
-from mcpn.net.events import Event
-from mcpn.space.stable.alternatives import direct
+from mcpn.nets.events import Event
+from mcpn.spaces.stable.alternatives import direct
 from mcpn.testing import missions
 from tests.conftest import ULYSSE
 from tests.controller.oracle import NetRobot

@@ -16,7 +16,7 @@ from mcpn.controller.generate import generate
 from mcpn.controller.minimise import minimise
 from mcpn.controller.targets import TARGETS, files
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
+from mcpn.drawing.compose import compose
 for path in sys.argv[1:]:
     net = compose(read_mission(Path(path)))
     for form in ("flat", "hierarchical"):

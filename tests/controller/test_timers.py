@@ -16,8 +16,8 @@ import pytest
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.model import Objective, Parallel, Recursive
-from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import AsyncController, Controller, EventQueue, Refused, SnapshotError
 from mcpn.runtime.restoring import snapshot_text
 from tests.controller.test_c import SANITIZE, build

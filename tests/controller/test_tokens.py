@@ -11,14 +11,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.cli.line import command_line
+from mcpn.drawing.compose import MissionNet
 from mcpn.errors import DivergenceError, InputError, LimitError, McpnError
-from mcpn.net import game as module
-from mcpn.net.compose import MissionNet
-from mcpn.net.game import TokenGame
-from mcpn.net.petri import NetBuilder, PetriNet
+from mcpn.nets import game as module
+from mcpn.nets.game import TokenGame
+from mcpn.nets.petri import NetBuilder, PetriNet
 from tests.conftest import ULYSSE
-from tests.net.nets import pt_nets
-from tests.net.settling import stabilise
+from tests.drawing.settling import stabilise
+from tests.nets.nets import pt_nets
 
 WEIGHTED = "net n\npl p (3)\ntr t p*2 r?1 -> q\ntr u q -> p*2\npl r (1)\n"
 

@@ -15,28 +15,28 @@ import pytest
 from hypothesis import event, given, reject
 from hypothesis import strategies as st
 
-from mcpn.check.logic.names import Names
-from mcpn.check.requirements import AskedRequirement
+from mcpn.answers.requirements import AskedRequirement
 from mcpn.controller.monitors import watched
 from mcpn.controller.monitors.watched import Watcher
 from mcpn.controller.monitors.writing import files, monitors_of
+from mcpn.drawing.compose import compose
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.mission.model import Mission
 from mcpn.mission.requirement import Requirement
-from mcpn.net.compose import compose
-from mcpn.net.petri import Marking, PetriNet
+from mcpn.nets.petri import Marking, PetriNet
 from mcpn.opening import open_study
-from mcpn.space.arrays import ArraySpace
-from mcpn.space.markings.explicit import explore
-from mcpn.space.stable.alternatives import by_reduction
+from mcpn.spaces.arrays import ArraySpace
+from mcpn.spaces.markings.explicit import explore
+from mcpn.spaces.names import Names
+from mcpn.spaces.stable.alternatives import by_reduction
 from mcpn.testing import missions
-from tests.check import formulas as on_states
-from tests.check.formulas import Edges, Written
-from tests.check.ltl import tableau
-from tests.check.ltl.test_paths import fits
 from tests.commands import mcpn, output
 from tests.controller.test_monitors import COME, LOST, SEE, START, SURVEY
 from tests.draws import fewer
+from tests.logic import formulas as on_states
+from tests.logic.formulas import Edges, Written
+from tests.logic.ltl import tableau
+from tests.logic.ltl.test_paths import fits
 
 TRUE: Written = ("true",)
 FALSE: Written = ("false",)
@@ -166,7 +166,7 @@ def survey(tmp_path: Path) -> Path:
 
 
 def test_what_the_mission_cannot_do_any_more_is_decided(survey: Path) -> None:
-    plain, within = (monitors_of(open_study(survey).spaces, within=of) for of in (False, True))
+    plain, within = (monitors_of(open_study(survey).mission_spaces(), within=of) for of in (False, True))
     values = {
         of: {each.name: each.run([START, "OBJ_come_EV_FAIL"])[-1] for each in monitors.monitors}
         for of, monitors in (("plain", plain), ("within", within))
@@ -191,7 +191,7 @@ def test_a_mission_that_has_ended_may_stay_as_it_is(tmp_path: Path) -> None:
     """Only hardware changes there: a monitor that waited for that said that it must fail some day."""
     calm = '<requirement name="calm" formula="G !oos(camera)"/>'
     (tmp_path / "m.xml").write_text(SURVEY.replace("<requirement", f"{calm}<requirement", 1))
-    of = monitors_of(open_study(tmp_path / "m.xml").spaces, within=True)
+    of = monitors_of(open_study(tmp_path / "m.xml").mission_spaces(), within=True)
     (monitor,) = (each for each in of.monitors if each.name == "calm")
     assert monitor.run([START, COME, SEE, LOST]) == ["open", "open", "open", "open", "violated"]
 
@@ -211,7 +211,7 @@ def test_too_large_a_monitor_is_decided_by_any_continuation(
     survey: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(watched, "MAX_WITHIN", 2)
-    of, plain = (monitors_of(open_study(survey).spaces, within=within) for within in (True, False))
+    of, plain = (monitors_of(open_study(survey).mission_spaces(), within=within) for within in (True, False))
     large: dict[str, Any] = {each.name: each for each in of.monitors if not each.within}
     assert "comes" in large
     assert large == {each.name: each for each in plain.monitors if each.name in large}

@@ -16,7 +16,7 @@ from mcpn.drivers.plan import OTHER, DriverSpec, Plan
 from mcpn.drivers.running import RobotRun
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
-from mcpn.net.events import Event
+from mcpn.nets.events import Event
 from mcpn.runtime.controller import Controller
 from mcpn.runtime.tables import START, Tables
 from mcpn.testing import missions

@@ -17,9 +17,9 @@ import pytest
 from mcpn.controller.generate import generate
 from mcpn.controller.monitors.writing import files, monitors_of
 from mcpn.controller.targets.json import document, write_json
+from mcpn.drawing.compose import compose
 from mcpn.files import write_atomically, write_folder
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
 from mcpn.opening import open_study
 from mcpn.runtime import Controller, DamagedFile, Journal, Monitors
 from mcpn.runtime.file_schema import parsed, signed_line
@@ -274,7 +274,7 @@ def kinds(folder: Path) -> dict[str, tuple[bytes, Callable[[Path], object]]]:
     path.write_text(LOOP.format(requirement=ONCE))
     net = compose(read_mission(path))
     controller = Controller.from_document(document(generate(net), net))
-    monitors = Monitors(json.loads(files(monitors_of(open_study(path).spaces))["monitors.json"]))
+    monitors = Monitors(json.loads(files(monitors_of(open_study(path).mission_spaces()))["monitors.json"]))
     log = folder / "log"
     with log.open("w") as stream:
         journal = Journal(stream)
@@ -293,7 +293,7 @@ def kinds(folder: Path) -> dict[str, tuple[bytes, Callable[[Path], object]]]:
     return {
         "controller": (write_json(generate(net), net).encode(), lambda path: read(path).digest),
         "monitors": (
-            files(monitors_of(open_study(path).spaces))["monitors.json"].encode(),
+            files(monitors_of(open_study(path).mission_spaces()))["monitors.json"].encode(),
             lambda path: Monitors.load(path).digest,
         ),
         "snapshot": (controller.snapshot(beside).encode(), snapshot),

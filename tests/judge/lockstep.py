@@ -7,9 +7,9 @@ from collections.abc import Collection
 from dataclasses import dataclass, field, fields
 from typing import TypeAlias
 
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
-from mcpn.net.compose import MissionNet, compose
 from tests.judge.interpreter import Happening, Interpreter, Seen, State, Undetermined, words
 from tests.judge.players import Key, Player, controllers, graphs
 

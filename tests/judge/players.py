@@ -8,22 +8,22 @@ from contextlib import suppress
 from functools import cache
 from typing import Any, Literal, Protocol, TypeVar
 
-from mcpn.check.engines import Engine
-from mcpn.check.spaces import spaces_of
-from mcpn.check.verdicts.modes import Situation, situation
+from mcpn.answers.spaces import spaces_of
+from mcpn.answers.verdicts.modes import Situation, situation
 from mcpn.controller.generate import generate
 from mcpn.controller.minimise import minimise
 from mcpn.controller.modular import AnyController
 from mcpn.controller.simulator import Simulation
 from mcpn.controller.targets.json import document
+from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
-from mcpn.net.compose import MissionNet
-from mcpn.net.events import Event
+from mcpn.nets.events import Event
 from mcpn.runtime import Controller as Runtime
 from mcpn.runtime.restoring import snapshot_text
 from mcpn.runtime.tables import Inside
-from mcpn.space.stable.alternatives import AlternativesGraph
-from mcpn.space.stable.listing import written_out
+from mcpn.spaces.engines import Engine
+from mcpn.spaces.stable.alternatives import AlternativesGraph
+from mcpn.spaces.stable.listing import written_out
 from tests.judge.interpreter import Happening, Seen
 
 ENGINES: tuple[Engine, ...] = ("explicit", "symbolic", "local")

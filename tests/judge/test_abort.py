@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from mcpn.check.verdicts.mission import check
+from mcpn.answers.verdicts.mission import check
+from mcpn.drawing.compose import compose
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import Block, Each, Handler, Mission, Objective, Parallel, Recursive
-from mcpn.net.compose import compose
 from tests.judge.interpreter import DECLARED, FAILURE, START, SUCCESS, Happening, Interpreter
 from tests.judge.lockstep import Judge
 from tests.judge.test_interpreter import play

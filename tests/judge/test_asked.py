@@ -7,14 +7,14 @@ from dataclasses import replace
 from hypothesis import event, given
 from hypothesis import strategies as st
 
-from mcpn.check.engines import Choice, Engine
-from mcpn.check.requirements import answer_requirements, asked_of
-from mcpn.check.spaces import spaces_of
+from mcpn.answers.requirements import answer_requirements, asked_of
+from mcpn.answers.spaces import spaces_of
+from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import Mission
 from mcpn.mission.requirement import Requirement
-from mcpn.net.compose import compose
+from mcpn.spaces.engines import Choice, Engine
 from tests.draws import fewer
 from tests.judge.asked import Claim, Runs, claims
 from tests.judge.drawn import LED

@@ -7,14 +7,15 @@ from dataclasses import replace
 import pytest
 from hypothesis import event, given
 
-from mcpn.check.engines import Engine
-from mcpn.check.logic.questions import Questions
+from mcpn.answers.spaces import spaces_of
+from mcpn.drawing.compose import compose
+from mcpn.logic.questions import Questions
 from mcpn.mission.model import FactRoute, Mission, Objective, Recursive
 from mcpn.mission.robot import DeclaredEvent, Fact, FactChange
-from mcpn.net.compose import compose
-from tests.check.asked import ENGINES
+from mcpn.spaces.engines import Engine
 from tests.judge.deciding import deciding
 from tests.judge.test_lockstep import check
+from tests.logic.asked import ENGINES
 from tests.small import activity, mission, robot
 
 
@@ -59,14 +60,16 @@ NESTED = mission(ROBOT, INNER, go("a", success="succeed"), go("b", success="succ
     ],
 )
 def test_what_routes_in_routes_say(engine: Engine, formula: str, holds: bool) -> None:
-    assert Questions(compose(NESTED), on="alternatives", engine=engine).answer(formula).holds is holds
+    assert (
+        Questions(spaces_of(compose(NESTED)), on="alternatives", engine=engine).answer(formula).holds is holds
+    )
 
 
 def test_conditions_that_exclude_each_other_choose_nothing() -> None:
     """A route to the end of the block around meets the routes of that, under its own condition too."""
     inner = Recursive(name="outer", blocks=(go("x", when("door=closed", "succeed")),))
     of = mission(ROBOT, replace(inner, routes=(when("door=open", "b"),)), go("a"), go("b"))
-    questions = Questions(compose(of), on="alternatives")
+    questions = Questions(spaces_of(compose(of)), on="alternatives")
     closed = "fact(door)=closed & happens(OBJ_x_EV_OK)"
     assert questions.answer(f"G ({closed} -> X objective(a))").holds
     assert questions.answer(f"EF ({closed.partition(' ')[0]} & objective(a))").holds

@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
+from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError
 from mcpn.mission.model import Block, Handler, Mission, Objective, Parallel, Recursive
-from mcpn.net.compose import compose
 from tests.judge.interpreter import DECLARED, FAILURE, SUCCESS, Happening, Interpreter
 from tests.judge.lockstep import Judge
 from tests.judge.test_abort import BEGIN, ROBOT, one

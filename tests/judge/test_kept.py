@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import pytest
 
+from mcpn.drawing.compose import compose
+from mcpn.drawing.templates.compact import CompactTemplates
 from mcpn.mission.model import Block, Handler, Mission, Objective, Parallel, Recursive
 from mcpn.mission.robot import Activity, Alternative, Fact, FactChange
-from mcpn.net.compose import compose
-from mcpn.net.templates.compact import CompactTemplates
 from tests.judge.interpreter import FAILURE, Happening
 from tests.judge.lockstep import Judge
 from tests.judge.test_abort import BEGIN

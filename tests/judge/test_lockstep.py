@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 from hypothesis import event, given
 
+from mcpn.drawing.compose import compose
 from mcpn.mission.flatten import ParallelSection, flatten
 from mcpn.mission.model import Handler, Mission, Objective, Parallel, Recursive, walk
-from mcpn.net.compose import compose
 from tests.draws import composed, fewer
 from tests.judge import drawn
 from tests.judge.interpreter import Seen

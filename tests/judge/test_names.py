@@ -10,25 +10,26 @@ from typing import Any
 import pytest
 from hypothesis import event, given
 
-from mcpn.check.causes.find import find_causes
-from mcpn.check.logic.names import Names
-from mcpn.check.logic.questions import Questions
-from mcpn.check.ltl.formulas import Happens
-from mcpn.check.verdicts.mission import check
-from mcpn.check.vocabulary import vocabulary
+from mcpn.answers.causes.find import find_causes
+from mcpn.answers.names import MissionNames
+from mcpn.answers.spaces import spaces_of
+from mcpn.answers.verdicts.mission import check
+from mcpn.answers.vocabulary import vocabulary
 from mcpn.controller.monitors.writing import monitors_of
+from mcpn.drawing.compose import MissionNet, compose
+from mcpn.logic.ltl.formulas import Happens
+from mcpn.logic.questions import Questions
 from mcpn.mission.model import Handler, Mission, Objective, Protocol, Recursive, Use
 from mcpn.mission.requirement import Requirement, RestrictedAvoidance
-from mcpn.net.compose import MissionNet, compose
-from mcpn.net.events import ENDING, Event
+from mcpn.nets.events import ENDING, Event
 from mcpn.opening import open_study
-from mcpn.space.search.goal import Fires, Formula, marked
+from mcpn.spaces.search.goal import Fires, Formula, marked
 from mcpn.study import Study
-from tests.check.asked import ENGINES
 from tests.draws import composed
 from tests.judge.drawn import LED, MISSIONS
 from tests.judge.named import ambiguous, meant
 from tests.judge.test_faults import fault
+from tests.logic.asked import ENGINES
 from tests.small import activity, mission, robot
 
 
@@ -49,7 +50,7 @@ class Expected:
 
 def names_mean_all_copies(mission: Mission) -> None:
     of = composed(mission)
-    names, expected = Names(of.net, of), Expected(of)
+    names, expected = MissionNames(of), Expected(of)
     for path, copies in meant(mission).items():
         for called in (".".join(path), *(name for name in copies if len(copies) == 1)):
             for word in ("objective", "pending"):
@@ -130,14 +131,19 @@ LED_TO = {
 )
 def test_what_a_formula_says(of: str, formula: str, holds: bool) -> None:
     for engine in ENGINES:
-        assert Questions(compose(LED_TO[of]), on="alternatives", engine=engine).answer(formula).holds is holds
+        assert (
+            Questions(spaces_of(compose(LED_TO[of])), on="alternatives", engine=engine).answer(formula).holds
+            is holds
+        )
 
 
 def test_what_is_entered_twice_by_two_ways_is_entered_twice() -> None:
     never = Requirement(name="r", patterns=(RestrictedAvoidance(objectives=("shelter",), at_most=1),))
     (answer,) = check(compose(replace(LED_TO["failure"], requirements=(never,)))).requirements
     assert answer.holds is False
-    (watched,) = monitors_of(Study(replace(LED_TO["failure"], requirements=(never,))).spaces).monitors
+    (watched,) = monitors_of(
+        Study(replace(LED_TO["failure"], requirements=(never,))).mission_spaces()
+    ).monitors
     events = ["MISSION_EV_START", "rain_EV", "OBJ_shelter_at_work_EV_OK", "OBJ_work_EV_FAIL"]
     assert watched.run(events) == ["open", "open", "open", "open", "violated"]
 

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import Block, Each, Handler, Mission, Objective, Parallel, Protocol, Recursive, Use
 from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.writer import written
-from mcpn.net.compose import compose
 from mcpn.report.pictures.boxes import boxes
 from tests.commands import mcpn
 from tests.judge.interpreter import DECLARED, Happening, Interpreter

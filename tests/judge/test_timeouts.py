@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from mcpn.check.verdicts.mission import check
+from mcpn.answers.verdicts.mission import check
+from mcpn.drawing.compose import compose
 from mcpn.mission.model import Mission, Objective, Parallel, Recursive
-from mcpn.net.compose import compose
 from tests.judge.interpreter import SUCCESS, TIMEOUT, Happening, Interpreter
 from tests.judge.lockstep import Judge
 from tests.judge.test_abort import BEGIN, ROBOT, one

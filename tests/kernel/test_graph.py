@@ -15,8 +15,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn import _kernel
-from mcpn.net.petri import NetBuilder
-from mcpn.space.markings.graph import Mask, StateGraph
+from mcpn.nets.petri import NetBuilder
+from mcpn.spaces.markings.graph import Mask, StateGraph
 
 Edges = list[tuple[int, int]]
 

@@ -14,15 +14,15 @@ from hypothesis import event, given
 from hypothesis import strategies as st
 
 from mcpn._kernel import Exploration
+from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError
 from mcpn.mission.model import Mission
-from mcpn.net.compose import compose
-from mcpn.net.events import Event
-from mcpn.net.petri import Marking, NetBuilder, PetriNet
-from mcpn.space.markings.explicit import KernelNet
-from mcpn.space.stable.completion import Walk, settled
+from mcpn.nets.events import Event
+from mcpn.nets.petri import Marking, NetBuilder, PetriNet
+from mcpn.spaces.markings.explicit import KernelNet
+from mcpn.spaces.stable.completion import Walk, settled
 from mcpn.testing import missions
-from tests.net.nets import cascades, conflicting_nets, falls, nets, reachable
+from tests.nets.nets import cascades, conflicting_nets, falls, nets, reachable
 from tests.shares import returns_early
 
 MOST = 3_000

@@ -8,9 +8,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
+from mcpn.drawing.templates import Canvas, PaperTemplates
 from mcpn.mission.flatten import ObjectivesGraph
 from mcpn.mission.robot import Activity, Hardware, Software
-from mcpn.net.templates import Canvas, PaperTemplates
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mcpn.drawing.templates import Canvas, PaperTemplates, TemplateSet
+from mcpn.drawing.templates.compact import CompactTemplates
+from mcpn.drawing.templates.named import templates_named
 from mcpn.errors import InputError, LimitError
 from mcpn.mission.model import Mission, walk
 from mcpn.mission.robot import Hardware
 from mcpn.mission.xml import read_mission
-from mcpn.net.templates import Canvas, PaperTemplates, TemplateSet
-from mcpn.net.templates.compact import CompactTemplates
-from mcpn.net.templates.named import templates_named
 from mcpn.testing.kit.contract import PARTS, WORDS, contract_of_arcs
 from mcpn.testing.kit.corpus import MISSIONS
 from mcpn.testing.kit.machines import MACHINES
@@ -203,10 +203,10 @@ def test_who_touches_what_is_private_breaks_the_contract() -> None:
     [
         ("nothing", "found the templates 'nothing', expected paper, compact or MODULE:NAME"),
         ("mcpn.no_such:X", "cannot be loaded: ModuleNotFoundError"),
-        ("mcpn.net.petri:NoSuch", "cannot be loaded: AttributeError"),
-        ("mcpn.net.petri:PetriNet", "cannot be loaded: TypeError"),
+        ("mcpn.nets.petri:NoSuch", "cannot be loaded: AttributeError"),
+        ("mcpn.nets.petri:PetriNet", "cannot be loaded: TypeError"),
         (
-            "mcpn.net.petri:EVENTS",
+            "mcpn.nets.petri:EVENTS",
             "found no hardware, software, activity, control; expected a set",
         ),
     ],

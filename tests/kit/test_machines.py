@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from hypothesis.stateful import run_state_machine_as_test
 
-from mcpn.net.templates import PaperTemplates, TemplateSet
-from mcpn.net.templates.compact import CompactTemplates
+from mcpn.drawing.templates import PaperTemplates, TemplateSet
+from mcpn.drawing.templates.compact import CompactTemplates
 from mcpn.testing.kit.machines import MACHINES, driven, machine_of
 from mcpn.testing.kit.subject import Violation
 from tests.kit.faults import FAULTS, HARMLESS, Faulty

@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
-from mcpn.check.logic.names import Names
-from mcpn.check.logic.syntax import parse
+from mcpn.answers.names import MissionNames
+from mcpn.drawing.compose import compose
 from mcpn.errors import InputError, LimitError
+from mcpn.logic.syntax import parse
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import Mission
-from mcpn.net.compose import compose
 from mcpn.opening import open_study
-from mcpn.space.search.goal import FALSE, marked
+from mcpn.spaces.search.goal import FALSE, marked
 from mcpn.testing import missions
 from tests.judge.blocks import Node, written_out
 from tests.shares import returns_early
@@ -90,7 +90,7 @@ def survey(tmp_path: Path) -> Path:
 def test_a_block_runs_while_one_of_its_objectives_does(survey: Path) -> None:
     study = open_study(survey)
     of = compose(study.mission_net.mission)
-    names = Names(of.net, of)
+    names = MissionNames(of)
 
     def running(*objectives: str) -> object:
         return marked(

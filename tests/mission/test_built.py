@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from lxml import etree
 
 import mcpn
+from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
 from mcpn.mission import validate
 from mcpn.mission.flatten import flatten
@@ -23,7 +24,6 @@ from mcpn.mission.robot import Activity, Alternative, Hardware, Parameter, Robot
 from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.writer import write_mission, written
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
 from mcpn.report.failures.openpsa import open_psa
 from mcpn.testing import missions
 from tests.small import activity, hw, mission, robot

@@ -15,13 +15,13 @@ from lxml import etree
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
+from mcpn.drawing.compose import compose
 from mcpn.mission.flatten import flatten
 from mcpn.mission.graph import ElementarySection
 from mcpn.mission.model import Block, Each, Mission, Objective, Parallel, Protocol, Recursive, Use
 from mcpn.mission.robot import Activity, Alternative, Parameter, Robot
 from mcpn.mission.validate import find_errors
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
 from mcpn.runtime import Controller as Runtime
 from mcpn.testing import missions
 from tests.controller.test_python import Generated

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from mcpn.check.verdicts.mission import check
+from mcpn.answers.verdicts.mission import check
+from mcpn.drawing.compose import compose
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
 from tests.conftest import ROOT
 from tests.judge import lockstep
 from tests.judge.interpreter import Seen

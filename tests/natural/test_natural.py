@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from mcpn.check.verdicts.mission import MissionCheck, check
+from mcpn.answers.verdicts.mission import MissionCheck, check
+from mcpn.drawing.compose import compose
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
 
 HERE = Path(__file__).parent
 

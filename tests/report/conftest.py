@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
+from mcpn.drawing.compose import compose
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
 from mcpn.report.findings import Findings, findings
 from tests.conftest import ULYSSE
 

@@ -7,17 +7,17 @@ from pathlib import Path
 
 import pytest
 
-from mcpn.check.causes.effects import Severity
-from mcpn.check.causes.find import Causes, find_causes
-from mcpn.check.causes.fmeca import fmeca
-from mcpn.check.engines import Engine
-from mcpn.check.verdicts.mission import check
+from mcpn.answers.causes.effects import Severity
+from mcpn.answers.causes.find import Causes, find_causes
+from mcpn.answers.causes.fmeca import fmeca
+from mcpn.answers.verdicts.mission import check
+from mcpn.drawing.compose import compose
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
 from mcpn.report.failures.sentences import condition, headlines, survived
 from mcpn.report.findings import findings
 from mcpn.report.page import page
-from tests.check.asked import ENGINES
+from mcpn.spaces.engines import Engine
+from tests.logic.asked import ENGINES
 
 
 def test_sentences() -> None:

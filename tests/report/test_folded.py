@@ -6,9 +6,9 @@ import re
 
 from hypothesis import given
 
+from mcpn.drawing.compose import compose
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
 from mcpn.report.words import folded
 from mcpn.testing import missions
 from tests.conftest import ROOT

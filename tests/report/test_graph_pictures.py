@@ -13,12 +13,13 @@ from hypothesis import strategies as st
 from lxml import etree
 
 import mcpn
+from mcpn.answers.spaces import spaces_of
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import InputError, LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import MissionNet, compose
-from mcpn.net.formats import save_net
-from mcpn.net.petri import NetBuilder
+from mcpn.nets.formats import save_net
+from mcpn.nets.petri import NetBuilder
 from mcpn.report.pictures import drawing as drawing_module
 from mcpn.report.pictures import graph as graphs
 from mcpn.report.pictures import graphviz
@@ -31,7 +32,7 @@ from mcpn.testing import missions
 from tests.commands import mcpn as command
 from tests.commands import output
 from tests.conftest import ULYSSE
-from tests.net.nets import pt_nets
+from tests.nets.nets import pt_nets
 from tests.report.test_pictures import hostile
 
 pytest.importorskip("pygraphviz", reason="needs pygraphviz: the extra pictures")
@@ -170,7 +171,6 @@ def test_ulysse(ulysse: MissionNet, kind: str, section: str | None, tmp_path: Pa
 
 def test_the_local_graph_answers_what_happens_when_the_gps_fails(ulysse: MissionNet) -> None:
     """During the dive, the IMU takes over; when it fails too, there is no way."""
-    from mcpn.check.spaces import spaces_of
     from mcpn.report.pictures.machines import local_drawing
 
     assert ">GPS_sensor out<" in local_drawing(spaces_of(ulysse), "transect.diving").svg

@@ -6,7 +6,8 @@ from itertools import combinations
 
 from hypothesis import event, given
 
-from mcpn.check.causes.cutsets import CutSet, Moment
+from mcpn.answers.causes.cutsets import CutSet, Moment
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import (
@@ -16,12 +17,11 @@ from mcpn.mission.model import (
     Recursive,
 )
 from mcpn.mission.static.usage import Usage
-from mcpn.net.compose import MissionNet, compose
 from mcpn.report.failures.openpsa import Formula, Losses, structured
-from mcpn.space.stable.alternatives import direct
-from tests.check.asked import Asked
-from tests.check.oracle import Play, coming_home, fragile_missions, minimal
+from mcpn.spaces.stable.alternatives import direct
 from tests.draws import fewer
+from tests.logic.asked import Asked
+from tests.logic.oracle import Play, coming_home, fragile_missions, minimal
 from tests.shares import returns_early
 from tests.small import activity, hw, mission, robot
 

@@ -9,12 +9,12 @@ from lxml import etree
 
 import mcpn
 from mcpn.controller.generate import generate
+from mcpn.drawing.compose import compose
+from mcpn.drawing.sections import section_part
 from mcpn.mission.model import Objective
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
-from mcpn.net.sections import section_part
-from mcpn.space.markings.explicit import explore
-from mcpn.space.stable.alternatives import direct_with_proof
+from mcpn.spaces.markings.explicit import explore
+from mcpn.spaces.stable.alternatives import direct_with_proof
 from mcpn.testing.nets import philosophers
 from tests.conftest import ULYSSE
 from tests.report.test_pictures import HOSTILE, hostile

@@ -13,18 +13,18 @@ import pytest
 from hypothesis import given
 from lxml import etree
 
-from mcpn.check.causes.cutsets import CutSet, Moment
+from mcpn.answers.causes.cutsets import CutSet, Moment
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.mission.robot import Hardware
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import MissionNet, compose
 from mcpn.report.failures.openpsa import open_psa
-from mcpn.space.stable.alternatives import direct
+from mcpn.spaces.stable.alternatives import direct
 from mcpn.testing import missions
-from tests.check.asked import Asked
-from tests.check.oracle import coming_home, fragile_missions, minimal
 from tests.draws import fewer
+from tests.logic.asked import Asked
+from tests.logic.oracle import coming_home, fragile_missions, minimal
 from tests.shares import returns_early
 
 # The fault tree layer of the Open-PSA grammar, as far as coherent trees with the laws of rates need it.

@@ -13,10 +13,10 @@ from typing import Any
 
 import pytest
 
+from mcpn.drawing.compose import compose
 from mcpn.mission.model import Handler, Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware, Robot
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
 from mcpn.report.failures.tables import fmeca_rows
 from mcpn.report.findings import Findings, findings
 from mcpn.report.page import page

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
-from mcpn.check.compare import Measured, Measurement
+from mcpn.answers.compare import Measured, Measurement
 from mcpn.cli.line import run
 from mcpn.errors import InputError, LimitError
 from mcpn.report.pictures.plots import Bars, Curves, plotted, save_engines, save_plot
@@ -74,7 +74,7 @@ def test_without_matplotlib_nothing_is_measured(
     with pytest.raises(LimitError, match=r"a plot needs matplotlib: pip install 'mcpn\[experiments\]'"):
         save_plot(tmp_path / "p.svg", [Bars("seconds", {"one": 1})])
     (tmp_path / "n.net").write_text(NET)
-    monkeypatch.setattr("mcpn.check.compare.measure", lambda *_, **__: pytest.fail("measured"))
+    monkeypatch.setattr("mcpn.answers.compare.measure", lambda *_, **__: pytest.fail("measured"))
     assert run(["compare", str(tmp_path / "n.net"), "--plot", str(tmp_path / "n.svg")]) == 2
     assert "a plot needs matplotlib" in capsys.readouterr().err
     assert [file.name for file in tmp_path.iterdir()] == ["n.net"]

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 
+from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
 from mcpn.report.findings import Findings, findings
 from mcpn.report.page import page
 from mcpn.report.pages.identity import EPOCH, digest_of, identity

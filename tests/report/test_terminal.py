@@ -17,16 +17,16 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from mcpn.check.engines import Engine
-from mcpn.check.verdicts.mission import check
+from mcpn.answers.verdicts.mission import check
+from mcpn.composite.composite import CompositeSpace
+from mcpn.composite.section_type import SectionType
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import MissionNet, compose
 from mcpn.report.findings import findings
 from mcpn.report.progress import Steps, counted, exploring, listening, sections
 from mcpn.report.terminal import LEAST_WIDTH, Terminal, plain
 from mcpn.report.words import modes_in_words
-from mcpn.space.local.composite import CompositeSpace
-from mcpn.space.local.section_type import SectionType
+from mcpn.spaces.engines import Engine
 from mcpn.steps import Doing, WorkStep, step
 from tests.commands import mcpn, output
 from tests.conftest import ROOT, ULYSSE

@@ -12,8 +12,8 @@ import pytest
 
 from mcpn.controller.generate import generate
 from mcpn.controller.targets.json import document, write_json
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import Controller, ControllerFileError, SnapshotError
 from mcpn.runtime.restoring import snapshot_text
 from tests.runtime.damage import bytes_changed, runs, signed, text_of, value_changed

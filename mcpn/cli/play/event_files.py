@@ -9,7 +9,7 @@ from pathlib import Path
 
 from mcpn.errors import InputError, Source
 from mcpn.files import read_bounded
-from mcpn.net.events import Event, What
+from mcpn.nets.events import Event, What
 from mcpn.runtime.journal import JournalError, read_journal
 
 

@@ -10,7 +10,7 @@ from mcpn.errors import InputError, LimitError, Source
 
 if TYPE_CHECKING:
     from mcpn.controller.simulator import Change, Simulation
-    from mcpn.net.events import Event
+    from mcpn.nets.events import Event
 
 HELP = """\
 an event's number, its name, or the beginning of its name: it happens
@@ -165,7 +165,7 @@ class EventSession(Prompt):
 
     def cut(self, hardware: list[str]) -> str | None:
         """Lets hardware fail: what is named, or a smallest cut set."""
-        from mcpn.net.events import Event, What
+        from mcpn.nets.events import Event, What
 
         if self.simulation.situation.outcome:
             return "the mission has ended; undo or restart first"

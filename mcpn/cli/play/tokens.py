@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mcpn.cli.play.prompt import Prompt
 from mcpn.errors import DivergenceError, LimitError
-from mcpn.net.game import TokenGame
+from mcpn.nets.game import TokenGame
 from mcpn.report.nets import arcs_in_words, marking_in_words, tokens_of
 from mcpn.report.terminal import plain
 

@@ -23,12 +23,12 @@ from mcpn.cli.shared import (
 from mcpn.errors import InputError, LimitError
 
 if TYPE_CHECKING:
+    from mcpn.answers.causes.risk import Risk
     from mcpn.bench.against import Difference, Generated
     from mcpn.bench.runs import Bench, BenchRun
-    from mcpn.check.causes.risk import Risk
     from mcpn.controller.modular import AnyController
-    from mcpn.net.compose import MissionNet
-    from mcpn.net.templates import TemplateSet
+    from mcpn.drawing.compose import MissionNet
+    from mcpn.drawing.templates import TemplateSet
     from mcpn.study import Study
 
 TARGETS = ("c", "python", "scxml")
@@ -171,7 +171,7 @@ def _risk(study: Study, max_states: int | None) -> tuple[Risk | None, str | None
     if any(section.timeout is not None for section in study.mission_net.graph.walk()):
         return None, "numbers of risk know no timeouts"
     try:
-        from mcpn.check.causes.risk import risk
+        from mcpn.answers.causes.risk import risk
 
         return risk(study.causes(max_states=max_states).prospects, max_states), None
     except (LimitError, InputError) as error:

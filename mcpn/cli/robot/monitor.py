@@ -23,7 +23,7 @@ from mcpn.cli.shared import (
 from mcpn.errors import InputError, Source
 
 if TYPE_CHECKING:
-    from mcpn.net.templates import TemplateSet
+    from mcpn.drawing.templates import TemplateSet
 
 
 @click.command()
@@ -63,7 +63,7 @@ def monitor(
     study = open_study(mission, import_root=import_root, templates=templates)
     if study.is_net:
         raise InputError.at(Source(str(mission)), "expected a mission: a net requires nothing")
-    of = monitors_of(study.spaces, max_states, within)
+    of = monitors_of(study.mission_spaces("what it requires"), max_states, within)
     texts = files(of)
     paths: list[str] = []
     if output is not None:

@@ -30,9 +30,9 @@ from mcpn.cli.shared import (
 from mcpn.errors import InputError, Source
 
 if TYPE_CHECKING:
+    from mcpn.drawing.templates import TemplateSet
     from mcpn.drivers.running import RobotRun
     from mcpn.editor.attached import RobotPage
-    from mcpn.net.templates import TemplateSet
     from mcpn.runtime.controller import Controller
     from mcpn.runtime.monitors import Monitors
     from mcpn.runtime.tables import Action

@@ -10,7 +10,7 @@ import click
 from mcpn.cli.shared import FILE, emit_json, import_option, json_option, limit_option, templates_option
 
 if TYPE_CHECKING:
-    from mcpn.net.templates import TemplateSet
+    from mcpn.drawing.templates import TemplateSet
 
 
 @click.command()

@@ -19,7 +19,7 @@ def monitors_for(study: Study, max_states: int | None) -> Monitors:
     from mcpn.controller.monitors.writing import files, monitors_of
     from mcpn.runtime.monitors import Monitors
 
-    of = monitors_of(study.spaces, max_states, within=True)
+    of = monitors_of(study.mission_spaces("what it requires"), max_states, within=True)
     for line in not_within(of):
         click.echo(line, err=True)
     return Monitors(json.loads(files(of)["monitors.json"]))

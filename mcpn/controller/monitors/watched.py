@@ -4,7 +4,7 @@ The verdicts are those of LTL3 (Bauer, Leucker, Schallhart, *Runtime verificatio
 2011): a formula is violated when no continuation of the run satisfies it, satisfied when every one does, else
 open. Continuations are any sequences of states and events, or those alone that the mission's stable states
 allow, which decides earlier: then an automaton counts in a state only where it accepts some path of the
-mission from there (:mod:`mcpn.check.ltl.product`). What holds in the states up to now, the one after the last
+mission from there (:mod:`mcpn.logic.ltl.product`). What holds in the states up to now, the one after the last
 event included, is taken from the mission's stable states. States of a monitor that no run of the mission
 tells apart are merged (:mod:`mcpn.controller.monitors.merging`).
 """
@@ -16,17 +16,17 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Any, Literal, TypeAlias
 
-from mcpn.check.logic.evaluate import Evaluation
-from mcpn.check.logic.formulas import EG, EU
-from mcpn.check.logic.syntax import parse_open
-from mcpn.check.ltl.automaton import Automaton, AutomatonEdge, kept, translated
-from mcpn.check.ltl.formulas import Happens, always, eventually, is_of_paths, normal
-from mcpn.check.ltl.product import Product
-from mcpn.check.requirements import AskedRequirement
+from mcpn.answers.requirements import AskedRequirement
 from mcpn.controller.monitors.merging import merged
 from mcpn.errors import LimitError
-from mcpn.space.algebra import Space
-from mcpn.space.search.goal import TRUE, And, Formula, Not, Or
+from mcpn.logic.evaluate import Evaluation
+from mcpn.logic.formulas import EG, EU
+from mcpn.logic.ltl.automaton import Automaton, AutomatonEdge, kept, translated
+from mcpn.logic.ltl.formulas import Happens, always, eventually, is_of_paths, normal
+from mcpn.logic.ltl.product import Product
+from mcpn.logic.syntax import parse_open
+from mcpn.spaces.algebra import Space
+from mcpn.spaces.search.goal import TRUE, And, Formula, Not, Or
 
 Value = Literal["violated", "satisfied", "open"]
 _Machine: TypeAlias = tuple[list[Value], list[dict[str, int]]]

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from mcpn.check.engines import Choice
-from mcpn.check.requirements import asked_of
-from mcpn.check.spaces import Spaces
+from mcpn.answers.requirements import asked_of
+from mcpn.answers.spaces import MissionSpaces
 from mcpn.controller.monitors.watched import Monitor, Watcher, on_one_path
 from mcpn.controller.targets.c import LONGEST_PREFIX, Array
 from mcpn.controller.targets.names import C_PREFIX_RESERVED, C_SIGNIFICANT, c_string, comment, identifiers
@@ -17,6 +16,7 @@ from mcpn.controller.targets.render import render
 from mcpn.errors import InputError
 from mcpn.runtime.file_schema import digest_of
 from mcpn.runtime.monitors import FORMAT, VALUES, VERSION
+from mcpn.spaces.engines import Choice
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,9 @@ class MissionMonitors:
     unwatched: tuple[str, ...]
 
 
-def monitors_of(spaces: Spaces, max_states: int | None = None, within: bool = False) -> MissionMonitors:
+def monitors_of(
+    spaces: MissionSpaces, max_states: int | None = None, within: bool = False
+) -> MissionMonitors:
     """The monitors of a mission's requirements, made of its stable states, which are listed.
 
     Args:

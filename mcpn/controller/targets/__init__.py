@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from mcpn.controller.modular import AnyController, ModularController
+from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError
-from mcpn.net.compose import MissionNet
 
 TARGETS = ("json", "c", "python", "scxml")
 OF_RULES = ("json", "c", "python")

@@ -20,7 +20,7 @@ from mcpn.controller.targets.names import (
 )
 from mcpn.controller.targets.render import render, rows
 from mcpn.controller.targets.tables import MachineNumbers, RuleNumbers
-from mcpn.net.compose import MissionNet
+from mcpn.drawing.compose import MissionNet
 
 LONGEST_PREFIX = 20
 

@@ -74,17 +74,17 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from mcpn.check.verdicts.modes import Situation
+from mcpn.answers.verdicts.modes import Situation
 from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import SectionMachine
 from mcpn.controller.modular import AnyController, ModularController, Rules
+from mcpn.drawing.compose import MissionNet
 from mcpn.mission.expansion.faults import noticed
 from mcpn.mission.flatten import requirements_of
 from mcpn.mission.robot import Parameter
 from mcpn.mission.world.conditions import all_flags, flags
 from mcpn.mission.world.fact_usage import FactUsage
-from mcpn.net.compose import MissionNet
-from mcpn.net.events import Event, What
+from mcpn.nets.events import Event, What
 from mcpn.runtime.file_schema import FORMAT, digest_of
 
 FILE_NAME = "controller.json"
@@ -178,7 +178,7 @@ def _world(world: FactUsage) -> dict[str, Any]:
 def _requirements(mission_net: MissionNet) -> dict[str, Any]:
     if not requirements_of(mission_net.mission):
         return {}
-    from mcpn.check.requirements import asked_of
+    from mcpn.answers.requirements import asked_of
 
     return {"requirements": [asked.said for asked in asked_of(mission_net)]}
 

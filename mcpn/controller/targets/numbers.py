@@ -18,13 +18,13 @@ from typing import Generic, TypeVar
 from mcpn.controller.actions import PlannedAction, Verb
 from mcpn.controller.hierarchy import KINDS, PlacedMachine, SectionMachine
 from mcpn.controller.modular import AnyController, Rules
+from mcpn.drawing.compose import MissionNet
 from mcpn.mission.expansion.faults import noticed
 from mcpn.mission.graph import ElementarySection, ObjectivesGraph
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Parameter
 from mcpn.mission.world.conditions import all_flags, flags
-from mcpn.net.compose import MissionNet
-from mcpn.net.events import START, Event, What
+from mcpn.nets.events import START, Event, What
 
 VERBS: tuple[Verb, ...] = ("stop", "release", "select", "start", "disarm", "arm")
 """By number."""

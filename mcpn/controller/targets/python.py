@@ -11,7 +11,7 @@ from mcpn.controller.modular import AnyController
 from mcpn.controller.targets.json import write_json
 from mcpn.controller.targets.names import PYTHON_KEYWORDS, comment, identifiers
 from mcpn.controller.targets.render import render
-from mcpn.net.compose import MissionNet
+from mcpn.drawing.compose import MissionNet
 
 PACKAGE = "mcpn.runtime"
 

@@ -33,11 +33,11 @@ from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import Entry, Move, PlacedMachine, TableController
 from mcpn.controller.targets.json import laws
 from mcpn.controller.targets.names import comment, identifiers
+from mcpn.drawing.compose import MissionNet
 from mcpn.mission.expansion.faults import noticed
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.world.conditions import all_flags, flags
-from mcpn.net.compose import MissionNet
-from mcpn.net.events import START, Event, What
+from mcpn.nets.events import START, Event, What
 from mcpn.runtime.tables import Laws
 
 NAMESPACE = "http://www.w3.org/2005/07/scxml"

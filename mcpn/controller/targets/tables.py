@@ -16,7 +16,7 @@ from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import Entry, Move, SectionMachine, TableController
 from mcpn.controller.modular import ModularController, Rules
 from mcpn.controller.targets.numbers import Numbers, Own, Pool
-from mcpn.net.compose import MissionNet
+from mcpn.drawing.compose import MissionNet
 
 
 class MachineNumbers(Numbers[SectionMachine]):

@@ -21,8 +21,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from mcpn.check.causes.whole.chain import WholeChain
-from mcpn.check.verdicts.modes import Situation, situation
+from mcpn.answers.causes.whole.chain import WholeChain
+from mcpn.answers.verdicts.modes import Situation, situation
 from mcpn.mission.static.intervals import at_their_means
 
 NOT_OF_NAMES = re.compile(r"\W", re.ASCII)

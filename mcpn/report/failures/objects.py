@@ -6,16 +6,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from mcpn.check.causes.cutsets import CutSet
-from mcpn.check.causes.find import Causes, GoalCauses, Survival
-from mcpn.check.causes.prospects import CriticalEvent
-from mcpn.net.events import Event
+from mcpn.answers.causes.cutsets import CutSet
+from mcpn.answers.causes.find import Causes, GoalCauses, Survival
+from mcpn.answers.causes.prospects import CriticalEvent
+from mcpn.nets.events import Event
 from mcpn.report.failures.sentences import accomplished, condition, safe
-from mcpn.space.run import Run
+from mcpn.spaces.run import Run
 
 if TYPE_CHECKING:
-    from mcpn.check.causes.risk import Risk
-    from mcpn.check.causes.whole.within import Within
+    from mcpn.answers.causes.risk import Risk
+    from mcpn.answers.causes.whole.within import Within
 
 
 def causes_object(causes: Causes, *, runs: bool = True) -> dict[str, Any]:

@@ -7,7 +7,7 @@ its minimal cut sets are those of the state space; else the sum is written.
 
 Names are Open-PSA identifiers, which know no dots: ``transect.diving`` becomes ``objective-transect-diving``.
 Rates become probabilities of being out of service at the ``system-mission-time``. Where some resource has a
-failure rate, one without is taken never to fail, as :mod:`mcpn.check.causes.risk` does, and its basic event
+failure rate, one without is taken never to fail, as :mod:`mcpn.answers.causes.risk` does, and its basic event
 says so; where none has, the tree is qualitative.
 
 Source: Epstein, Rauzy, *Open-PSA Model Exchange Format*, version 2.0d, sections IV and V.
@@ -24,7 +24,7 @@ from typing import Literal, TypeAlias
 from lxml import etree
 
 from mcpn._kernel import Zdd
-from mcpn.check.causes.cutsets import CutSet
+from mcpn.answers.causes.cutsets import CutSet
 from mcpn.errors import LimitError
 from mcpn.mission.expansion.faults import Crash
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
@@ -32,8 +32,8 @@ from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Hardware
 from mcpn.mission.static.usage import Usage
 from mcpn.report.terminal import plain
-from mcpn.space.images import ImageStore
-from mcpn.space.memoized import memoized
+from mcpn.spaces.images import ImageStore
+from mcpn.spaces.memoized import memoized
 
 Reference: TypeAlias = tuple[Literal["gate", "basic-event"], str]
 Formula: TypeAlias = Reference | tuple[Literal["and", "or"], Sequence["Formula"]]

@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from mcpn.check.causes.cutsets import CutSet
-from mcpn.check.causes.find import Causes, Survival
+from mcpn.answers.causes.cutsets import CutSet
+from mcpn.answers.causes.find import Causes, Survival
 from mcpn.sentences import enumeration
 
 if TYPE_CHECKING:
-    from mcpn.check.causes.risk import Risk
+    from mcpn.answers.causes.risk import Risk
 
 
 ROUNDING = 1e-12

@@ -8,8 +8,8 @@ import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from mcpn.check.causes.effects import Severity
-from mcpn.check.causes.fmeca import Row
+from mcpn.answers.causes.effects import Severity
+from mcpn.answers.causes.fmeca import Row
 from mcpn.errors import InputError, Source
 from mcpn.files import write_atomically
 from mcpn.sentences import enumeration

@@ -6,23 +6,23 @@ from collections.abc import Mapping, Sequence
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import TYPE_CHECKING
 
-from mcpn.check.causes.cutsets import CutSet
-from mcpn.check.causes.effects import Severity
-from mcpn.check.causes.find import Causes, GoalCauses, Survival
-from mcpn.check.causes.fmeca import Row
-from mcpn.net.compose import MissionNet
-from mcpn.net.events import Event
+from mcpn.answers.causes.cutsets import CutSet
+from mcpn.answers.causes.effects import Severity
+from mcpn.answers.causes.find import Causes, GoalCauses, Survival
+from mcpn.answers.causes.fmeca import Row
+from mcpn.drawing.compose import MissionNet
+from mcpn.nets.events import Event
 from mcpn.report.failures.sentences import condition, headlines, ranked, risk_counts, survived, without_a_rate
 from mcpn.report.failures.tables import STANDARD, Classes, fmeca_rows
 from mcpn.report.terminal import Terminal
 from mcpn.report.text import print_counts, print_steps
 from mcpn.report.words import folded, in_words, what_happens
 from mcpn.sentences import enumeration
-from mcpn.space.run import Run
+from mcpn.spaces.run import Run
 
 if TYPE_CHECKING:
-    from mcpn.check.causes.risk import Risk
-    from mcpn.check.causes.whole.within import Within
+    from mcpn.answers.causes.risk import Risk
+    from mcpn.answers.causes.whole.within import Within
 
 
 AFTER = "critical events: after them nothing but repair can help"

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from mcpn.check.causes.cutsets import CutSet
+from mcpn.answers.causes.cutsets import CutSet
 from mcpn.controller.chance import likelihood
-from mcpn.net.events import Event
-from mcpn.net.petri import Arcs, PetriNet
+from mcpn.nets.events import Event
+from mcpn.nets.petri import Arcs, PetriNet
 from mcpn.report.words import folded, what_happens
 from mcpn.runtime import Controller
 from mcpn.runtime.tables import START
 
 if TYPE_CHECKING:
-    from mcpn.check.causes.find import Causes
+    from mcpn.answers.causes.find import Causes
     from mcpn.report.findings import Findings
 
 MOST_EVENTS = 5_000

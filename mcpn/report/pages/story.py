@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from mcpn.check.causes.cutsets import CutSet
-from mcpn.net.events import Event
+from mcpn.answers.causes.cutsets import CutSet
+from mcpn.nets.events import Event
 from mcpn.report.failures.sentences import without_a_rate
 from mcpn.report.pages.live import nominal_run, strip
 from mcpn.report.text import SENTENCES
@@ -16,10 +16,10 @@ from mcpn.report.words import folded, in_words, skipped_in_words, what_happens
 from mcpn.sentences import enumeration
 
 if TYPE_CHECKING:
-    from mcpn.check.causes.find import Causes
-    from mcpn.check.verdicts.mission import MissionCheck
+    from mcpn.answers.causes.find import Causes
+    from mcpn.answers.verdicts.mission import MissionCheck
     from mcpn.report.findings import Findings
-    from mcpn.space.run import Run
+    from mcpn.spaces.run import Run
 
 MOST_TOLD = 8
 """Cut sets, or names, of one sentence; the tables have all."""

@@ -7,18 +7,18 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from mcpn.check.logic.names import Names
+from mcpn.answers.names import MissionNames
 from mcpn.report.failures.sentences import risk_counts
 from mcpn.report.failures.tables import COLUMNS, fmeca_rows
 from mcpn.report.words import modes_in_words, modes_together, what_happens
 from mcpn.sentences import enumeration
 
 if TYPE_CHECKING:
-    from mcpn.check.causes.find import Causes
-    from mcpn.check.causes.fmeca import Row
-    from mcpn.check.causes.risk import Risk
-    from mcpn.check.verdicts.mission import MissionCheck
-    from mcpn.net.compose import MissionNet
+    from mcpn.answers.causes.find import Causes
+    from mcpn.answers.causes.fmeca import Row
+    from mcpn.answers.causes.risk import Risk
+    from mcpn.answers.verdicts.mission import MissionCheck
+    from mcpn.drawing.compose import MissionNet
     from mcpn.report.findings import Findings
 
 _NAME = re.compile(r"\w(?:[\w.-]*\w)?")
@@ -81,7 +81,7 @@ def fold_rows(mission_net: MissionNet, rows: Iterable[Texts], column: int = 0) -
         column: Which of them names an objective.
 
     >>> from mcpn.mission.xml import read_mission
-    >>> from mcpn.net.compose import compose
+    >>> from mcpn.drawing.compose import compose
     >>> from pathlib import Path
     >>> drone = compose(read_mission(Path("experiments/drone/mission.xml")))
     >>> fold_rows(drone, [(f"stock_{aisle}.leave", "no way") for aisle in ("A1", "A2", "B1")])
@@ -89,7 +89,7 @@ def fold_rows(mission_net: MissionNet, rows: Iterable[Texts], column: int = 0) -
     >>> fold_rows(drone, [("stock_A1.leave", "no way"), ("stock_A2.leave", ""), ("stock_B1.leave", "")])
     [('stock_A1.leave', 'no way'), ('stock_A2.leave', ''), ('stock_B1.leave', '')]
     """
-    names = Names(mission_net.net, mission_net)
+    names = MissionNames(mission_net)
     whole = names.folded([objective.name for objective in mission_net.graph.walk()])
     plain = {copy: name for name, copies in whole.items() if len(copies) > 1 for copy in copies}
     groups: dict[tuple[str, ...], list[Texts]] = {}

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from mcpn.check.spaces import Spaces, spaces_of
+from mcpn.answers.spaces import MissionSpaces, MissionSubject, spaces_of
 from mcpn.errors import InputError
-from mcpn.net.compose import MissionNet
 from mcpn.report.pictures.drawing import Drawing
 
 KINDS = ("mission", "objectives", "net", "alternatives", "controller")
 
 
-def drawn(of: Spaces | MissionNet, kind: str = "mission", section: str | None = None) -> Drawing:
+def drawn(of: MissionSubject, kind: str = "mission", section: str | None = None) -> Drawing:
     """A picture of a mission.
 
     Args:
@@ -33,65 +32,65 @@ def drawn(of: Spaces | MissionNet, kind: str = "mission", section: str | None = 
     return _WHOLE[kind](spaces) if section is None else _OF_SECTION[kind](spaces, section)
 
 
-def _mission(spaces: Spaces) -> Drawing:
+def _mission(spaces: MissionSpaces) -> Drawing:
     from mcpn.report.pictures.mission import mission_drawing
 
     return mission_drawing(spaces.mission)
 
 
-def _objectives(spaces: Spaces) -> Drawing:
+def _objectives(spaces: MissionSpaces) -> Drawing:
     from mcpn.report.pictures.objectives import objectives_drawing
 
     return objectives_drawing(spaces.mission)
 
 
-def _net(spaces: Spaces) -> Drawing:
+def _net(spaces: MissionSpaces) -> Drawing:
     from mcpn.report.pictures.nets import units_drawing
 
     return units_drawing(spaces.mission)
 
 
-def _alternatives(spaces: Spaces) -> Drawing:
+def _alternatives(spaces: MissionSpaces) -> Drawing:
+    from mcpn.composite.clash_words import in_mission_words
     from mcpn.report.pictures.machines import alternatives_drawing
-    from mcpn.space.stable.clash_words import in_mission_words
 
     with in_mission_words(spaces.mission):
         return alternatives_drawing(spaces.mission, spaces.listed())
 
 
-def _controller(spaces: Spaces) -> Drawing:
+def _controller(spaces: MissionSpaces) -> Drawing:
     from mcpn.controller.generate import generate
     from mcpn.report.pictures.machines import controller_drawing
 
     return controller_drawing(generate(spaces))
 
 
-def _section_net(spaces: Spaces, section: str) -> Drawing:
+def _section_net(spaces: MissionSpaces, section: str) -> Drawing:
     from mcpn.report.pictures.nets import section_net_drawing
 
     return section_net_drawing(spaces, section)
 
 
-def _local(spaces: Spaces, section: str) -> Drawing:
+def _local(spaces: MissionSpaces, section: str) -> Drawing:
     from mcpn.report.pictures.machines import local_drawing
 
     return local_drawing(spaces, section)
 
 
-def _section_controller(spaces: Spaces, section: str) -> Drawing:
+def _section_controller(spaces: MissionSpaces, section: str) -> Drawing:
     from mcpn.report.pictures.machines import local_drawing
 
     return local_drawing(spaces, section, actions=True)
 
 
-_WHOLE: Mapping[str, Callable[[Spaces], Drawing]] = {
+_WHOLE: Mapping[str, Callable[[MissionSpaces], Drawing]] = {
     "mission": _mission,
     "objectives": _objectives,
     "net": _net,
     "alternatives": _alternatives,
     "controller": _controller,
 }
-_OF_SECTION: Mapping[str, Callable[[Spaces, str], Drawing]] = {
+_OF_SECTION: Mapping[str, Callable[[MissionSpaces, str], Drawing]] = {
     "net": _section_net,
     "alternatives": _local,
     "controller": _section_controller,

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 
-from mcpn.check.spaces import Spaces
+from mcpn.answers.spaces import MissionSpaces
+from mcpn.drawing.sections import SectionParts
 from mcpn.errors import LimitError, SemanticsError
-from mcpn.net.sections import SectionParts
 from mcpn.report.pictures.graph import Graph, Placed, lay_out_all
 from mcpn.report.pictures.machines import states_picture, states_within
 
@@ -36,7 +36,7 @@ class LocalPicture:
 
 
 def local_pictures(
-    spaces: Spaces, progress: Callable[[int, int], None] | None = None
+    spaces: MissionSpaces, progress: Callable[[int, int], None] | None = None
 ) -> tuple[list[LocalPicture], list[str]]:
     """Local graphs as far as they can be drawn, and for each that cannot why.
 

@@ -10,20 +10,20 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from mcpn.check.spaces import Spaces
-from mcpn.check.verdicts.modes import Situation, situation
+from mcpn.answers.spaces import MissionSpaces
+from mcpn.answers.verdicts.modes import Situation, situation
 from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import SectionMachine, TableController, section_machine
+from mcpn.drawing.compose import MissionNet
+from mcpn.drawing.forgetful import forgetful
+from mcpn.drawing.sections import part_of
 from mcpn.mission.graph import ObjectivesGraph, names_in
-from mcpn.net.compose import MissionNet
-from mcpn.net.events import Event, What
-from mcpn.net.forgetful import forgetful
-from mcpn.net.sections import part_of
+from mcpn.nets.events import Event, What
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.report.pictures.graph import Arrow, Cluster, Graph, Node, drawing
 from mcpn.report.pictures.objectives import ENDS, objectives_picture
 from mcpn.report.words import what_happens
-from mcpn.space.stable.alternatives import AlternativesGraph
+from mcpn.spaces.stable.alternatives import AlternativesGraph
 
 MOST_STATES = 16
 """States of a section up to which each has a box of its own."""
@@ -52,7 +52,9 @@ class DrawnEvent:
     actions: tuple[PlannedAction, ...] = ()
 
 
-def local_drawing(spaces: Spaces, section: str, *, actions: bool = False, merged: bool = False) -> Drawing:
+def local_drawing(
+    spaces: MissionSpaces, section: str, *, actions: bool = False, merged: bool = False
+) -> Drawing:
     """The picture of the local graph of a section.
 
     Args:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mcpn.net.compose import MissionNet
+from mcpn.drawing.compose import MissionNet
 from mcpn.report.pictures.boxes import boxes
 from mcpn.report.pictures.drawing import Drawing, rendered
 from mcpn.report.pictures.layout import lay_out

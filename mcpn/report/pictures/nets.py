@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Iterator
 
-from mcpn.check.spaces import Spaces
+from mcpn.answers.spaces import MissionSpaces
+from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError, SemanticsError
-from mcpn.net.compose import MissionNet
-from mcpn.net.petri import PetriNet, Provenance
+from mcpn.nets.petri import PetriNet, Provenance
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.report.pictures.graph import Arrow, Cluster, Graph, Node, drawing
 
@@ -25,7 +25,7 @@ def net_drawing(net: PetriNet) -> Drawing:
     return drawing(net_picture(net, f"Net {net.name}"))
 
 
-def section_net_drawing(spaces: Spaces, section: str) -> Drawing:
+def section_net_drawing(spaces: MissionSpaces, section: str) -> Drawing:
     """The picture of the local net of a section, place by place.
 
     Args:

@@ -19,7 +19,7 @@ from mcpn.report.pictures.drawing import KNOWN, needed
 from mcpn.report.terminal import plain
 
 if TYPE_CHECKING:
-    from mcpn.check.compare import Measured, Measurement
+    from mcpn.answers.compare import Measured, Measurement
 
 FAR_APART = 20
 """Ratio of the largest to the smallest number from which on a scale is logarithmic."""
@@ -119,7 +119,7 @@ def save_engines(path: Path, members: Sequence[Measured]) -> None:
 
 
 def _growth(members: Sequence[Measured]) -> list[Curves]:
-    from mcpn.check.compare import exponents
+    from mcpn.answers.compare import exponents
 
     slopes = exponents(members)
     engines = list(dict.fromkeys(m.engine for member in members for m in member.engines))

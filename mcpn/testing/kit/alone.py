@@ -12,13 +12,13 @@ from typing import ClassVar
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, precondition, rule
 
+from mcpn.drawing.compose import compose
+from mcpn.drawing.templates import TemplateSet
+from mcpn.drawing.templates.names import names_of
 from mcpn.mission.model import Mission
 from mcpn.mission.static.usage import Usage
-from mcpn.net.compose import compose
-from mcpn.net.events import Event
-from mcpn.net.petri import Transition
-from mcpn.net.templates import TemplateSet
-from mcpn.net.templates.names import names_of
+from mcpn.nets.events import Event
+from mcpn.nets.petri import Transition
 from mcpn.testing.kit.contract import drawer
 from mcpn.testing.kit.subject import Violation
 

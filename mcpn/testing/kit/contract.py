@@ -14,9 +14,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TypeAlias
 
-from mcpn.net.compose import MissionNet
-from mcpn.net.petri import Provenance
-from mcpn.net.templates.names import names_of
+from mcpn.drawing.compose import MissionNet
+from mcpn.drawing.templates.names import names_of
+from mcpn.nets.petri import Provenance
 from mcpn.testing.kit.subject import Subject, Violation
 
 Allowed: TypeAlias = Mapping[str, str]

@@ -9,7 +9,7 @@ Hardware, shared or not, is driven, software whose producer does not serve, and 
 starts. What waits for another activity's release, serving producers, returns to better alternatives, facts
 and control are left to whole missions.
 
->>> from mcpn.net.templates import PaperTemplates
+>>> from mcpn.drawing.templates import PaperTemplates
 >>> driven(PaperTemplates(), profile="dev") is None
 True
 """
@@ -23,8 +23,8 @@ from typing import Any
 from hypothesis import Phase, settings
 from hypothesis.stateful import run_state_machine_as_test
 
+from mcpn.drawing.templates import TemplateSet
 from mcpn.mission.model import Objective, Parallel
-from mcpn.net.templates import TemplateSet
 from mcpn.testing.kit.activities import ActivityMachine
 from mcpn.testing.kit.alone import TemplateMachine
 from mcpn.testing.kit.corpus import objective

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from mcpn.check.verdicts.modes import Situation, situation
-from mcpn.net.compose import MissionNet
-from mcpn.net.templates.names import names_of
+from mcpn.answers.verdicts.modes import Situation, situation
+from mcpn.drawing.compose import MissionNet
+from mcpn.drawing.templates.names import names_of
 from mcpn.runtime.tables import Inside
-from mcpn.space.markings.graph import Ints
+from mcpn.spaces.markings.graph import Ints
 from mcpn.testing.kit.subject import Subject
 
 INTERFACE = ("available", "take", "answer", "release", "error")

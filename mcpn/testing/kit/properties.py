@@ -16,12 +16,12 @@ from typing import TypeAlias
 
 import numpy as np
 
-from mcpn.check.likeness import likeness_of
-from mcpn.check.spaces import Spaces
+from mcpn.answers.likeness import likeness_of
+from mcpn.answers.spaces import MissionSpaces
+from mcpn.drawing.compose import compose
+from mcpn.drawing.templates import TemplateSet
 from mcpn.errors import ConfluenceError, DivergenceError, SemanticsError, UnsafeError
 from mcpn.mission.flatten import ObjectivesGraph
-from mcpn.net.compose import compose
-from mcpn.net.templates import TemplateSet
 from mcpn.report.text import likeness_lines
 from mcpn.testing.kit.contract import contract_of_arcs
 from mcpn.testing.kit.promises import idle_again as idle_at_the_end
@@ -151,7 +151,7 @@ def behaves_as(templates: TemplateSet, *, name: str = "the others") -> Property:
     """
 
     def holds(of: Subject) -> None:
-        other = Spaces(compose(of.mission_net.mission, templates), templates=templates)
+        other = MissionSpaces(compose(of.mission_net.mission, templates), templates=templates)
         names = ("these", name)
         try:
             found = likeness_of(of.spaces, other, names=names, max_states=MOST_MARKINGS)

@@ -1,6 +1,6 @@
 """Runs properties on drawn missions; what breaks one is shrunk to the smallest mission that does.
 
->>> from mcpn.net.templates import PaperTemplates
+>>> from mcpn.drawing.templates import PaperTemplates
 >>> broken(PaperTemplates(), profile="dev", properties={"one_safe": one_safe}) is None
 True
 """
@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
+from mcpn.drawing.templates import TemplateSet
 from mcpn.errors import InputError, LimitError
 from mcpn.mission.model import Mission
-from mcpn.net.templates import TemplateSet
 from mcpn.testing import Shape, missions
 from mcpn.testing.data import data_sharing_missions
 from mcpn.testing.kit.corpus import MISSIONS, NEEDED_WHOLE

@@ -7,14 +7,14 @@ from functools import cached_property
 
 import numpy as np
 
-from mcpn.check.engines import Choice
-from mcpn.check.spaces import Spaces
+from mcpn.answers.spaces import MissionSpaces
+from mcpn.drawing.compose import MissionNet, compose
+from mcpn.drawing.templates import TemplateSet
 from mcpn.mission.model import Mission
-from mcpn.net.compose import MissionNet, compose
-from mcpn.net.petri import PetriNet
-from mcpn.net.templates import TemplateSet
-from mcpn.space.arrays import ArraySpace
-from mcpn.space.markings.graph import Mask, StateGraph
+from mcpn.nets.petri import PetriNet
+from mcpn.spaces.arrays import ArraySpace
+from mcpn.spaces.engines import Choice
+from mcpn.spaces.markings.graph import Mask, StateGraph
 
 MOST_MARKINGS = 20_000
 """Markings of a mission that a property looks at; larger missions are passed over."""
@@ -71,14 +71,14 @@ class Subject:
         self, mission: Mission, templates: TemplateSet | None = None, *, max_states: int = MOST_MARKINGS
     ) -> None:
         self.mission_net: MissionNet = compose(mission, templates)
-        self._spaces = Spaces(self.mission_net, templates=templates)
+        self._spaces = MissionSpaces(self.mission_net, templates=templates)
         self._choice = Choice("explicit", max_states=max_states)
 
     @classmethod
     def known(cls, mission_net: MissionNet, markings: StateGraph) -> Subject:
         """A subject whose markings have been listed already."""
         of = cls.__new__(cls)
-        of.mission_net, of._spaces = mission_net, Spaces(mission_net)
+        of.mission_net, of._spaces = mission_net, MissionSpaces(mission_net)
         of._choice = Choice("explicit", max_states=MOST_MARKINGS)
         vars(of)["markings"] = markings
         return of
@@ -89,7 +89,7 @@ class Subject:
         return self.mission_net.net
 
     @property
-    def spaces(self) -> Spaces:
+    def spaces(self) -> MissionSpaces:
         """Its spaces, built or not."""
         return self._spaces
 

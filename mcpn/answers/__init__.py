@@ -1,0 +1,1 @@
+"""Questions about missions: verdicts, requirements, causes of failure, risk, comparison."""

@@ -1,0 +1,357 @@
+"""What a mission may still reach: goals, losing regions, the events that lead into them, runs that show it.
+
+Source: the paper, 7.2 ("studying the resource events that force the mission into a branch leading to
+failure"). A state *loses* a goal where no run reaches it any more; without repairs, where no run without an
+event ``EV_RD`` does. The goal of the mission is its success; the goal of an objective is that its present run
+ends in success, so that a later retry is another run, and one after an interruption too.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Hashable, Iterable, Mapping, Set
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import product
+from typing import Any, Generic, Literal, TypeAlias
+
+from mcpn.answers.reentry import Reentry
+from mcpn.answers.verdicts.modes import Mode, said_by
+from mcpn.drawing.compose import MissionNet
+from mcpn.mission.flatten import ElementarySection, Section
+from mcpn.mission.static.handover import entries
+from mcpn.nets.events import ENDING, Event, What
+from mcpn.spaces.algebra import Alike, Edge, Piece, S, Space, Without, partition
+from mcpn.spaces.images import ImageStore
+from mcpn.spaces.memoized import memoized
+from mcpn.spaces.run import Run, transitions_of
+
+Kind: TypeAlias = Literal["objective", "pending", "done", "oos", "alive", "dead"]
+
+
+@dataclass(frozen=True, eq=False)
+class Goal(Generic[S]):
+    """Something that a mission may still reach.
+
+    Args:
+        name: Of the mission, or of the objective.
+        running: States in which it is not decided yet; runs to it pass no others.
+        won: States in which it is reached, or in which the event that reaches it may happen.
+        ends: Transitions that end the present run, which no run to it takes.
+        ends_from: By transition that ends it from some states alone, these states.
+    """
+
+    name: str
+    running: S
+    won: S
+    ends: frozenset[int] = frozenset()
+    ends_from: Mapping[int, S] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class CriticalEvent:
+    """How many edges of one event lead into a losing region from one functioning mode.
+
+    Args:
+        event: The event.
+        objectives: Objectives that run before it, in the mission's order.
+        mode: The alternatives, before it, of the activities that the event concerns.
+        edges: How many edges of the alternatives graph.
+    """
+
+    event: Event
+    objectives: tuple[str, ...]
+    mode: Mode
+    edges: int
+
+    def named(self, names: Mapping[str, str]) -> CriticalEvent:
+        """A copy with other names of objectives."""
+        event = self.event
+        if event.what in ENDING:
+            event = Event(event.what, names.get(event.element, event.element))
+        return CriticalEvent(event, tuple(names[n] for n in self.objectives), self.mode, self.edges)
+
+
+Counted: TypeAlias = Mapping[tuple[tuple[str, ...], tuple[tuple[str, str], ...]], int]
+"""The number of states, by the objectives that run and the functioning mode."""
+
+
+class Prospects(Generic[S]):
+    """What a mission may still reach in a space of its stable states.
+
+    Args:
+        mission_net: The mission's net, that of the space.
+        space: Its alternatives graph.
+
+    Attributes:
+        hardware: The hardware that can fail, in the mission's order.
+        sections: The elementary objectives by name, in the mission's order.
+        failing: Transitions by which hardware goes out of service.
+        dying: Those by which it is lost for good, in a space whose hardware may die.
+        everything: All transitions that carry an event, but for ``dying``.
+        unrepaired: Those of ``everything`` that repair nothing.
+    """
+
+    def __init__(self, mission_net: MissionNet, space: Space[S]) -> None:
+        self.mission_net = mission_net
+        self.space = space
+        self.hardware = tuple(
+            h.name for h in mission_net.mission.hardware if ("oos", h.name) in mission_net.by_role
+        )
+        self.sections = {section.name: section for section in mission_net.graph.walk()}
+        self._carrying = defaultdict[Event | What, set[int]](set)
+        for t, transition in enumerate(mission_net.net.transitions):
+            if (event := transition.event) is not None:
+                self._carrying[event].add(t)
+                self._carrying[event.what].add(t)
+        self.failing = frozenset(self._carrying[What.OUT_OF_SERVICE])
+        self.dying = frozenset(self._carrying[What.LOST])
+        self.everything = frozenset[int]().union(*self._carrying.values()) - self.dying
+        self.unrepaired = self.everything - self._carrying[What.REPAIRED]
+        self._images = ImageStore(len(mission_net.roles))
+        self._alike: Alike[Counted] = Alike()
+        self._critical: Alike[list[CriticalEvent]] = Alike()
+
+    def carrying(self, what: What, element: str = "") -> frozenset[int]:
+        """Transitions that carry an event."""
+        return frozenset(self._carrying.get(Event(what, element), ()))
+
+    def places(self, kind: Kind, names: Iterable[str]) -> list[int]:
+        """Places that say something of some elements."""
+        return [p for name in names for p in self.mission_net.by_role.get((kind, name), ())]
+
+    # --- goals -------------------------------------------------------------------------------------------
+
+    @cached_property
+    def mission(self) -> Goal[S]:
+        """Success of the mission."""
+        won = self.space.marked([self.mission_net.success])
+        return Goal(self.mission_net.mission.name, self.space.everything - won, won)
+
+    @cached_property
+    def safety(self) -> Goal[S] | None:
+        """A safe end of the mission, success or abort; ``None`` of a mission that cannot abort."""
+        if self.mission_net.abort is None:
+            return None
+        won = self.space.marked([self.mission_net.success, self.mission_net.abort])
+        return Goal(self.mission_net.mission.name, self.space.everything - won, won)
+
+    @cached_property
+    def objectives(self) -> Mapping[str, Goal[S]]:
+        """Success of each elementary objective in its present run, by its name, in the mission's order."""
+        # A declared event stops an objective if it takes its place, or that of a block around it.
+        net, taking = self.mission_net.net, defaultdict[str, set[int]](set)
+        for t in self._carrying[What.DECLARED]:
+            origins = (net.places[place].provenance for place, _ in net.transitions[t].consume)
+            for origin in origins:
+                if origin is not None and origin.kind in ("objective", "parallel"):
+                    taking[origin.name].add(t)
+        stopping = {name: set[int]() for name in self.sections}
+        for section in self.mission_net.graph.all_sections() if taking else ():
+            for inner in section.walk():
+                stopping[inner.name] |= taking[section.name]
+        return {name: self._objective(name, interrupting) for name, interrupting in stopping.items()}
+
+    def _objective(self, name: str, interrupting: set[int]) -> Goal[S]:
+        running = self.space.marked(self.places("objective", [name]))
+        won = self.space.enabling(self.carrying(What.SUCCESS, name)) & running if running else running
+        ends = frozenset().union(*(self.carrying(what, name) for what in ENDING))
+        return Goal(name, running, won, ends | interrupting, self.reentry.ending(name, running))
+
+    @cached_property
+    def reentry(self) -> Reentry[S]:
+        """Edges with which a block that runs is entered again."""
+        return Reentry(self.mission_net, self.space)
+
+    @cached_property
+    def begun(self) -> S:
+        """States in which the mission has begun."""
+        return self.space.everything - self.space.marked([self.mission_net.beginning])
+
+    @memoized
+    def entered(self, section: Section) -> S:
+        """States just after the entry of a section, closed under hardware failures that come at once."""
+        space, first = self.space, [inner.name for inner in entries(section)]
+        running = inside = space.marked([*self.places("objective", first), *self.places("pending", first)])
+        before, again = space.before(inside, self.everything), space.nothing
+        if isinstance(section, ElementarySection):
+            # A retry ends one run and begins the next with one event.
+            again = space.after(before & inside, self.objectives[section.name].ends)
+            again = again | self.reentry.entered(section, inside)
+        else:
+            names = [*(b.name for b in section.branches), *(inner.name for inner in section.walk())]
+            kinds: tuple[Kind, ...] = ("objective", "pending", "done")
+            running = running | space.marked([p for kind in kinds for p in self.places(kind, names)])
+            again = self.reentry.entered(section, running)
+        entry = (space.after(before - running, self.everything) | again) & inside
+        return space.reached(entry, transitions=self.failing | self.dying)
+
+    # --- losing regions ------------------------------------------------------------------------------------
+
+    def allowed(self, goal: Goal[S], *, repairs: bool) -> Set[int]:
+        """What the edges of a run to a goal may carry."""
+        return Without(self.everything if repairs else self.unrepaired, goal.ends)
+
+    @memoized
+    def hopeful(self, goal: Goal[S], *, repairs: bool) -> S:
+        """States from which a goal can be reached; where repairs are allowed, of hardware that is alive."""
+        allowed, ends = self.allowed(goal, repairs=repairs), goal.ends_from.items()
+        guards = {t: self.space.everything - states for t, states in ends}
+        return self.space.reaching(goal.won, goal.running, allowed, guards or None)
+
+    def losing(self, goal: Goal[S], *, repairs: bool) -> S:
+        """States in which a goal is still open and can no longer be reached."""
+        return goal.running - self.hopeful(goal, repairs=repairs)
+
+    @cached_property
+    def forced(self) -> Mapping[int, S]:
+        """By transition with which an objective fails or times out, states in which it can only fail.
+
+        As guards they leave runs in which objectives fail only where the lost hardware makes them fail.
+        """
+        return {
+            t: self.losing(goal, repairs=False)
+            for name, goal in self.objectives.items()
+            for what in (What.FAILURE, What.TIMEOUT)
+            for t in self.carrying(what, name)
+        }
+
+    # --- critical events -----------------------------------------------------------------------------------
+
+    def alike(self, goal: Goal[S], *states: S) -> tuple[Hashable, tuple[str, ...]] | None:
+        """A key of a goal and of some states in which it is open, which does not depend on names.
+
+        Returns:
+            The key, equal for goals whose runs pass alike pieces of the space, and the objectives of these
+            pieces; ``None`` where nothing is known to be alike.
+        """
+        pieces = [list(self.space.pieces(some)) for some in (goal.running, *states)]
+        if len(pieces[0]) != 1 or goal.name not in (names := pieces[0][0].names) or pieces[0][0].kind is None:
+            return None
+        return (names.index(goal.name), *(tuple(piece.kind for piece in some) for some in pieces)), names
+
+    def critical(self, goal: Goal[S], *, repairs: bool) -> list[CriticalEvent]:
+        """Edges from a chance to reach a goal to none, in the order of the net's transitions."""
+        known = self.alike(goal)
+        if known is None:
+            return self._critical_of(goal, repairs)
+        kind, own = known
+        found, names = self._critical.known((kind, repairs), own, lambda: self._critical_of(goal, repairs))
+        return [critical.named(names) for critical in found]
+
+    def _critical_of(self, goal: Goal[S], repairs: bool) -> list[CriticalEvent]:
+        losing, allowed = self.losing(goal, repairs=repairs), self.allowed(goal, repairs=repairs)
+        found: Counter[tuple[Event, tuple[str, ...], tuple[tuple[str, str], ...]]] = Counter()
+        for t, states in self.space.crossing(goal.running - losing, losing) if losing else ():
+            event = self.mission_net.net.transitions[t].event
+            if event is None or t not in allowed:
+                continue
+            if t in goal.ends_from and not (states := states - goal.ends_from[t]):
+                continue
+            for piece in self.space.pieces(states):
+                for (objectives, mode), count in self._counted(event, piece).items():
+                    found[event, objectives, mode] += count
+        return [CriticalEvent(event, names, dict(mode), n) for (event, names, mode), n in found.items()]
+
+    def _counted(self, event: Event, piece: Piece[S]) -> Counted:
+        """States before an event by the objectives that run and the mode; found once for alike pieces."""
+
+        def compute() -> Counted:
+            concerned, counts = self._concerned(event), dict[tuple[Any, Any], int]()
+            roles = {p: self.mission_net.roles.get(p, ("", "")) for p in self.space.varying(piece.states)}
+            telling = sorted(
+                place
+                for place, (kind, name) in roles.items()
+                if kind == "objective" or (kind == "active" and name.split(".", 1)[0] in concerned)
+            )
+            for marked, part in partition(self.space, piece.states, telling, self._images):
+                said = said_by(self.mission_net, sorted(marked))
+                counts[said.objectives, tuple(said.mode.items())] = part.count()
+            return counts
+
+        if piece.kind is None:
+            return compute()
+        ends = event.what in ENDING
+        element = piece.names.index(event.element) if ends else event.element
+        found, names = self._alike.known((event.what, element, piece.kind), piece.names, compute)
+        return {(tuple(names[n] for n in running), mode): count for (running, mode), count in found.items()}
+
+    @memoized
+    def _concerned(self, event: Event) -> set[str]:
+        """Activities whose present alternative may influence what an event does.
+
+        If an objective ends: the activities of that objective. If hardware fails or is repaired: activities
+        of which one alternative needs the hardware, itself or through its suppliers, and another does not.
+        """
+        usage, choosing = self.mission_net.usage, set[str]()
+        if event.what in ENDING and event.element in self.sections:
+            choosing.update(self.sections[event.element].activities)
+        if event.what in (What.OUT_OF_SERVICE, What.REPAIRED):
+            for name in usage.started:
+                ways = [way.consumes for way in usage.activities[name].alternatives]
+                standing = {any(event.element in usage.hardware_under(k) for k in way) for way in ways}
+                if standing == {False, True}:
+                    choosing.add(name)
+        return choosing
+
+    # --- runs ----------------------------------------------------------------------------------------------
+    # On these runs nothing is repaired, and objectives fail only where they cannot succeed any more.
+
+    def to_failure(self, goal: Goal[S], cut_set: Iterable[str]) -> Run | None:
+        """A short run in which a goal fails because of a cut set, and no other hardware fails.
+
+        It leads to the failure of the mission or the objective, with all of the cut set out of service; where
+        the mission need not end, to where it can no longer succeed. ``None`` where no run leads there.
+        """
+        space, names = self.space, list(cut_set)
+        losses = (self.carrying(What.OUT_OF_SERVICE, name) for name in names)
+        transitions = (self.unrepaired - self.failing).union(*losses)
+        ends = [self.losing(goal, repairs=False)]
+        whole = goal is self.mission or goal is self.safety
+        if whole:
+            ended = self.mission_net.ends.values()
+            ends.insert(0, space.marked(ended) - goal.won)
+        oos = self.places("oos", names)
+        for end, guards in product([space.restricted(end, oos, ()) for end in ends], (self.forced, None)):
+            run = space.run(space.initial.pick(), end, None, transitions, guards)
+            if run is not None:
+                if not whole:
+                    fails = self.carrying(What.FAILURE, goal.name)
+                    run.append(next(e for e in space.edges(run[-1].target) if e.transition in fails))
+                return self._run(run)
+        return None
+
+    def most_failures(self, goal: Goal[S], section: Section | None = None) -> Run | None:
+        """A shortest run to an end of the mission among those in which the most resources fail.
+
+        Args:
+            goal: Of the mission: its success, or its safe ends.
+            section: Counts failures from the entry of this section on, with all hardware in service there; by
+                default from the start of the mission.
+
+        Returns:
+            The run; ``None`` where none ends so.
+        """
+        space, oos = self.space, self.places("oos", self.hardware)
+        begin, prefix = space.initial.pick(), list[Edge]()
+        if section is not None:
+            found = space.run(begin, space.restricted(self.entered(section), (), oos))
+            if found is None:
+                return None
+            begin, prefix = found[-1].target if found else begin, found
+        here, guards, transitions = space.single(begin), self.forced, self.unrepaired
+        if here & goal.won:
+            return self._run(prefix)
+        # Failures after success are no evidence of robustness: only failures before it are counted.
+        before = space.reached(here, goal.running, transitions, guards)
+        ends = space.after(before, transitions, guards) & goal.won
+        if not ends:
+            return None
+        images = ImageStore(len(oos))
+        most = images.sized(space.image(ends, oos, images))
+        widest = ends & space.at_most(dict.fromkeys(oos, -1), -most)
+        onward = space.run(begin, widest, goal.running, transitions, guards)
+        return None if onward is None else self._run([*prefix, *onward])
+
+    def _run(self, edges: Iterable[Edge]) -> Run:
+        return Run(self.space.net, transitions_of(edges), settles=True)

@@ -1,0 +1,190 @@
+"""What words in formulas mean of a mission: its objectives, activities, resources, facts and events."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import NoReturn
+
+from mcpn.answers.verdicts.modes import WAITING
+from mcpn.drawing.compose import MissionNet
+from mcpn.errors import InputError
+from mcpn.logic.formulas import Justice
+from mcpn.logic.ltl.formulas import Happens
+from mcpn.mission.expansion.copies import Copies, grouped
+from mcpn.mission.model import Objective, walk
+from mcpn.mission.robot import BOOLEAN_VALUES
+from mcpn.mission.world.conditions import is_boolean, objective_done
+from mcpn.nets.events import ENDING, START, Event, What
+from mcpn.nets.petri import PetriNet
+from mcpn.spaces.names import ENDINGS, Names, known, unknown
+from mcpn.spaces.search.goal import FALSE, TRUE, Fires, Formula, marked
+
+ROLES = {
+    "objective": ("objective",),
+    "block": ("objective",),
+    "pending": ("pending",),
+    "activity": ("active",),
+    "alternative": ("active",),
+    "waiting": WAITING,
+    "refused": ("refused",),
+    "oos": ("oos",),
+    "available": ("oos",),
+    "fact": ("fact",),
+    "done": ("fact",),
+}
+"""By word about an element of the mission the roles of the places that it stands for."""
+
+
+class MissionNames(Names):
+    """Looks names up in a mission and its net; an unknown one is an InputError that lists what is near.
+
+    Args:
+        mission_net: Names elements of the mission, places and transitions.
+        within: The prefix of names in the formula's text, where that is of one use of a protocol.
+        net: The net whose transitions events stand for, where it is not the mission's own.
+    """
+
+    endings = ENDINGS
+    _also_places = ENDINGS
+
+    def __init__(self, mission_net: MissionNet, within: str = "", *, net: PetriNet | None = None) -> None:
+        super().__init__(mission_net.net if net is None else net)
+        self.within = within
+        self.mission_net = mission_net
+
+    def word(self, *said: str) -> Formula:
+        """What a word about the mission means; see :meth:`mcpn.spaces.names.Names.word`."""
+        meaning = self._meaning(*said)
+        if meaning not in (TRUE, FALSE):  # which other formulas mean as well
+            self.said.setdefault(meaning, said)
+        return meaning
+
+    def _meaning(self, kind: str, name: str = "", value: str | None = None) -> Formula:
+        mission_net = self.mission_net
+        if value is not None and kind not in ("alternative", "waiting", "fact"):
+            raise InputError.at(None, f"expected {kind}({name}) alone, found ={value} after it")
+        match kind:
+            case "success" | "failure" | "abort":
+                about = [mission_net.mission.name]
+            case "objective" | "pending":
+                about = self._copies.meant(name, self.within) or self._unknown(
+                    name, self._copies.objectives, "objective"
+                )
+            case "block":
+                about = self._copies.inside(name, self.within) or self._unknown(
+                    name, self._copies.held, "block"
+                )
+            case "fact" | "done":
+                about = [self._fact(kind, name, value)]
+            case "available" if name in mission_net.usage.producer:
+                return self._meaning("activity", mission_net.usage.producer[name])
+            case "oos" | "available":
+                software = mission_net.usage.producer if kind == "available" else ()
+                known = [*(h.name for h in mission_net.mission.hardware), *software]
+                resource = self._element(name, known, "resource")
+                about = [resource, *(f.name for f in mission_net.mission.faults if resource in f.affects)]
+            case "event":
+                events = self._events(name)
+                return Fires(tuple(i for i, t in enumerate(self.net.transitions) if t.event in events))
+            case "happens":
+                may = self._meaning("event", name)
+                assert isinstance(may, Fires)
+                return Happens(may.transitions)
+            case "alternative" if value is None:
+                activity, _, value = name.rpartition(".")
+                if not activity:
+                    message = f"expected alternative(activity)=name, found no name after {value}"
+                    raise InputError.at(None, message)
+                return self._meaning(kind, activity, value)
+            case _:
+                activity = self._element(name, mission_net.usage.activities, "activity")
+                ways = [a.name for a in mission_net.usage.activities[activity].alternatives]
+                if value is not None:
+                    ways = [self._element(value, ways, f"alternative of {activity}")]
+                about = [activity] if kind == "refused" else [f"{activity}.{way}" for way in ways]
+        roles = ROLES.get(kind, (kind,))
+        places = (p for p, (role, element) in mission_net.roles.items() if role in roles and element in about)
+        return ~marked(*places) if kind == "available" else marked(*places)
+
+    def _events(self, name: str) -> set[Event]:
+        """The events that a name says: one, or that of all copies of an objective."""
+        known = {t.event for t in self.net.transitions if t.event}
+        declared, said = Event(What.DECLARED, name), Event.parse(name)
+        if declared in known or name in {e.name for e in self.mission_net.mission.events}:
+            return {declared}
+        if said.what not in ENDING:
+            return {Event.parse(self._element(name, sorted(map(str, known)), "event"))}
+        found = {Event(said.what, each) for each in self._copies.meant(said.element, self.within)} & known
+        return found or self._unknown(name, sorted(map(str, known)), "event")
+
+    def _fact(self, kind: str, name: str, value: str | None) -> str:
+        """A fact with its value, as the role of a place says it."""
+        facts = self.mission_net.usage.world.facts
+        if kind == "done":
+            kept = [objective for fact in facts if (objective := objective_done(fact))]
+            if name not in kept:
+                mission = self.mission_net.mission
+                texts = (mission.blocks, *(protocol.blocks for protocol in mission.protocols))
+                every = (block for blocks in texts for block in walk(blocks))
+                objectives = [block.name for block in every if isinstance(block, Objective)]
+                done = known(name, dict.fromkeys([*kept, *objectives]), "objective")
+                message = (
+                    f"done({done}) is not kept: no route, condition or requirement of the mission reads it"
+                )
+                raise InputError.at(None, message)
+            return f"done({name})={BOOLEAN_VALUES[True]}"
+        fact = facts[known(name, [known for known in facts if objective_done(known) is None], "fact")]
+        if value is None and not is_boolean(fact):
+            values = " or ".join(f"fact({name})={of}" for of in fact.values)
+            raise InputError.at(None, f"expected {values}, found fact({name}) alone")
+        said = BOOLEAN_VALUES[True] if value is None else known(value, fact.values, f"value of {name}")
+        return f"{name}={said}"
+
+    def folded(self, names: Collection[str]) -> dict[str, list[str]]:
+        """Names, those of all copies of one together under the one name that means all of them."""
+
+        def plain(name: str) -> str:
+            event = Event.parse(name)
+            if event.what in ENDING:
+                return str(Event(event.what, self._copies.plain(event.element)))
+            return self._copies.plain(name)
+
+        return grouped(names, plain)
+
+    @property
+    def _copies(self) -> Copies:
+        return self.mission_net.graph.copies
+
+    def _unknown(self, name: str, names: Collection[str], what: str) -> NoReturn:
+        """Says which known name is near, all copies of one by one name."""
+        declared = [e.name for e in self.mission_net.mission.events] if what == "event" else []
+        unknown(name, names, what, [*declared, *self.folded(names)])
+
+    def _element(self, name: str, names: Collection[str], what: str) -> str:
+        """The name of what is no block in full: what qualifies it may be left out where one name fits."""
+        fitting = [known for known in names if known.endswith(f".{name}")]
+        if name not in names and len(fitting) == 1:
+            return fitting[0]
+        if name not in names:
+            self._unknown(name, names, what)
+        return name
+
+
+def progress(mission_net: MissionNet) -> tuple[Justice, ...]:
+    """Constraints under which a mission goes on: it starts, and running objectives end some day.
+
+    Without it ``AF`` says nothing of a mission whose hardware may fail and recover for ever. A loop of
+    objectives that is run for ever is fair: each of them ends again and again.
+
+    Returns:
+        For the start: infinitely often the mission has begun, or the start happens. For each objective:
+        infinitely often it does not run, or its ``OK``, ``FAIL`` or ``TIMEOUT`` happens.
+    """
+    waits = {mission_net.beginning: {START}}
+    for place, name in mission_net.saying("objective").items():
+        waits[place] = {Event(what, name) for what in ENDING}
+    events = [t.event for t in mission_net.net.transitions]
+    return tuple(
+        Justice(~marked(place), tuple(t for t, event in enumerate(events) if event in endings))
+        for place, endings in waits.items()
+    )

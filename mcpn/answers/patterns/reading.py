@@ -1,0 +1,230 @@
+"""What the pattern of a requirement says: a formula, and a sentence in the mission's names."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeVar
+
+from mcpn.answers.patterns import robots
+from mcpn.answers.patterns.english import clause
+from mcpn.answers.patterns.published import used
+from mcpn.errors import InputError, LimitError
+from mcpn.logic.syntax import parse
+from mcpn.mission.requirement import (
+    Avoidance,
+    BoundedExistence,
+    Patrolling,
+    Pattern,
+    Precedence,
+    Reaction,
+    Response,
+    RestrictedAvoidance,
+    Scoped,
+    Visit,
+    Wait,
+)
+from mcpn.sentences import enumeration
+from mcpn.spaces.names import Names
+from mcpn.spaces.search.goal import FALSE, TRUE
+
+_Read = TypeVar("_Read")
+_TIMES = {1: "once", 2: "twice"}
+_ONE_WORD = re.compile(r"[\w.]+(\([\w.]+\)(=[\w.]+)?)?")
+
+
+@dataclass(frozen=True)
+class PatternText:
+    """What a pattern says.
+
+    Args:
+        formula: As people may write it.
+        sentence: In English.
+    """
+
+    formula: str
+    sentence: str
+
+
+def read_pattern(pattern: Pattern, names: Names) -> PatternText:
+    """What a pattern says of a mission.
+
+    Args:
+        pattern: A valid one.
+        names: Of the mission, or of one use of a protocol.
+
+    Raises:
+        InputError: An attribute is no formula, or names what is not there; with the pattern's line.
+    """
+    reader = _PatternReader(pattern, names)
+    match pattern:
+        case Visit() | Patrolling():
+            text = reader.movement(pattern)
+        case Avoidance() | RestrictedAvoidance() | Wait():
+            text = reader.places(pattern)
+        case Reaction():
+            text = reader.reaction(pattern)
+        case _:
+            text = reader.scoped(pattern)
+    return PatternText(text.formula, text.sentence[0].upper() + text.sentence[1:])
+
+
+class _PatternReader:
+    """Looks up what the attributes of a pattern say."""
+
+    def __init__(self, pattern: Pattern, names: Names) -> None:
+        self._pattern, self._names = pattern, names
+
+    def clause(self, attribute: str) -> str:
+        """A formula of an attribute as a clause."""
+        text, names = getattr(self._pattern, attribute), self._names
+
+        def said() -> str:
+            formula = parse(text, names)
+            return f"“{text.strip()}”" if formula in (TRUE, FALSE) else clause(formula, names)
+
+        return self._read(attribute, said)
+
+    def operand(self, attribute: str) -> str:
+        """A formula of an attribute as it stands inside another."""
+        text: str = getattr(self._pattern, attribute).strip()
+        return text if _ONE_WORD.fullmatch(text) else f"({text})"
+
+    def locations(self, of: tuple[str, ...], attribute: str) -> list[str]:
+        """For each of some objectives, the formula that it runs."""
+
+        def known() -> list[str]:
+            for name in of:
+                self._names.word("objective", name)
+            return [f"objective({name})" for name in of]
+
+        return self._read(attribute, known)
+
+    def _read(self, attribute: str, read: Callable[[], _Read]) -> _Read:
+        """What ``read`` makes of an attribute; its errors name the attribute and the pattern's line."""
+        try:
+            return read()
+        except (InputError, LimitError) as error:
+            message = f"{attribute} of <{self._pattern.TAG}>: {error}"
+            raise InputError.at(self._pattern.source, message) from None
+
+    # --- Dwyer, Avrunin, Corbett ---
+
+    def scoped(self, of: Scoped) -> PatternText:
+        letters = {"q": "after", "r": "until" if of.until is not None else "before"}
+        scope = "globally"
+        match of.after is None, of.before is None, of.until is None:
+            case True, False, _:
+                scope = "before"
+            case False, True, True:
+                scope = "after"
+            case False, False, _:
+                scope = "between"
+            case False, True, False:
+                scope = "after_until"
+        most = of.most if isinstance(of, BoundedExistence) else 2
+        name, more = _kind(of)
+        letters |= more
+        said = {letter: self.clause(a) for letter, a in letters.items() if getattr(of, a) is not None}
+        texts = {letter: self.operand(letters[letter]) for letter in said}
+        formula = re.sub(r"\b[pqrstz]\b", lambda match: texts[match[0]], used(name, scope, most))
+        body = _BODIES[name].format(**said, times=_TIMES.get(most, f"{most} times"))
+        return PatternText(formula, _SCOPES[scope].format(body=body, **said))
+
+    # --- robotic missions ---
+
+    def movement(self, of: Visit | Patrolling) -> PatternText:
+        places = self.locations(of.objectives, "in")
+        kind = "visit" if isinstance(of, Visit) else "patrolling"
+        begin = "the robot comes to" if kind == "visit" else "again and again the robot comes to"
+        listed = enumeration(of.objectives)
+        sentence = f"{begin} {_ORDERS[of.order].format(listed)}"
+        return PatternText(robots.movement(kind, of.order, places), f"{sentence}.")
+
+    def places(self, of: Avoidance | RestrictedAvoidance | Wait) -> PatternText:
+        places = self.locations(of.objectives, "in" if isinstance(of, Wait) else "of")
+        listed = enumeration(of.objectives)
+        either = listed if len(places) == 1 else f"any of {listed}"
+        here = places[0] if len(places) == 1 else f"({' | '.join(places)})"
+        match of:
+            case Wait():
+                formula = robots.WAIT.format(each=here, until=self.operand("until"))
+                return PatternText(formula, f"the robot stays in {either} until {self.clause('until')}.")
+            case RestrictedAvoidance():
+                said = next(a for a in ("at_most", "at_least", "exactly") if getattr(of, a) is not None)
+                times: int = getattr(of, said)
+                formula = " & ".join(f"({robots.entries(said, place, times)})" for place in places)
+                number = f"{said.replace('_', ' ')} {_TIMES.get(times, f'{times} times')}"
+                each = listed if len(places) == 1 else f"each of {listed}"
+                return PatternText(formula, f"the robot enters {each} {number}.")
+        if of.until is not None:
+            formula = robots.PAST.format(each=here, until=self.operand("until"))
+            sentence = f"at some time {self.clause('until')}, and the robot does not come to {either} before."
+            return PatternText(formula, sentence)
+        if of.after is not None:
+            formula = robots.FUTURE.format(each=here, after=self.operand("after"))
+            return PatternText(formula, f"once {self.clause('after')}, the robot never comes to {either}.")
+        return PatternText(robots.GLOBAL.format(each=here), f"the robot never comes to {either}.")
+
+    def reaction(self, of: Reaction) -> PatternText:
+        to, gives = self.clause("to"), self.clause("gives")
+        formula = robots.REACTIONS[of.when].format(to=self.operand("to"), gives=self.operand("gives"))
+        return PatternText(formula, _REACTIONS[of.when].format(to=to, gives=gives))
+
+
+def _kind(of: Scoped) -> tuple[str, dict[str, str]]:
+    """The name of a pattern in the catalogue, and by letter of its formula the attribute that is meant."""
+    match of:
+        case Precedence() if of.then is not None:
+            return "precedence_chain_2_1", {"p": "of", "s": "by", "t": "then"}
+        case Precedence() if of.followed_by is not None:
+            return "precedence_chain_1_2", {"p": "by", "s": "of", "t": "followed_by"}
+        case Precedence():
+            return "precedence", {"p": "of", "s": "by"}
+        case Response() if of.without is not None:
+            return "constrained_chain", {"p": "to", "s": "gives", "t": "then", "z": "without"}
+        case Response() if of.then is not None:
+            return "response_chain_1_2", {"p": "to", "s": "gives", "t": "then"}
+        case Response() if of.followed_by is not None:
+            return "response_chain_2_1", {"p": "gives", "s": "to", "t": "followed_by"}
+        case Response():
+            return "response", {"p": "to", "s": "gives"}
+    return of.TAG, {"p": "of"}
+
+
+_SCOPES = {
+    "globally": "{body}.",
+    "before": "up to the first moment at which {r}, if there is one: {body}.",
+    "after": "from the first moment on at which {q}: {body}.",
+    "between": "whenever {q}, up to the next moment at which {r}, if there is one: {body}.",
+    "after_until": "whenever {q}, up to the next moment at which {r}, or for ever: {body}.",
+}
+_BODIES = {
+    "absence": "it is never so that {p}",
+    "existence": "at some moment {p}",
+    "bounded_existence": "at most {times} it comes about that {p}",
+    "universality": "it is always so that {p}",
+    "precedence": "{p} only when {s}, or after that",
+    "response": "whenever {p}, then or later {s}",
+    "precedence_chain_2_1": "{p} only when {t}, or after that, and before that {s}",
+    "precedence_chain_1_2": "{s} and later {t} only when first {p}",
+    "response_chain_2_1": "whenever {s} and later {t}, then or later {p}",
+    "response_chain_1_2": "whenever {p}, then or later {s}, and after that {t}",
+    "constrained_chain": "whenever {p}, then or later {s}, and after that {t}, and in between never {z}",
+}
+_ORDERS = {
+    "any": "{0}",
+    "sequenced": "{0}, to each after the one before it",
+    "ordered": "{0}, to none before the one before it",
+    "strict": "{0}, to none before the one before it, and enters none twice before the next one",
+    "fair": "{0}, and does not enter one again before it has come to the next one in turn",
+}
+_REACTIONS = {
+    "instantaneous": "whenever {to}, at that moment {gives}.",
+    "prompt": "whenever {to}, after the next event {gives}.",
+    "delayed": "whenever {to}, then or later {gives}.",
+    "bound": "whenever {to}, and only then, {gives}.",
+    "bound_delay": "whenever {to}, and only then, after the next event {gives}.",
+}
+"""The sentences of patterns, made of clauses."""

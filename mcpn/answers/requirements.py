@@ -1,0 +1,154 @@
+"""What a mission says that it must satisfy: its requirements, answered on its stable states."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from mcpn.answers.names import MissionNames, progress
+from mcpn.drawing.compose import MissionNet
+from mcpn.errors import InputError, LimitError
+from mcpn.logic.evaluate import Evaluation
+from mcpn.logic.syntax import parse
+from mcpn.logic.vacuity import idle_parts
+from mcpn.logic.witness import Witness, explain
+from mcpn.logic.writing import show
+from mcpn.mission.flatten import requirements_of
+from mcpn.mission.requirement import Requirement
+from mcpn.spaces.algebra import Space
+from mcpn.spaces.names import Names
+from mcpn.spaces.search.goal import Formula
+from mcpn.steps import Doing, step
+
+
+@dataclass(frozen=True)
+class AskedRequirement:
+    """A requirement of a mission, or of one use of a protocol, as a formula.
+
+    Args:
+        name: Qualified by the use.
+        requirement: As it is written.
+        text: What it says, as a formula that people may write.
+        formula: The same, understood.
+        names: Those that it was read with.
+        sentence: What its pattern says, in English; empty where it is written as a formula.
+    """
+
+    name: str
+    requirement: Requirement
+    text: str
+    formula: Formula
+    names: Names
+    sentence: str = ""
+
+    @property
+    def words(self) -> str:
+        """What it says, as its author describes it, else in English, else as a formula."""
+        return self.requirement.description or self.sentence or self.text
+
+    @property
+    def said(self) -> dict[str, str | None]:
+        """What it says, for programs."""
+        return {
+            "name": self.name,
+            "formula": self.text,
+            "sentence": self.sentence or None,
+            "description": self.requirement.description,
+            "expected": self.requirement.expected,
+            "severity": self.requirement.severity,
+        }
+
+
+@dataclass(frozen=True)
+class RequirementAnswer:
+    """Whether a requirement is met.
+
+    Args:
+        asked: The requirement.
+        holds: Whether its formula holds; ``None`` where that is not known.
+        witness: A run that shows why; ``None`` where it is not known.
+        reason: Why it is not known.
+        vacuous: Where the formula holds and is expected to: the parts in which it is vacuous, each of which
+            can be replaced by anything (:mod:`mcpn.logic.vacuity`).
+    """
+
+    asked: AskedRequirement
+    holds: bool | None
+    witness: Witness | None = None
+    reason: str = ""
+    vacuous: tuple[str, ...] = ()
+
+    @property
+    def met(self) -> bool | None:
+        """Whether the formula holds or fails as the requirement expects; ``None`` where not known."""
+        expected = self.asked.requirement.expected == "holds"
+        return None if self.holds is None else self.holds == expected
+
+    @property
+    def says_nothing_of(self) -> str:
+        """A sentence about the parts of which it says nothing; empty where there are none."""
+        parts = self.vacuous
+        if not parts:
+            return ""
+        each = "that" if len(parts) == 1 else "each of these alone"
+        return f"It says nothing of {', of '.join(parts)}: it holds whatever {each} is."
+
+    @property
+    def required(self) -> bool:
+        """Whether the mission may not be flown while it is violated."""
+        return self.asked.requirement.severity == "required"
+
+
+def asked_of(mission_net: MissionNet) -> list[AskedRequirement]:
+    """The requirements of a mission, understood before anything is explored.
+
+    Raises:
+        InputError: A formula cannot be read, or names what is not there; with the line of its requirement.
+    """
+    asked = []
+    for name, (within, each) in requirements_of(mission_net.mission).items():
+        names = MissionNames(mission_net, within)
+        try:
+            asked.append(_asked(name, each, names))
+        except (InputError, LimitError) as error:
+            source, message = each.source, str(error)
+            if isinstance(error, InputError) and error.problems[0].source is not None:
+                source, message = error.problems[0].source, error.problems[0].message
+            raise InputError.at(source, f"requirement {name}: {message}") from None
+    return asked
+
+
+def _asked(name: str, requirement: Requirement, names: Names) -> AskedRequirement:
+    if requirement.formula is not None:
+        return AskedRequirement(
+            name, requirement, requirement.formula, parse(requirement.formula, names), names
+        )
+    from mcpn.answers.patterns.reading import read_pattern
+
+    pattern = read_pattern(requirement.patterns[0], names)
+    formula = parse(pattern.formula, names)
+    return AskedRequirement(name, requirement, pattern.formula, formula, names, pattern.sentence)
+
+
+def answer_requirements(
+    mission_net: MissionNet, asked: Sequence[AskedRequirement], space: Space[Any]
+) -> Iterator[RequirementAnswer]:
+    """Answers requirements on the stable states of a mission.
+
+    Args:
+        mission_net: The mission.
+        asked: The requirements.
+        space: The stable states.
+    """
+    plain = Evaluation(space)
+    fair = Evaluation(space, progress(mission_net)) if any(a.requirement.fair for a in asked) else plain
+    for each in asked:
+        step(Doing.ANSWERING, question=each.name)
+        evaluation = fair if each.requirement.fair else plain
+        witness = explain(evaluation, each.formula, each.names)
+        holds, parts = evaluation.holds(each.formula), tuple[str, ...]()
+        if holds and each.requirement.expected == "holds":
+            idle = idle_parts(each.formula, each.names.said, evaluation.holds)
+            parts = tuple(show(part, each.names) for part in idle)
+        yield RequirementAnswer(each, holds, witness, vacuous=parts)

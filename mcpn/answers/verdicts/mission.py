@@ -1,0 +1,390 @@
+"""The verdicts of a mission, each with the run that shows it, by any engine.
+
+Required verdicts are those that a mission must satisfy to be flown; informative ones tell more. A verdict is
+``None`` where an earlier one failed in a way that leaves it unknown. Only how a space is made, and with which
+errors, depends on the engine; every question is asked once, of :class:`mcpn.spaces.algebra.Space`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from mcpn.answers.spaces import MissionSpaces, MissionSubject, spaces_of
+from mcpn.answers.verdicts.modes import Mode, functioning_modes
+from mcpn.answers.verdicts.success import no_way_to_success, skipped, without_skipping
+from mcpn.answers.verdicts.unselectable import Never, never_happens
+from mcpn.drawing.compose import MissionNet
+from mcpn.errors import ConfluenceError, DivergenceError, LimitError, Problem, SemanticsError, UnsafeError
+from mcpn.mission.static.warnings import static_warnings
+from mcpn.notebook import Told
+from mcpn.spaces.algebra import S, Space
+from mcpn.spaces.engines import SMALL, Asked, Choice, answered
+from mcpn.spaces.markings.explicit import Progress
+from mcpn.spaces.run import Run, run_of_fewest_events, transitions_of
+from mcpn.steps import Doing, step
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+    from mcpn.answers.requirements import AskedRequirement, RequirementAnswer
+
+REQUIRED = ("safe", "bounded", "confluent", "deadlock_free", "success_reachable", "can_always_finish")
+INFORMATIVE = ("failure_reachable", "unselectable")
+ENDS_SAFELY, ABORT_REACHABLE = "can_always_end_safely", "abort_reachable"
+"""The further required and the further informative verdict of a mission that can abort."""
+
+UNDECIDED = {
+    "safe": "not decided: the net is not 1-safe, so that its states cannot be explored",
+    "confluent": (
+        "not decided: the mission is not confluent, so that composition has no one state to go on from; "
+        "--engine explicit or symbolic decides it"
+    ),
+}
+"""Why nothing else is known where one of these verdicts fails and there is no space to be asked."""
+
+
+RUNS = {
+    "deadlock_free": (
+        False,
+        "a marking that is no end of the mission allows no event",
+        "every marking but the mission's ends allows some event",
+    ),
+    "success_reachable": (True, "a run leads to success", "no run leads to mission success"),
+    "can_always_finish": (
+        False,
+        "after this run the mission can no longer end",
+        "from every marking some run leads to an end of the mission",
+    ),
+    ENDS_SAFELY: (
+        False,
+        "after this run the mission can neither succeed nor abort",
+        "from every marking some run leads to success or abort",
+    ),
+    "failure_reachable": (True, "a run leads to failure", "no run leads to mission failure"),
+    ABORT_REACHABLE: (True, "a run leads to abort", "no run leads to mission abort"),
+}
+"""By verdict: whether it holds if a run is found, and the explanations where one is found and where none."""
+
+
+@dataclass(frozen=True)
+class Verdict(Told):
+    """One verdict.
+
+    Args:
+        name: One of :func:`required_of` or :func:`informative_of` a mission.
+        holds: The answer, or ``None`` where it is not known.
+        explanation: One sentence on what was found.
+        runs: Witness or counterexample runs, the shortest first; two where two are needed.
+        skipped: Objectives that begin on the run that shows success, and never succeed on it.
+    """
+
+    name: str
+    holds: bool | None
+    explanation: str = ""
+    runs: tuple[Run, ...] = ()
+    skipped: tuple[str, ...] = ()
+
+    @property
+    def runs_of_events(self) -> tuple[Run, ...]:
+        """The runs as a designer reads them: without internal firings, each once."""
+        return tuple(dict.fromkeys(run.of_events for run in self.runs))
+
+    @property
+    def required(self) -> bool:
+        """Whether a mission must satisfy it."""
+        return self.name in (*REQUIRED, ENDS_SAFELY)
+
+
+def required_of(mission_net: MissionNet) -> tuple[str, ...]:
+    """The verdicts that a mission must satisfy to be flown; one more where it can abort."""
+    return REQUIRED if mission_net.abort is None else (*REQUIRED, ENDS_SAFELY)
+
+
+def informative_of(mission_net: MissionNet) -> tuple[str, ...]:
+    """The verdicts that tell more of a mission; one more where it can abort."""
+    if mission_net.abort is None:
+        return INFORMATIVE
+    return ("failure_reachable", ABORT_REACHABLE, "unselectable")
+
+
+@dataclass(frozen=True)
+class MissionCheck(Told):
+    """All that one check of a mission found.
+
+    Args:
+        spaces: The mission's spaces, where the check has left those that it has built.
+        verdicts: By name, required ones first.
+        choice: The engine that answered.
+        markings: The markings graph, where the check has made it.
+        alternatives: The alternatives graph, where it exists.
+        stable_sizes: Stable states and event edges of the whole mission, exact; ``None`` where not known.
+        modes: Functioning modes by objective.
+        unselectable: What can never be selected, entered or used, with its line.
+        futile: Objectives and blocks whose success leads only to failure, with their lines.
+        requirements: What the mission says that it must satisfy, and whether it does.
+    """
+
+    spaces: MissionSpaces
+    verdicts: dict[str, Verdict]
+    choice: Choice
+    markings: Space[Any] | None = None
+    alternatives: Space[Any] | None = None
+    stable_sizes: tuple[int, int] | None = None
+    modes: dict[str, list[Mode]] = field(default_factory=dict)
+    unselectable: tuple[Problem, ...] = ()
+    futile: tuple[Problem, ...] = ()
+    requirements: tuple[RequirementAnswer, ...] = ()
+
+    @property
+    def mission_net(self) -> MissionNet:
+        """The mission's net."""
+        return self.spaces.mission
+
+    def __repr__(self) -> str:
+        verdicts = ", ".join(f"{name}: {verdict.holds}" for name, verdict in self.verdicts.items())
+        return f"<check of the mission {self.mission_net.mission.name}: {verdicts}>"
+
+    @cached_property
+    def marking_sizes(self) -> tuple[int, int] | None:
+        """Reachable markings and firings between them, exact; ``None`` where they are not known.
+
+        Where the check has listed stable states alone they are counted when this is asked first, unless they
+        are more than may be listed; composition does not see them.
+        """
+        if self.markings is not None or self.choice.engine != "explicit":
+            return self.sizes_seen
+        try:
+            found = self.spaces.counted(self.choice.beside(SMALL), tokens=False)
+        except (LimitError, UnsafeError):
+            return None
+        return found.states, found.edges
+
+    @cached_property
+    def sizes_seen(self) -> tuple[int, int] | None:
+        """States and edges of the markings graph; ``None`` where the check has not built it."""
+        if self.markings is None:
+            return None
+        firings = self.markings.firings(self.markings.everything)
+        return self.markings.everything.count(), sum(firings.values())
+
+    @cached_property
+    def warnings(self) -> list[Problem]:
+        """What is suspicious in the mission, by its text and by its states, each once."""
+        problems = (*static_warnings(self.mission_net.usage), *self.unselectable, *self.futile)
+        return list({str(problem): problem for problem in problems}.values())
+
+    @property
+    def failing(self) -> list[str]:
+        """Required verdicts that do not hold."""
+        return [name for name in required_of(self.mission_net) if self.verdicts[name].holds is False]
+
+    @property
+    def undecided(self) -> dict[str, str]:
+        """By verdict that is not known, the reason."""
+        return {name: v.explanation for name, v in self.verdicts.items() if v.holds is None}
+
+    @property
+    def violated(self) -> list[str]:
+        """Requirements of severity ``required`` that are not known to be met."""
+        return [answer.asked.name for answer in self.requirements if answer.required and not answer.met]
+
+    @property
+    def passed(self) -> bool:
+        """Whether every required verdict holds, and every requirement that must be met is."""
+        required = required_of(self.mission_net)
+        return all(self.verdicts[name].holds for name in required) and not self.violated
+
+
+def check(
+    of: MissionSubject,
+    *,
+    engine: Asked = "auto",
+    max_states: int | None = None,
+    progress: Progress | None = None,
+    executor: Executor | None = None,
+) -> MissionCheck:
+    """Checks a mission: every verdict, with its runs.
+
+    Args:
+        of: The mission's spaces, or its net.
+        engine: Arrays, diagrams, composition or ``auto``, see :mod:`mcpn.spaces.engines`.
+        max_states: Limit on states that are listed one by one.
+        progress: Called now and then with states and edges, or with local spaces done and to do.
+        executor: Where composition explores sections; this process by default.
+
+    Raises:
+        InputError: A requirement is no formula, or names what is not there, with its line.
+        PremiseError: Composition cannot answer, since a section hands on more than the state of its hardware.
+        LimitError: A limit was hit.
+    """
+    spaces = spaces_of(of)
+    asked: list[AskedRequirement] = []
+    if spaces.mission.mission.requires:  # understood before anything is explored
+        from mcpn.answers.requirements import asked_of
+
+        asked = asked_of(spaces.mission)
+
+    def by(choice: Choice) -> MissionCheck:
+        markings: Space[Any] | None = None
+        alternatives: Space[Any] | None = None
+        try:
+            if choice.engine == "local":
+                alternatives = spaces.composite(executor=executor, progress=progress)
+                proof = "each type of section, and each way from one to the next, proved on its own net"
+            elif choice.engine == "symbolic" or not spaces.net.priorities:
+                # Without priorities no marking is stable.
+                every = replace(choice, max_states=choice.beside(SMALL))
+                markings = spaces.markings(every, progress, tokens=False)
+                alternatives, proof = spaces.reduced(every, progress)
+            else:
+                alternatives, proof = spaces.stable(choice, None if choice.brief else progress)
+            decided = Verdict("confluent", True, proof)
+        except (UnsafeError, ConfluenceError, DivergenceError) as error:
+            fault: SemanticsError = error
+            if choice.engine == "explicit":
+                markings, fault = _markings_instead(spaces, choice, error)
+            decided = _broken(spaces.mission, fault)
+        found = _verdicts(spaces, choice, decided, markings, alternatives)
+        return replace(found, requirements=_requirements(spaces.mission, asked, alternatives))
+
+    return answered(by, spaces.choices(engine, "alternatives", max_states))[0]
+
+
+def _markings_instead(
+    spaces: MissionSpaces, choice: Choice, error: SemanticsError
+) -> tuple[Space[Any] | None, SemanticsError]:
+    """The markings graph of a mission that has no alternatives graph, and the error to report.
+
+    Returns:
+        The markings graph, for the verdicts that need no outcome of events; ``None`` where there is none. The
+        error: where a firing is unsafe, that of the markings graph, which has a shortest run to the firing.
+
+    Raises:
+        LimitError: There are more markings than may be listed, and another engine may be asked.
+    """
+    listed = replace(choice, max_states=choice.beside(SMALL))
+    try:
+        markings = spaces.markings(listed, tokens=False)
+    except UnsafeError as unsafe:
+        return None, unsafe
+    except LimitError:
+        if choice.why is not None:
+            raise
+        return None, error
+    return markings, error
+
+
+def _broken(mission_net: MissionNet, error: SemanticsError) -> Verdict:
+    """The verdict that an error decides, with its runs, internal firings after the last event included."""
+    name = "safe"
+    if not isinstance(error, UnsafeError):
+        name = "confluent"
+        step(Doing.EXPLAINING)
+        if isinstance(error, ConfluenceError):
+            from mcpn.composite.clash_words import explained
+
+            error = explained(mission_net, error)
+    net, index = mission_net.net, mission_net.net.transition_index
+    runs = (names for names in error.runs if all(name in index for name in names))
+    shown = tuple(Run(net, tuple(index[name] for name in names), detailed=True) for names in runs)
+    return Verdict(name, False, str(error), shown)
+
+
+def _verdicts(
+    spaces: MissionSpaces,
+    choice: Choice,
+    decided: Verdict,
+    markings: Space[Any] | None,
+    alternatives: Space[Any] | None,
+) -> MissionCheck:
+    """Every verdict; where one fails, the others as far as there is a space to be asked."""
+    mission_net, space = spaces.mission, alternatives or markings
+    known, reason = [decided], "" if space else UNDECIDED[decided.name]
+    never = Never()
+    firings: Mapping[int, int] = {}
+    if space is not None:
+        known.append(Verdict("safe", True, "no firing puts a second token in a place"))
+        known.append(Verdict("bounded", True, "a 1-safe net is bounded"))
+        known += _reachability(mission_net, space, settles=alternatives is not None)
+        step(Doing.COUNTING)
+        firings = space.firings(space.everything)
+        never = never_happens(mission_net, space, firings)
+        found = f"{len(never.unselectable)} found" if never.unselectable else "nothing found"
+        known.append(Verdict("unselectable", bool(never.unselectable), found))
+        step(Doing.FINDING_MODES)
+    by_name = {verdict.name: verdict for verdict in known}
+    names = (*required_of(mission_net), *informative_of(mission_net))
+    return MissionCheck(
+        spaces,
+        {name: by_name.get(name, Verdict(name, None, reason)) for name in names},
+        choice,
+        markings,
+        alternatives,
+        None if alternatives is None else (alternatives.everything.count(), sum(firings.values())),
+        {} if space is None else functioning_modes(mission_net, space),
+        *never,
+    )
+
+
+def _requirements(
+    mission_net: MissionNet, asked: Sequence[AskedRequirement], space: Space[Any] | None
+) -> tuple[RequirementAnswer, ...]:
+    """The answers to requirements, where there are stable states to ask."""
+    if not asked:
+        return ()
+    from mcpn.answers.requirements import RequirementAnswer, answer_requirements
+
+    if space is None:
+        reason = "not decided: some event has not one outcome, so that there are no stable states to ask"
+        return tuple(RequirementAnswer(each, None, reason=reason) for each in asked)
+    return tuple(answer_requirements(mission_net, asked, space))
+
+
+def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) -> Iterator[Verdict]:
+    """Verdicts that a run to some states decides."""
+    success, failure = space.marked([mission_net.success]), space.marked([mission_net.failure])
+    finished = success | failure
+    if mission_net.abort is not None:
+        abort = space.marked([mission_net.abort])
+        finished |= abort
+    step(Doing.FINDING_STUCK)
+    goals = {
+        "deadlock_free": space.dead - finished,
+        "success_reachable": success,
+        "can_always_finish": space.everything - space.reaching(finished),
+        "failure_reachable": failure,
+    }
+    if mission_net.abort is not None:
+        goals[ENDS_SAFELY] = space.everything - space.reaching(success | abort)
+        goals[ABORT_REACHABLE] = abort
+    for name, goal in goals.items():
+        step(Doing.DECIDING, question=name)
+        holds_if_found, found, nothing = RUNS[name]
+        if goal is success:
+            yield _success(mission_net, space, goal, settles=settles)
+            continue
+        run = None
+        if goal:
+            run = space.run(space.initial.pick(), goal) if settles else run_of_fewest_events(space, goal)
+        if run is None:
+            yield Verdict(name, not holds_if_found, nothing)
+        else:
+            shown = Run(space.net, transitions_of(run), settles=settles)
+            yield Verdict(name, holds_if_found, found, (shown,))
+
+
+def _success(mission_net: MissionNet, space: Space[S], goal: S, *, settles: bool) -> Verdict:
+    """Whether the mission can succeed; the run that shows it skips no objective if it need not."""
+    _, found, nothing = RUNS["success_reachable"]
+    run = without_skipping(mission_net, space, goal) if settles else None
+    if run is not None:
+        found = f"a run without failures or interruptions {found.removeprefix('a run ')}"
+    elif goal:
+        run = space.run(space.initial.pick(), goal) if settles else run_of_fewest_events(space, goal)
+    if run is None:
+        return Verdict("success_reachable", False, nothing + no_way_to_success(mission_net.graph))
+    shown = Run(space.net, transitions_of(run), settles=settles)
+    return Verdict("success_reachable", True, found, (shown,), skipped(mission_net, shown))

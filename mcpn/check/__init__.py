@@ -1,1 +1,0 @@
-"""Questions about missions and nets: verdicts, temporal logic, causes of failure, properties of nets."""

@@ -1,0 +1,267 @@
+"""One type of sections: its local states, their steps and closures, and its interface to other sections.
+
+A set of local states is a diagram over the places of the local net and the slots of the hardware beside it;
+the section's own slots are open in it. What is computed once for a set serves every section of the type.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property, partial
+from itertools import chain
+from typing import TYPE_CHECKING, NamedTuple
+
+from mcpn._kernel import Zdd
+from mcpn.composite.exploring import Explored
+from mcpn.composite.layout import Layout, idle_places
+from mcpn.drawing.compose import MissionNet
+from mcpn.drawing.forgetful import Guard, forgetful
+from mcpn.drawing.sections import Element, LocalPart
+from mcpn.errors import LimitError, PremiseError
+from mcpn.spaces.algebra import Edge
+from mcpn.spaces.diagrams.encoding import Encoding
+from mcpn.spaces.diagrams.symbolic import chained
+from mcpn.spaces.memoized import memoized
+from mcpn.spaces.stable.completion import MAX_STABLE_STATES
+
+if TYPE_CHECKING:
+    from mcpn.spaces.stable.alternatives import AlternativesGraph
+
+Exit = str
+"""The role of the place that a section marks when it ends: ``success``, ``failure``, or a handler's."""
+
+
+class Allowed(NamedTuple):
+    """What edges may carry, as a type of sections sees it.
+
+    Args:
+        local: Event transitions of the local net; ``None`` for all.
+        beside: Transitions of the whole net, of hardware beside the section; ``None`` for all.
+        guards: Event transitions of the local net that may be taken from some states only, with these.
+    """
+
+    local: frozenset[int] | None = None
+    beside: frozenset[int] | None = None
+    guards: tuple[tuple[int, Zdd], ...] = ()
+
+    @property
+    def own(self) -> tuple[frozenset[int] | None, dict[int, Zdd]]:
+        """The transitions of the local net, and their guards, as its alternatives graph is asked."""
+        return self.local, dict(self.guards)
+
+
+ALL = Allowed()
+
+
+class SectionType:
+    """One type of sections.
+
+    Args:
+        part: The section that stands for the type.
+        net: Its local net.
+        explored: What is known of it, on a store of its own.
+        layout: The store of the composite.
+
+    Attributes:
+        steps: The big steps of the local net; ``None`` where it has none.
+        graph: The alternatives graph of the local net, with the hardware beside it in any state.
+        size: The number of stable states of the local net, whatever has happened once.
+        before: The states before the section is entered.
+        ended: By exit, the states after the section.
+        inside: The states of the section itself.
+    """
+
+    def __init__(self, part: LocalPart, net: MissionNet, explored: Explored, layout: Layout) -> None:
+        self.part = part
+        self.net = net
+        self.layout = layout
+        self.carried = part.carried
+        self.steps = explored.steps
+        space = explored.space
+        self.encoding = Encoding(net.net, space.places, space.encoding.memory_limit, layout.store)
+        assert space.stable is not None, "nets of missions have priorities"
+        self.size = self._forgetting(space.encoding, space.stable).count()
+        self.graph = explored.on(self.encoding, partial(layout.opened, slots=layout.all_slots))
+        stable = self.graph.everything
+        self.before = self.encoding.restricted(stable, [net.beginning])
+        self.ended = {e: self.encoding.restricted(stable, [place]) for e, place in net.exits.items()}
+        self.inside = stable - self.before
+        for states in self.ended.values():
+            self.inside -= states
+
+    def _forgetting(self, encoding: Encoding, stable: Zdd) -> Zdd:
+        """Stable states as if what happens once had not happened yet."""
+        by_role = self.net.by_role
+        for name in self.part.once:
+            open_, happened = (by_role[role, name][0] for role in ("open", "happened"))
+            after = encoding.restricted(stable, [happened])
+            stable = (stable - after) | after.images([encoding.event((happened,), (open_,), ())])
+        return stable
+
+    # --- steps and closures: inside the section, or from inside to its ends ---
+
+    @memoized
+    def fired(self, levels: tuple[int, ...]) -> list[tuple[Edge, Exit | None]]:
+        """The edges of a local state by its own events, each with the exit that it leads to if it does."""
+        exits, marks, edges = self.net.exits.items(), self.encoding.marks, self.graph.edges(levels)
+        return [(edge, next((e for e, p in exits if marks(edge.target, p)), None)) for edge in edges]
+
+    @memoized
+    def after(self, states: Zdd, allowed: Allowed) -> Zdd:
+        """States, inside or at the ends, one event of the section after some states inside."""
+        return self.graph.after(states, *allowed.own)
+
+    @memoized
+    def before_step(self, goal: Zdd, allowed: Allowed) -> Zdd:
+        """States inside with an event of the section that leads to a goal, inside or at the ends."""
+        if not goal or allowed.local == frozenset():
+            return self.layout.store.empty()
+        return self.inside & self.graph.before(goal, *allowed.own)
+
+    @memoized
+    def may_end(self, local: frozenset[int] | None) -> bool:
+        """Whether one of some events of the section, of all by default, leads to an end of it."""
+        return local is None or any(map(self._ends, local))
+
+    @memoized
+    def _ends(self, transition: int) -> bool:
+        after = self.graph.after(self.inside, [transition])
+        return any(after & ended for ended in self.ended.values())
+
+    @memoized
+    def crossing(
+        self, among: Zdd, goal: Zdd, own: tuple[Element, ...]
+    ) -> tuple[Mapping[int, Zdd], Mapping[int, Zdd]]:
+        """The states of some inside from which each event leads to a goal, inside or at the ends.
+
+        Returns:
+            Two mappings: by event transition of the local net; and by transition of the whole net, for the
+            hardware beside the section (``own`` are its own elements).
+        """
+        local = {t: self.graph.before(goal, [t]) & among for t in self.graph.waiting}
+        beside = {t.transition: goal.images([t.undo], within=among) for t in self.layout.beside(None, own)}
+        return {t: s for t, s in local.items() if s}, {t: s for t, s in beside.items() if s}
+
+    @memoized
+    def firings(self, states: Zdd, own: tuple[Element, ...]) -> tuple[Mapping[int, int], Mapping[int, int]]:
+        """How many of some states enable each event: the section's own, and those of hardware beside it."""
+        beside = self.layout.beside(None, own)
+        counts = states.counts([toggle.condition for toggle in beside])
+        return self.graph.firings(states), {t.transition: n for t, n in zip(beside, counts, strict=True)}
+
+    @memoized
+    def reached(self, begin: Zdd, along: Zdd, allowed: Allowed) -> Zdd:
+        """States to which runs through a set of states inside lead from some of them."""
+        steps = self.graph.ahead(along, *allowed.own)
+        beside = [toggle.event for toggle in self.layout.beside(allowed.beside)]
+        return chained(begin & along, [*steps, lambda states: states.saturate(beside, within=along)])
+
+    @memoized
+    def reaching(self, goal: Zdd, along: Zdd, allowed: Allowed) -> Zdd:
+        """States from which runs through a set of states inside lead to a goal, inside or at the ends."""
+        if not along:
+            return goal
+        within = along | goal
+        steps = self.graph.back(along, *allowed.own)
+        beside = [toggle.undo for toggle in self.layout.beside(allowed.beside)]
+        return chained(goal, [*steps, lambda states: states.saturate(beside, within=within) & within])
+
+    # --- entry and exits: the status of all elements is handed from section to section, in slots ---
+
+    @memoized
+    def entered(self, before: Zdd) -> Zdd:
+        """First states inside after the section is entered in some states before it."""
+        return self.graph.after(before, [self.net.start])
+
+    @memoized
+    def entries(self, inside: Zdd) -> Zdd:
+        """States before the section in which it is entered in some states inside."""
+        return self.graph.before(inside, [self.net.start]) & self.before
+
+    @memoized
+    def to_slots(self, states: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:
+        """Projects states before the entry, or after an exit, to the status of all elements, in slots."""
+        status, event = states.subset(unmarked=own), self.layout.store.event
+        for number, lost, gained in self._changing:
+            slot = own[number]
+            status = status.images([event(gained, [slot, *lost])]) | status.subset(lost, gained)
+        return status.images([event(self._idle(exit_), [])])
+
+    @memoized
+    def from_slots(self, status: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:
+        """The inverse of :meth:`to_slots`: the states before the entry, or after an exit, of a status."""
+        event = self.layout.store.event
+        states = status.images([event([], self._idle(exit_))])
+        for number, lost, gained in self._changing:
+            slot = own[number]
+            states = states.images([event([slot, *lost], gained)]) | states.subset(unmarked=[slot])
+        return self.layout.opened(states, own)
+
+    def _idle(self, exit_: Exit | None) -> list[int]:
+        """Marked levels before the entry, or after an exit, with all slots unmarked."""
+        marking = list(self.net.net.initial)
+        if exit_ is not None:
+            marking[self.net.beginning], marking[self.net.exits[exit_]] = 0, 1
+        return self.encoding.marked_levels(marking)
+
+    @cached_property
+    def _changing(self) -> list[tuple[int, list[int], list[int]]]:
+        """Own slots by number, each with levels of an idle state: marked where it is not, and where it is.
+
+        What is said of one resource comes together: where half of it is handed on, sets have large diagrams.
+        """
+        slots = ((e, number) for e in self.carried for number in range(len(self.layout.slots[e])))
+        changes = {slot: (set[int](), set[int]()) for slot in slots}
+        for place, (element, number, reverse) in idle_places(self.net).items():
+            level, opposite = self.encoding.bit(place)
+            changes[element, number][reverse == opposite].add(level)
+        first = {name: i for i, ((kind, name), _) in enumerate(changes) if kind == "hardware"}
+        at = [first[name] if kind == "known" else i for i, ((kind, name), _) in enumerate(changes)]
+        found = [(i, sorted(lost), sorted(gained)) for i, (lost, gained) in enumerate(changes.values())]
+        return sorted(found, key=lambda each: at[each[0]])
+
+    def check_premise(self, section: str, explored: Explored) -> None:
+        """Checks on its local markings that a section hands on the status of its elements and nothing else.
+
+        Raises:
+            PremiseError: Some place differs at an end of the section, or before it, from the idle marking.
+        """
+        any_status = self.layout.opened(self.layout.store.singleton([]), self.layout.all_slots)
+        own = self.layout.slots_of(self.carried)
+        for exit_, states in ((None, self.before), *self.ended.items()):
+            violation = (states - self.from_slots(any_status, own, exit_)).pick()
+            if violation is not None:
+                state = [level for level in violation if level < self.layout.first_slot]
+                levels = {*state} ^ {*self._idle(exit_)}
+                status = chain.from_iterable(changing for _, *changing in self._changing)
+                levels = levels.difference(*status) or levels
+                space = explored.alternatives()
+                run = space.run(space.initial.pick() or (), space.single(state)) or []
+                events = [str(self.net.net.transitions[edge.transition].event) for edge in run]
+                first = min(self.encoding.places[level] for level in levels)
+                raise PremiseError(section, self.net.net.places[first].name, events)
+
+    # --- listed one by one ---
+
+    @memoized
+    def forgetful(self, kept: tuple[str, ...] = ()) -> tuple[MissionNet, Mapping[int, Guard]]:
+        """The local net without what has happened once, some handlers aside, and its transitions' guards."""
+        return forgetful(self.net, [handler for handler in self.part.once if handler not in kept])
+
+    def listed(self, kept: tuple[str, ...] = (), max_states: int = MAX_STABLE_STATES) -> AlternativesGraph:
+        """The stable states of that net, one by one."""
+        from mcpn.spaces.stable.alternatives import direct  # which lists them in arrays
+
+        # The composite has proved what the mission reaches confluent.
+        most = max_states if self.part.once else self.size
+        return direct(self.forgetful(kept)[0].net, proof=False, max_states=most)
+
+    def refuse_list(self, section: str, max_states: int, why: str, option: str = "--max-states") -> None:
+        """Refuses to list more states than a limit, for a reason that the error names.
+
+        Raises:
+            LimitError: There are more; the message says how many.
+        """
+        if self.size > max_states:
+            sentence = f"section {section} has {self.size:,} states: {why}"
+            raise LimitError(f"{sentence}, the limit is {max_states:,} ({option})")

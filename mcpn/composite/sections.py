@@ -1,0 +1,279 @@
+"""The sections of a mission, each with its type, and where its places lie in the net of the whole."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+from typing import Literal, TypeVar, get_args
+
+from mcpn._kernel import Zdd
+from mcpn.composite.exploring import explore_local
+from mcpn.composite.layout import Layout, Toggle
+from mcpn.composite.renaming import Renaming, renamed_sections
+from mcpn.composite.section_type import ALL, Allowed, Exit, SectionType
+from mcpn.drawing.compose import MissionNet
+from mcpn.drawing.mortal import mortal
+from mcpn.drawing.sections import Element, LocalPart, Used
+from mcpn.drawing.templates import TemplateSet
+from mcpn.mission.expansion.routes import routes_of
+from mcpn.mission.flatten import ObjectivesGraph, Section
+from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.nets.events import START, Event, What
+from mcpn.nets.petri import NetBuilder, Provenance
+from mcpn.spaces.diagrams.encoding import Levels
+from mcpn.spaces.images import Bit
+from mcpn.spaces.memoized import memoized
+
+Found = TypeVar("Found")
+
+Kind = Literal["places", "transitions"]
+
+BEGIN = "(begin)"
+"""The name of the stage before the mission has begun; no section can have it."""
+
+NOWHERE = -1
+"""For a place of a local net without a counterpart in the whole net, as one of an exit by an event."""
+
+
+@dataclass(eq=False)
+class Stage(Levels):
+    """A section of the mission, or the stage before the mission has begun, or at one of its ends.
+
+    Args:
+        name: Its name.
+        type: Its type.
+        part: What it uses; its elements stand in the order of those of the type's.
+        routes: By exit, the stage that it leads to.
+        places: By place of its local net, that of the whole net, or :data:`NOWHERE`.
+        transitions: The same of transitions.
+        used: Both, restricted to what the section uses (:data:`NOWHERE` for its control). Sections of one
+            type that use the same share these lists.
+    """
+
+    name: str
+    type: SectionType
+    part: LocalPart
+    routes: Mapping[Exit, str]
+    places: Sequence[int]
+    transitions: Sequence[int]
+    used: Mapping[Kind, Sequence[int]]
+
+    def __post_init__(self) -> None:
+        self.layout = self.type.layout
+        self.store = self.layout.store
+        self.carried = self.part.carried  # in the order of the type's
+        self.slots = self.layout.slots_of(self.carried)  # which sets of its states leave open
+
+    @cached_property
+    def alike(self) -> Hashable:
+        """Equal for stages that differ in the names of objectives alone: exits to itself count, too."""
+        again = (exit_ for exit_, route in self.routes.items() if route == self.name)
+        return self.type, self.part.used, self.part.once, self.part.flags, *again
+
+    @cached_property
+    def objectives(self) -> tuple[str, ...]:
+        """Its elementary objectives, in the order of the type's."""
+        return tuple(section.name for section in self.part.graph.walk())
+
+    def at(self, place: int) -> int | None:
+        """The index in its local net of a place of the whole net; ``None`` where it has none."""
+        try:
+            return self.places.index(place)  # sections are many, and are asked of few places each
+        except ValueError:
+            return None
+
+    @cached_property
+    def _own(self) -> Mapping[int, tuple[int, bool]]:
+        """By own slot, the level of the local net that holds its status, and whether it is negated."""
+        by_role, encoding = self.type.net.by_role, self.type.encoding
+        # A section has all places of facts that it carries.
+        saying = {
+            slot: by_role[role, name][0]
+            for own, (kind, name) in zip(self.carried, self.type.carried, strict=True)
+            for slot, role in zip(self.layout.slots[own], self.layout.said[kind], strict=True)
+            if kind != "fact"
+        }
+        return {slot: encoding.bit(place) for slot, place in saying.items()}
+
+    def bit(self, place: int) -> Bit:
+        """Where a set of its states says whether a place of the whole net is marked."""
+        if (local := self.at(place)) is not None:
+            return self.type.encoding.bit(local)
+        if place not in self.layout.status:
+            return bool(self.layout.idle[place])
+        # An interface of the section's own hardware that the section does not use follows its status.
+        slot, reverse = self.layout.status[place]
+        level, opposite = self._own.get(slot, (slot, False))
+        return level, reverse != opposite
+
+    def closed(self, part: Zdd) -> Zdd:
+        """A set of its states with its own slots unmarked, so that each state is there once."""
+        return part.subset(unmarked=self.slots)
+
+    # --- its interface to the stages before and after it ---
+
+    def entered(self, status: Zdd) -> Zdd:
+        """First states, entered with all elements in some status."""
+        return self.type.entered(self.type.from_slots(status, self.slots, None))
+
+    def entries(self, inside: Zdd) -> Zdd:
+        """The status of all elements with which it is entered in some of its states."""
+        return self.type.to_slots(self.type.entries(inside), self.slots, None)
+
+    def ends(self, status: Mapping[str, Zdd]) -> Zdd:
+        """States after its exits, with all elements in some status by the route."""
+        states = self.store.empty()
+        for exit_, route in self.routes.items():
+            if route in status:
+                states |= self.type.from_slots(status[route], self.slots, exit_)
+        return states
+
+    def leave(self, part: Zdd, allowed: Allowed = ALL) -> Iterator[tuple[str, Zdd]]:
+        """By route, the status of all elements where one of its own events has ended it."""
+        after = self.type.after(part, allowed)
+        for exit_, route in self.routes.items():
+            if ended := after & self.type.ended[exit_]:
+                yield route, self.type.to_slots(ended, self.slots, exit_)
+
+    def beside(self, allowed: Allowed = ALL) -> list[Toggle]:
+        """Failures and repairs of hardware that the section does not use.
+
+        Those of its own hardware are events of its local net.
+        """
+        return self.layout.beside(allowed.beside, self.carried)
+
+    def conditions(self, allowed: Allowed = ALL) -> list[int]:
+        """The condition, in the store, of each event of :meth:`beside`."""
+        return [toggle.condition for toggle in self.beside(allowed)]
+
+    def named(self, own: Mapping[int, Found], beside: Mapping[int, Found]) -> Iterator[tuple[int, Found]]:
+        """Values of both kinds of events by transition of the whole net: renames those of the local net."""
+        yield from ((self.transitions[t], value) for t, value in own.items())
+        yield from beside.items()
+
+    def forth(self, part: Zdd, allowed: Allowed) -> Zdd:
+        """States one event after some states: an event of its own or of hardware beside it."""
+        toggled = part.images([toggle.event for toggle in self.beside(allowed)])
+        return (self.type.after(part, allowed) & self.type.inside) | toggled
+
+    def back(self, part: Zdd, allowed: Allowed, within: Zdd) -> Zdd:
+        """States of a set one event before some states: an event of its own or of hardware beside it."""
+        toggled = part.images([toggle.undo for toggle in self.beside(allowed)])
+        return (self.type.before_step(part, allowed) | toggled) & within
+
+
+class WholeNet:
+    """The net of the whole mission, and where those of its sections lie in it.
+
+    Args:
+        mission_net: The net of the whole mission.
+        templates: The set of templates that it is composed with.
+    """
+
+    def __init__(self, mission_net: MissionNet, templates: TemplateSet | None = None) -> None:
+        self.mission_net = mission_net
+        self.templates = templates
+        # What sections that run the same activities use lies in one place for all of them.
+        self._used: dict[tuple[SectionType, Used], dict[Kind, list[int]]] = {}
+
+    def stage(self, section: Section, part: LocalPart, type_: SectionType) -> Stage:
+        """A section of the mission with its type."""
+        own = self._control(part, type_)
+        places, transitions = (self._located(kind, part, type_, own) for kind in get_args(Kind))
+        used = self._used[type_, part.used]
+        return Stage(section.name, type_, part, routes_of(section), places, transitions, used)
+
+    @staticmethod
+    def _control(part: LocalPart, type_: SectionType) -> Mapping[Element, Element]:
+        """The section's control, which no other section has, by the corresponding element of its type."""
+        once = zip(type_.part.once, part.once, strict=True)
+        facts = zip(type_.part.facts, part.facts, strict=True)
+        return (
+            renamed_sections(type_.part, part)
+            | {("once", its): ("once", mine) for its, mine in once}
+            | {("fact", its.name): ("fact", mine.name) for its, mine in facts}
+        )
+
+    def _located(
+        self, kind: Kind, part: LocalPart, type_: SectionType, own: Mapping[Element, Element]
+    ) -> list[int]:
+        """Where the places, or the transitions, of a section's local net lie."""
+        known = self._used.setdefault((type_, part.used), {})
+        if kind not in known:
+            used = Renaming(type_.part, part).elements
+            known[kind] = [NOWHERE] * len(getattr(type_.net.net, kind))
+            self._locate(known[kind], kind, part, type_, {e: used[e] for e in used.keys() - own.keys()})
+        indices = known[kind].copy()
+        self._locate(indices, kind, part, type_, own)
+        return indices
+
+    def _locate(
+        self,
+        indices: list[int],
+        kind: Kind,
+        part: LocalPart,
+        type_: SectionType,
+        names: Mapping[Element, Element],
+    ) -> None:
+        """Notes where those of some elements lie, by the element of the type.
+
+        Each element is drawn in the same order in both nets. Of what several activities share, the local net
+        has the interfaces of its own activities alone: there names are compared.
+        """
+        net, theirs, ours = self.mission_net.net, self._elements(kind, type_), self._elements(kind, None)
+        drawn = cache(lambda: self._drawn(part, type_))
+        for element, name in names.items():
+            if element not in theirs:
+                continue
+            here, there = theirs[element], ours[name]
+            if len(there) != len(here):
+                same_names = part.used is type_.part.used and name == element
+                own = getattr((type_.net if same_names else drawn()).net, kind)
+                index = net.place_index if kind == "places" else net.transition_index
+                there = [index.get(own[i].name, NOWHERE) for i in here]
+            for i, where in zip(here, there, strict=True):
+                indices[i] = where
+
+    def _drawn(self, part: LocalPart, type_: SectionType) -> MissionNet:
+        """A section's local net: place by place that of its type, but for names."""
+        net = part.net(self.templates)
+        return mortal(net) if "dead" in type_.layout.said["hardware"] else net
+
+    @memoized
+    def _elements(self, kind: Kind, type_: SectionType | None) -> Mapping[Element, list[int]]:
+        """What a type's local net, or the whole net, has of each element, in the net's order."""
+        places_of: dict[Element, list[int]] = {}
+        for index, one in enumerate(getattr((self.mission_net if type_ is None else type_.net).net, kind)):
+            if one.provenance is not None:
+                places_of.setdefault((one.provenance.kind, one.provenance.name), []).append(index)
+        return places_of
+
+
+def ends_of(mission_net: MissionNet) -> dict[str, int]:
+    """The mission's ends by the route that leads there, each with its place of the whole net."""
+    routes = {"success": SUCCEED, "failure": FAIL, "abort": ABORT}
+    return {routes[end]: place for end, place in mission_net.ends.items()}
+
+
+def outside(name: str, mission_net: MissionNet, layout: Layout) -> Stage:
+    """The stage before the mission, or at one of its ends: one state, without elements of its own."""
+    builder = NetBuilder(name, priorities=True)
+    for place in ("before", "here", "success", "failure"):
+        builder.place(place, initial=int(place == "before"))
+    builder.transition("entered", consume=["before"], produce=["here"], event=START)
+    if name == BEGIN:
+        left, origin = Event(What.NAMED, "left"), Provenance("mission", name)
+        builder.transition("left", consume=["here"], produce=["success"], event=left, provenance=origin)
+    net, mission = builder.build(), mission_net.mission.name
+    local = replace(mission_net, net=net, roles={2: ("success", mission), 3: ("failure", mission)})
+    part = LocalPart(Used(mission_net.usage, ()), ObjectivesGraph((), ""))
+    here = mission_net.beginning if name == BEGIN else ends_of(mission_net)[name]
+    routes = {"success": mission_net.graph.entry} if name == BEGIN else {}
+    places, transitions = [NOWHERE, here, NOWHERE, NOWHERE], [NOWHERE, mission_net.start][: 1 + len(routes)]
+    type_ = SectionType(part, local, explore_local(net), layout)
+    used: dict[Kind, list[int]] = {
+        "places": [NOWHERE] * len(places),
+        "transitions": [NOWHERE] * len(transitions),
+    }
+    return Stage(name, type_, part, routes, places, transitions, used)

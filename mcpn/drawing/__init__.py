@@ -1,0 +1,1 @@
+"""Missions drawn as nets: templates, composition, the nets of sections."""

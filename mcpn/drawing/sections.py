@@ -1,0 +1,398 @@
+"""Sections of an objectives graph as nets of their own, and which of them are of one type.
+
+A section is an elementary objective or a parallel block whole. Its local net is drawn with the facts of the
+whole mission, so that each of its places is the one that the net of the mission has. Two sections are of one
+type where renaming objectives, activities, alternatives and resources makes one of the other: their local
+nets then differ in names only, place by place and transition by transition.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TypeAlias
+
+from mcpn.drawing.compose import MissionNet, Parts, compose_parts
+from mcpn.drawing.mortal import crashed_before, noticed_before
+from mcpn.drawing.templates import TemplateSet
+from mcpn.errors import InputError, LimitError, Problem
+from mcpn.mission.expansion.faults import Crash, noticed
+from mcpn.mission.expansion.routes import Interrupted, exits_by_facts, exits_on
+from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.graph import TIMED_OUT
+from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.mission.robot import Activity, Fact, Hardware, Software
+from mcpn.mission.static.usage import Usage
+from mcpn.mission.world.conditions import all_flags
+from mcpn.mission.world.decisions import FactCase
+from mcpn.mission.world.fact_usage import touched_by
+
+Element: TypeAlias = tuple[str, str]
+"""The kind and the name that the provenances of an element's places have."""
+
+MOST_NAMED = 12
+"""Sections that an error lists at most."""
+
+MOST_BRANCHES = 64
+"""Branches that may run at the same time in one section whose states are to be put on a diagram."""
+
+MOST_HARDWARE = 150
+"""Hardware resources that may fail in one such section."""
+
+
+class Used:
+    """The resources and activities that some activities use, with what templates look at of them.
+
+    Args:
+        usage: The static analysis of the whole mission.
+        activities: The activities that objectives run, in the order in which the objectives stand.
+
+    Attributes:
+        hardware: Hardware, in the order in which the activities come upon it.
+        software: The same.
+        activities: The activities, with those that produce what they consume.
+        number: The position of each resource among those of its kind.
+        task: The position of each activity.
+    """
+
+    def __init__(self, usage: Usage, activities: Sequence[str]) -> None:
+        self.usage = usage
+        hardware, software = dict[str, Hardware](), dict[str, Software]()
+        closure = dict[str, Activity]()
+        declared = {s.name: s for s in usage.mission.software}
+        stack = [*activities][::-1]
+        while stack:
+            name = stack.pop()
+            if name in closure:
+                continue
+            activity = closure[name] = usage.activities[name]
+            for s in activity.produces:
+                software.setdefault(s, declared[s])
+            consumed = [k for alternative in activity.alternatives for k in alternative.consumes]
+            for k in (*consumed, *activity.detects):
+                if k in usage.hardware:
+                    hardware.setdefault(k, usage.hardware[k])
+            stack.extend(usage.producer[k] for k in reversed(consumed) if k in usage.producer)
+        self.hardware = tuple(hardware.values())
+        self.software = tuple(software.values())
+        self.activities = tuple(closure.values())
+        self.number = {e.name: i for kind in (self.hardware, self.software) for i, e in enumerate(kind)}
+        self.task = {activity.name: i for i, activity in enumerate(self.activities)}
+
+    @cached_property
+    def faulty(self) -> tuple[str, ...]:
+        """Hardware that can fail, in the order of :attr:`hardware`."""
+        return tuple(h.name for h in self.hardware if h.faulty)
+
+    @cached_property
+    def late(self) -> tuple[str, ...]:
+        """Hardware whose loss is detected late, in the order of :attr:`hardware`."""
+        return tuple(h.name for h in self.hardware if h.detected == "late")
+
+    @cached_property
+    def type(self) -> Hashable:
+        """Equal for what differs in names only: what templates look at, names replaced by numbers."""
+        usage, number, task = self.usage, self.number, self.task
+        activities = tuple(
+            (
+                tuple(number[s] for s in activity.produces),
+                tuple(
+                    (
+                        tuple((k in usage.hardware, number[k]) for k in alternative.consumes),
+                        usage.waits_for_release(activity.name, i),
+                        usage.waits_for_answer(activity.name, i),
+                    )
+                    for i, alternative in enumerate(activity.alternatives)
+                ),
+                activity.name in usage.handover.with_idle,
+                usage.may_wait(activity.name),
+                usage.sharing.serves(activity.name),
+                usage.switching.switches_back(activity.name),
+                tuple(number[k] for k in activity.detects),
+            )
+            for activity in self.activities
+        )
+        # The ends of objectives read what is detected late in document order.
+        late = tuple(number[h.name] for h in usage.mission.late if h.name in {*self.late})
+
+        def shared(resource: str) -> tuple[int, ...] | None:
+            if resource not in usage.sharing.consumers:
+                return None
+            return tuple(task[a] for a in usage.sharing.consumers[resource] if a in task)
+
+        return (
+            tuple(
+                (
+                    h.faulty,
+                    h.repairable,
+                    shared(h.name),
+                    h.name in usage.switching.watched,
+                    isinstance(h, Crash),
+                )
+                for h in self.hardware
+            ),
+            tuple(shared(s.name) for s in self.software),
+            activities,
+            late,
+        )
+
+
+@dataclass(frozen=True)
+class LocalPart:
+    """Some sections of a mission, glued by routes of their own, with all that they use.
+
+    Args:
+        used: What they use.
+        graph: The sections; a route that leaves them is ``succeed``, ``fail`` or ``abort``.
+    """
+
+    used: Used
+    graph: ObjectivesGraph
+
+    @property
+    def usage(self) -> Usage:
+        """The static analysis of the whole mission."""
+        return self.used.usage
+
+    @property
+    def parts(self) -> Parts:
+        """What the sections use, in the order in which they come upon it."""
+        used = self.used
+        return Parts(self.graph, used.hardware, used.software, used.activities, self.facts)
+
+    @property
+    def faulty(self) -> tuple[str, ...]:
+        """Hardware of the sections that can fail, in the order of :attr:`parts`."""
+        return self.used.faulty
+
+    @cached_property
+    def once(self) -> tuple[str, ...]:
+        """Handlers of the sections that happen once, in the order in which they stand."""
+        return tuple(self.graph.once())
+
+    def once_on(self, events: Collection[str]) -> tuple[str, ...]:
+        """Those handlers of :attr:`once` that some events trigger."""
+        on = {i.once: i.event for section in self.graph.all_sections() for i in section.every_interruption}
+        return tuple(handler for handler in self.once if on[handler] in events)
+
+    @cached_property
+    def facts(self) -> tuple[Fact, ...]:
+        """Facts that the sections, or what they use, touch, with those that events change with them."""
+        world = self.usage.world
+        if not world.facts:
+            return ()
+        required = (fact for activity in self.used.activities for fact in world.read_by(activity.name))
+        return world.closed((*required, *touched_by(self.graph)))
+
+    @cached_property
+    def flags(self) -> tuple[str, ...]:
+        """What may be true of these facts (:func:`mcpn.mission.world.conditions.flags`), fact by fact."""
+        return tuple(flag for fact in self.facts for flag in all_flags(fact))
+
+    @property
+    def entry_flags(self) -> tuple[str, ...]:
+        """What may be true at its entry of facts, and of hardware that is detected late."""
+        return (*self.flags, *map(noticed, self.used.late))
+
+    @cached_property
+    def carried(self) -> tuple[Element, ...]:
+        """What has a status that sections hand on.
+
+        Hardware that can fail, what happens once, facts, and for hardware that is detected late whether it is
+        known to be out of service.
+        """
+        kinds = (
+            ("hardware", self.faulty),
+            ("once", self.once),
+            ("fact", self.flags),
+            ("known", self.used.late),
+        )
+        return tuple((kind, name) for kind, names in kinds for name in names)
+
+    def net(self, templates: TemplateSet | None = None) -> MissionNet:
+        """The local net, before which software may have crashed and losses may have been noticed."""
+        return noticed_before(crashed_before(compose_parts(self.usage, self.parts, templates)))
+
+    @cached_property
+    def type(self) -> Hashable:
+        """Equal for sections of one type: what the paper's templates look at, names replaced by numbers."""
+        return (
+            self.used.type,
+            self._shape(self.graph, self.used.number, self.used.task),
+            self._world if self.facts else None,
+        )
+
+    @property
+    def _world(self) -> Hashable:
+        """What templates look at of facts, names replaced by numbers."""
+        world, number = self.usage.world, {fact.name: i for i, fact in enumerate(self.facts)}
+        value = {(fact.name, v): i for fact in self.facts for i, v in enumerate(fact.values)}
+        changing = tuple(
+            (event, *((number[fact], value[fact, to]) for fact, to in changes.items()))
+            for event, changes in world.changing.items()
+            if not number.keys().isdisjoint(changes)
+        )
+        required = tuple(
+            tuple(
+                tuple((number[fact], value[fact, v]) for fact, v in world.requires(activity.name, i))
+                for i in range(len(activity.alternatives))
+            )
+            for activity in self.used.activities
+        )
+        sets = tuple(
+            tuple((number[s.fact], value[s.fact, s.value], s.on) for s in objective.sets)
+            for objective in self.graph.walk()
+        )
+        cases = tuple(
+            tuple((number[fact], value[fact, v]) for fact, v in case.when)
+            for section in self.graph.all_sections()
+            for case in section.all_cases
+        )
+        facts = tuple((len(fact.values), fact.values.index(fact.start)) for fact in self.facts)
+        return facts, changing, required, sets, cases
+
+    def _shape(self, graph: ObjectivesGraph, number: dict[str, int], task: dict[str, int]) -> Hashable:
+        positions = {section.name: i for i, section in enumerate(graph.sections)}
+        shapes = []
+        for section in graph.sections:
+            inside: Hashable
+            gated = section.name in self.usage.handover.gated
+            if isinstance(section, ElementarySection):
+                inside = tuple(task[a] for a in section.activities)
+            else:
+                branches = tuple((b.mandatory, self._shape(b.graph, number, task)) for b in section.branches)
+                shelters = tuple(
+                    (self._shape(shelter.graph, number, task), self._events(shelter, {}))
+                    for shelter in section.shelters
+                )
+                inside = (branches, section.needed, section.hasty, shelters)
+            outcomes = (section.led(outcome) for outcome, _ in section.outcomes)
+            routes = (tuple(positions.get(route, route) for route in led) for led in outcomes)
+            events = self._events(section, positions)
+            shapes.append((isinstance(section, ParallelSection), gated, inside, events, *routes))
+        return positions[graph.entry], tuple(shapes)
+
+    def _events(self, of: Interrupted, positions: Mapping[str, int]) -> Hashable:
+        """What interrupts a section, names replaced by numbers."""
+        return tuple(
+            (
+                i.event,
+                tuple(positions.get(route, route) for route in i.routes),
+                i.once and self.once.index(i.once),
+                i.pauses,
+            )
+            for i in of.interruptions
+        )
+
+
+class SectionParts:
+    """Makes parts of one section, or of two at their junction; parts of the same activities share their use.
+
+    Args:
+        usage: The static analysis of the whole mission.
+    """
+
+    def __init__(self, usage: Usage) -> None:
+        self.usage = usage
+        self._known: dict[tuple[str, ...], Used] = {}
+
+    def alone(self, section: Section) -> LocalPart:
+        """A section alone."""
+        return self._part([_routed(section, set())])
+
+    def junction(self, first: Section, second: Section) -> LocalPart:
+        """Two sections of which the first leads to the second; or one that leads to itself."""
+        if first.name == second.name:
+            return self._part([_routed(first, {first.name})])
+        return self._part([_routed(first, {second.name}), _routed(second, set())])
+
+    def _part(self, sections: Sequence[Section]) -> LocalPart:
+        graph = ObjectivesGraph(tuple(sections), sections[0].name)
+        activities = tuple(a for section in graph.walk() for a in section.activities)
+        if activities not in self._known:
+            self._known[activities] = Used(self.usage, activities)
+        return LocalPart(self._known[activities], graph)
+
+
+def section_part(usage: Usage, section: Section) -> LocalPart:
+    """A section alone."""
+    return SectionParts(usage).alone(section)
+
+
+def refuse_wide(parts: Iterable[LocalPart]) -> None:
+    """Counts what makes the diagram of a section large, before work on it begins.
+
+    A diagram grows faster than with the square of what may happen at the same time, so that twice the limit
+    costs minutes and gigabytes.
+
+    Args:
+        parts: Each of one section alone.
+
+    Raises:
+        LimitError: A section has more than :data:`MOST_BRANCHES` branches or uses more than
+            :data:`MOST_HARDWARE` hardware resources that may fail; with its line.
+    """
+    for part in parts:
+        (section,) = part.graph.sections
+        for found, most, what in (
+            (_width(part.graph), MOST_BRANCHES, "branches that may run at the same time"),
+            (len(part.faulty), MOST_HARDWARE, "hardware resources that may fail"),
+        ):
+            if found > most:
+                message = (
+                    f"{section.name} has {found} {what}, the limit for composition and diagrams is {most}"
+                )
+                raise LimitError(str(Problem(section.source, message)))
+
+
+def _width(graph: ObjectivesGraph) -> int:
+    """How many objectives of a graph may run at the same time."""
+    return max(
+        sum(_width(branch.graph) for branch in section.branches)
+        if isinstance(section, ParallelSection)
+        else 1
+        for section in graph.sections
+    )
+
+
+def part_of(mission_net: MissionNet, name: str) -> LocalPart:
+    """A section of a mission, by its name, alone.
+
+    Raises:
+        InputError: There is no such section.
+    """
+    sections = {section.name: section for section in mission_net.graph.sections}
+    if name not in sections:
+        some = ", ".join([*sections][:MOST_NAMED]) + (", …" if len(sections) > MOST_NAMED else "")
+        raise InputError.at(None, f"found the section {name!r}, expected one of {some}")
+    return section_part(mission_net.usage, sections[name])
+
+
+def junction_part(usage: Usage, first: Section, second: Section) -> LocalPart:
+    """Two sections of which the first leads to the second; or one that leads to itself."""
+    return SectionParts(usage).junction(first, second)
+
+
+def _routed(section: Section, kept: set[str]) -> Section:
+    """The section, each of its routes to a section that is not ``kept`` replaced by an exit of its own."""
+    success = section.success if section.success in kept else SUCCEED
+    failure = section.failure if section.failure in kept else FAIL
+
+    def cased(exit_: str, cases: Sequence[FactCase]) -> tuple[FactCase, ...]:
+        return tuple(
+            c if c.target in kept else replace(c, target=to) for to, c in exits_by_facts(exit_, cases)
+        )
+
+    interruptions = tuple(
+        replace(i, target=i.target if i.target in kept else exit_, cases=cased(exit_, i.cases))
+        for exit_, i in exits_on(section)
+    )
+    cases = tuple((of, case) for of, _ in section.outcomes for case in cased(of, section.cases_of(of)))
+    routed = replace(section, success=success, failure=failure, interruptions=interruptions, cases=cases)
+    if isinstance(routed, ElementarySection):
+        late = routed.timed_out is not None and routed.timed_out not in kept
+        return replace(routed, timed_out=TIMED_OUT) if late else routed
+    abort = routed.abort if routed.abort is None or routed.abort in kept else ABORT
+    away = tuple((of, target if target in kept else of) for of, target in routed.away)
+    return replace(routed, abort=abort, away=away)

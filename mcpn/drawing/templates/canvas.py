@@ -1,0 +1,348 @@
+"""What templates draw on: the net under construction, the static analysis, the roles of places."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cached_property, partial
+from itertools import product
+from typing import Literal, TypeAlias
+
+from mcpn.drawing.templates.names import names_of
+from mcpn.errors import LimitError, Source
+from mcpn.mission.flatten import ObjectivesGraph, ParallelSection
+from mcpn.mission.robot import Activity, Alternative, Fact
+from mcpn.mission.static.usage import Usage
+from mcpn.nets.events import ENDING, Event, What
+from mcpn.nets.petri import NetBuilder, Provenance
+
+Role: TypeAlias = tuple[
+    Literal[
+        "active",
+        "wait",
+        "want",
+        "refused",
+        "oos",
+        "known",
+        "fine",
+        "objective",
+        "pending",
+        "done",
+        "success",
+        "failure",
+        "abort",
+        "exit",
+        "alive",
+        "dead",
+        "open",
+        "happened",
+        "fact",
+        "ready",
+        "presumed",
+    ],
+    str,
+]
+"""What a marked place says, and of which element.
+
+``("active", "localisation.gps_localisation")``: this alternative of this activity runs;
+``("wait", …)``: it is selected and waits for answers;
+``("want", …)``: it would be selected but for another activity, which has a resource that it needs: it waits
+for the release, and holds nothing (:meth:`~mcpn.mission.static.usage.Usage.waits_for_release`);
+``("refused", "diving")``: no alternative of the activity is possible;
+``("oos", "GPS_sensor")``: the hardware resource is out of service;
+``("known", "camera")``: it is detected late, and known to be out of service;
+``("fine", "camera")``: it is detected late, and nobody uses it while it is lost;
+``("presumed", "camera")``: it is detected late, free, and taken to be in service (some places of it);
+``("objective", "diving")``: the objective runs;
+``("pending", "diving")``: the objective is about to be entered, an activity of it is not idle yet;
+``("done", "filming")``: the branch of a parallel block has ended (two places, ok and fail);
+``("success", mission)``, ``("failure", mission)``, ``("abort", mission)``: the mission has ended so;
+``("exit", "on leak")``: a part of the mission has been left so (never in the net of the whole);
+``("open", "go_home.leak")``, ``("happened", "go_home.leak")``: a handler that happens once (see
+:attr:`mcpn.mission.graph.Interruption.once`) may happen yet, or has happened;
+``("fact", "door=open")``: the fact has the value;
+``("ready", "localise.by_scan")``: it has not crashed, and does not run (some places of what may crash);
+``("alive", "GPS_sensor")``, ``("dead", "GPS_sensor")``: it may be repaired, or is lost for good (only in
+:mod:`mcpn.drawing.mortal`).
+"""
+
+MAX_LATE = 4
+"""Hardware detected late that one objective may use: its failure is drawn for each way in which it may be."""
+
+MAX_COMBINED = 6
+"""Children of a parallel block up to which each combination of outcomes has a transition of its own."""
+
+
+class Ranks:
+    """The order in which internal transitions fire, where a net has producers that serve, or gates.
+
+    What is on its way comes first. Then activities are taken in the order of who consumes what, suppliers
+    first: what each does on an error, then what it answers to who asks. A producer refuses or stops when
+    nobody evaluates any more, so that it goes on if somebody needs it at the end; a gate opens last.
+
+    Where some producer is *kept* (:meth:`mcpn.mission.static.sharing.Sharing.kept`), what nobody needs when
+    an objective has ended stops before any activity handles an error, and gates in branches open before a
+    kept producer is stopped because its consumers have given it up: what begins there may need it.
+
+    Where a parallel block may abort, or end early, its halting and all other control comes before any of
+    that, aborts before other ends, and a block around before those in it: what an end stops begins nothing.
+    Then what begins changes facts, in the order of the document, before any activity looks at them. Such
+    ranks are below 0, down to minus :attr:`below`.
+
+    Args:
+        usage: The static analysis of the mission.
+    """
+
+    def __init__(self, usage: Usage) -> None:
+        self._deciding = dict(_deciding(usage.graph))
+        self._starting = dict(_starting(usage.graph))
+        deciding = 1 + max(self._deciding.values(), default=-1)
+        self.below = 1 + deciding + 1 + max(self._starting.values(), default=-1)
+        if not self._deciding and not self._starting:
+            self.below = 0
+        self.control = -self.below
+        self._first_start = self.control + 1 + deciding
+        self._several = (
+            usage.sharing.anything or bool(usage.handover.gated) or self.below > 0 or bool(usage.requiring)
+        )
+        self._height = usage.height
+        highest = max((usage.height(a) for a in usage.started), default=0)
+        kept = usage.sharing.anything_kept
+        self.resting, self.rested = 1, 2
+        self._errors = self.rested if kept else 0
+        self.settling = self._if_several(self._errors + 2 * highest + 3)
+        self.entering_branches = self.settling + self._if_several(1)
+        self.settling_kept = self.entering_branches + kept
+        self.entering = self.settling_kept + kept
+
+    def deciding(self, block: str, outcome: str, branch: str) -> int:
+        """How a branch that has ended halts its block: each branch of a section has a rank of its own."""
+        return self.control + 1 + self._deciding[block, outcome, branch]
+
+    def starting(self, objective: str) -> int:
+        """How an objective that is come to changes facts: each of a section has a rank of its own."""
+        return self._first_start + self._starting[objective]
+
+    def handling(self, activity: str) -> int:
+        """What an activity does on an error, and when a better alternative is possible again."""
+        return self._if_several(self._errors + 2 * self._height(activity) + 1)
+
+    def answering(self, producer: str) -> int:
+        """What a producer that serves answers to who asks."""
+        return self._if_several(self._errors + 2 * self._height(producer) + 2)
+
+    def _if_several(self, rank: int) -> int:
+        return rank if self._several else 0
+
+
+def _deciding(graph: ObjectivesGraph) -> Iterator[tuple[tuple[str, str, str], int]]:
+    """Branches that may end their block, by block, outcome and name, each with its number in its section.
+
+    First those that abort, from outside in, then the others.
+    """
+    for section in graph.sections:
+        every, level = list[tuple[str, str, str]](), [section]
+        while level:
+            blocks = [inner for inner in level if isinstance(inner, ParallelSection)]
+            every += [(b.name, outcome, branch.name) for b in blocks for outcome, branch in b.deciding]
+            level = [inner for block in blocks for graph in block.graphs for inner in graph.sections]
+        every.sort(key=lambda of: of[1] != "abort")
+        yield from ((of, number) for number, of in enumerate(every))
+
+
+def _starting(graph: ObjectivesGraph) -> Iterator[tuple[str, int]]:
+    """Objectives that change facts when they are come to, each with its number in its section."""
+    for section in graph.sections:
+        changing = (objective.name for objective in section.walk() if objective.setting("start"))
+        yield from ((name, number) for number, name in enumerate(changing))
+
+
+class Canvas(NetBuilder):
+    """A net builder that knows the mission and notes the roles of places.
+
+    Args:
+        name: The net's name.
+        usage: The static analysis of the mission.
+        left_out: Activities and software resources, each as kind and name, that are not drawn: they are idle
+            all the time.
+        facts: Facts that are drawn.
+        part: Whether the net is of a part of the mission, before which handlers may have happened, and facts
+            may have changed.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        usage: Usage,
+        left_out: frozenset[tuple[str, str]] = frozenset(),
+        facts: tuple[Fact, ...] = (),
+        *,
+        part: bool = False,
+    ) -> None:
+        super().__init__(name, priorities=True)
+        self.facts = facts
+        self.usage = usage
+        self.left_out = left_out
+        self.part = part
+        self.names = names_of(usage)
+        self.ranks = Ranks(usage)
+        self.roles: dict[str, Role] = {}
+        self.most_combined = MAX_COMBINED
+        late = {h.name for h in usage.mission.late}
+        sections = usage.graph.walk() if late else ()
+        self._late = {section.name: self._may_use(section.activities, late) for section in sections}
+
+    def _may_use(self, activities: Iterable[str], late: set[str]) -> list[str]:
+        """Hardware detected late that some activities, or those that may produce for them, consume."""
+        reached = frozenset[str]().union(*(self.usage.closure(name) for name in activities))
+        used = self.usage.resources_of(reached)
+        return [h.name for h in self.usage.mission.late if h.name in used & late]
+
+    def transition(
+        self,
+        name: str,
+        *,
+        consume: Iterable[str] | Mapping[str, int] = (),
+        produce: Iterable[str] | Mapping[str, int] = (),
+        read: Iterable[str] | Mapping[str, int] = (),
+        event: Event | None = None,
+        rank: int = 0,
+        provenance: Provenance | None = None,
+    ) -> None:
+        """Declares a transition; one that ends an objective reads hardware whose loss is detected late.
+
+        The objective succeeds only while none of the hardware that it may use is *misused*: gone and in use.
+        Where it fails while some is, that hardware becomes *suspected*, and is known to be out of service as
+        soon as its user releases it.
+        """
+        late = self._late.get(event.element, ()) if event is not None and event.what in ENDING else ()
+        draw = partial(super().transition, event=event, rank=rank, provenance=provenance)
+        if event is None or not late:
+            draw(name, consume=consume, produce=produce, read=read)
+            return
+        well = event.what is What.SUCCESS
+        if len(late) > MAX_LATE and not well:
+            found = f"objective {event.element} may use {len(late)} resources detected late"
+            raise LimitError(f"{found}, the limit is {MAX_LATE}")
+        for ways in product(*(("fine",) if well else ("fine", "suspecting", "suspected") for _ in late)):
+            taken, put, asked = list(consume), list(produce), list(read)
+            for hardware, way in zip(late, ways, strict=True):
+                part = partial(self.place_of, "hardware", hardware)
+                asked.append(part("fine") if way == "fine" else part("misused"))
+                if way == "suspecting":
+                    taken.append(part("trusted"))
+                    put.append(part("suspected"))
+                elif way == "suspected":
+                    asked.append(part("suspected"))
+            plain = all(way == "fine" for way in ways)
+            draw(name if plain else f"{name}_{'_'.join(ways)}", consume=taken, produce=put, read=asked)
+
+    def owners(self, resource: str) -> list[str | None]:
+        """Whose interfaces of a resource are drawn (``None``: it has one for all)."""
+        owners = self.usage.sharing.owners(resource)
+        return [o for o in owners if o is None or ("activity", o) not in self.left_out]
+
+    @cached_property
+    def resting(self) -> list[str]:
+        """Where some producer is kept, the place that says that an objective has ended in this reaction.
+
+        It is marked until what stops has stopped, before any activity handles an error.
+        """
+        usage = self.usage
+        drawn = (a for a in usage.started if ("activity", a) not in self.left_out)
+        name = self.place_of("mission", usage.mission.name, "resting")
+        return [name] if any(map(usage.sharing.kept, drawn)) else []
+
+    def role(self, place: str, role: Role) -> str:
+        """Notes what the place says when it is marked, and returns the place."""
+        self.roles[place] = role
+        return place
+
+    def place_of(self, kind: str, element: str, *part: str) -> str:
+        """The name of a place of an element, drawn already or not."""
+        return self.names.of(kind, element, *part)
+
+    def fact(self, name: str, value: str) -> str:
+        """The place that says that a fact has a value."""
+        return self.names.of("fact", name, value)
+
+    def others(self, name: str, value: str) -> list[tuple[str, str]]:
+        """The other values of a fact, each with the place that says it."""
+        values = self.usage.world.facts[name].values
+        return [(other, self.fact(name, other)) for other in values if other != value]
+
+    def resource(self, name: str, part: str, owner: str | None = None) -> str:
+        """The name of a place of a resource, hardware or software, or of one owner's interface of it."""
+        kind = "hardware" if name in self.usage.hardware else "software"
+        return self.names.of(kind, name, part, *([] if owner is None else [owner]))
+
+    def of(self, kind: str, name: str, source: Source | None) -> Pen:
+        """A pen that draws for one element of the mission."""
+        return Pen(self, Provenance(kind, name, source), (kind, name))
+
+    def answer(self, resource: str, owner: str | None) -> str:
+        """The place that says that an interface is held."""
+        return self.resource(resource, "answer", owner)
+
+    def of_interface(self, kind: str, name: str, source: Source | None, owner: str | None) -> Pen:
+        """A pen that draws one owner's interface of a resource."""
+        return Pen(self, Provenance(kind, name, source), (kind, name), () if owner is None else (owner,))
+
+    def of_alternative(self, activity: Activity, alternative: Alternative) -> Pen:
+        """A pen that draws for one alternative; what it draws is called after the activity."""
+        provenance = Provenance("alternative", f"{activity.name}.{alternative.name}", alternative.source)
+        return Pen(self, provenance, ("activity", activity.name))
+
+
+class Pen:
+    """Draws places and transitions that all come from one element of the mission.
+
+    Args:
+        canvas: Where to draw.
+        provenance: The element.
+        called: Kind and name of the element after which places and transitions are called.
+        owner: What is added to the part: whose interface it is.
+    """
+
+    def __init__(
+        self, canvas: Canvas, provenance: Provenance, called: tuple[str, str], owner: tuple[str, ...] = ()
+    ) -> None:
+        self.canvas = canvas
+        self.provenance = provenance
+        self.called = called
+        self.owner = owner
+
+    def place(self, *part: str, initial: int = 0, of: tuple[str, str] | None = None) -> str:
+        """Draws a place and returns its name.
+
+        Args:
+            *part: Which place of its element; nothing for the element's own.
+            initial: Tokens of the initial marking.
+            of: Kind and name of the element, where it is another than the pen's.
+        """
+        name = self.canvas.place_of(*(of or self.called), *part, *self.owner)
+        return self.canvas.place(name, initial=initial, provenance=self.provenance)
+
+    def own(self, name: str) -> str:
+        """Draws a place whose name is known, and returns the name."""
+        return self.canvas.place(name, provenance=self.provenance)
+
+    def transition(
+        self,
+        part: str | tuple[str, ...],
+        consume: list[str],
+        produce: list[str],
+        *,
+        read: list[str] | None = None,
+        event: Event | None = None,
+        rank: int = 0,
+    ) -> None:
+        """Draws a transition, internal unless an event is given; its part is a word, or one with names."""
+        self.canvas.transition(
+            self.canvas.names.of(*self.called, *((part,) if isinstance(part, str) else part), *self.owner),
+            consume=consume,
+            produce=produce,
+            read=read or [],
+            event=event,
+            rank=rank + self.canvas.ranks.below,
+            provenance=self.provenance,
+        )

@@ -1,0 +1,124 @@
+"""The objectives graph as a net (paper, 6.3 and Fig. 9)."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from mcpn.drawing.templates.activities import running_place
+from mcpn.drawing.templates.canvas import Canvas, Pen
+from mcpn.drawing.templates.facts import draw_facts
+from mcpn.drawing.templates.interrupting import Interrupting
+from mcpn.drawing.templates.interruption import draw_once
+from mcpn.drawing.templates.leaving import Leaving
+from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.graph import TIMED_OUT
+from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.nets.events import START, Event, What
+
+
+def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:
+    """Draws the mission's start, its objectives and parallel blocks, and its ends.
+
+    Args:
+        canvas: Where to draw.
+        graph: The objectives graph.
+    """
+    mission = canvas.usage.mission
+    pen = canvas.of("mission", mission.name, mission.source)
+    begin = pen.place("begin", initial=1)
+    success = canvas.role(pen.place("success"), ("success", mission.name))
+    failure = canvas.role(pen.place("failure"), ("failure", mission.name))
+    exits = {SUCCEED: [success], FAIL: [failure]}
+    if graph.aborts:
+        exits[ABORT] = [canvas.role(pen.place("abort"), ("abort", mission.name))]
+    known = {*exits, *(section.name for section in graph.sections)}
+    for section in graph.sections:  # a part of a mission may be left in other ways
+        for target in section.routes:
+            if target not in known:
+                known.add(target)
+                place = canvas.of("exit", target, section.source).place("left")
+                exits[target] = [canvas.role(place, ("exit", target))]
+    for handler in graph.once():
+        draw_once(canvas, pen, handler, begin)
+    draw_facts(canvas, pen, begin)
+    for resting in canvas.resting:
+        pen.transition("rested", [pen.own(resting)], [], rank=canvas.ranks.rested)
+    control = _Control(canvas, graph, exits)
+    pen.transition("EV_START", [begin], control.enter(graph.entry), event=START)
+    control.draw()
+
+
+class _Control(Interrupting):
+    """Draws one level of the objectives graph."""
+
+    def draw(self) -> None:
+        """Draws every section of the graph."""
+        for section in self.graph.sections:
+            if isinstance(section, ElementarySection):
+                self.elementary(section)
+            else:
+                self.parallel(section)
+            if not self.around.in_branch:
+                self.interruptions(section)
+
+    def gate(self, pen: Pen, section: Section) -> None:
+        """The section's entry: it begins when nothing else is left to fire, and its activities are idle."""
+        gate = pen.place("enter")
+        own: tuple[str, ...] = ()
+        if isinstance(section, ElementarySection):
+            self.canvas.role(gate, ("pending", section.name))
+            own = tuple(a for a in section.activities if a in self.canvas.usage.handover.with_idle)
+        taken, read = self.of_activities(own, "idle"), list(self.around.running)
+        ranks = self.canvas.ranks
+        rank = ranks.entering_branches if self.around.in_branch else ranks.entering
+        pen.transition("begin", [gate, *taken], self.begin(section), read=read, rank=rank)
+
+    def elementary(self, section: ElementarySection) -> None:
+        """Each end stops the activities and enters what follows; OK only while all of them run."""
+        usage, name = self.canvas.usage, section.name
+        pen = self.canvas.of("objective", name, section.source)
+        place = self.canvas.role(pen.place(), ("objective", name))
+        if self.gated(section):
+            self.gate(pen, section)
+        if changes := section.setting("start"):
+            starts, rank = pen.place("starts"), self.canvas.ranks.starting(name)
+            for number, way, _ in self.ways(section, section.success, (), changes):
+                onward = self.come_to(section) if self.around.in_branch else self.begun(section)
+                begun = [*way.produce, *onward]
+                pen.transition(f"start{number}", [starts, *way.consume], begun, read=way.read, rank=rank)
+        stops = self.stops(section)
+        running = [running_place(self.canvas, usage.activities[a]) for a in section.activities]
+        for what, part, outcome, read in (
+            (What.SUCCESS, "EV_OK", "success", [p for p in running if p is not None]),
+            (What.FAILURE, "EV_FAIL", "failure", []),
+            (What.TIMEOUT, "EV_TIMEOUT", TIMED_OUT, []),
+        ):
+            if (outcome, section.timed_out) == (TIMED_OUT, None):
+                continue
+            for number, way, entered in self.led(section, outcome, section.setting(outcome)):
+                after = [*stops, *entered, *way.produce, *self.canvas.resting]
+                asked, event = [*read, *way.read], Event(what, name)
+                pen.transition(f"{part}{number}", [place, *way.consume], after, read=asked, event=event)
+
+    def parallel(self, section: ParallelSection) -> None:
+        """Each child marks that it is done; when all are, internal transitions leave the block."""
+        pen = self.canvas.of("parallel", section.name, section.source)
+        if self.gated(section):
+            self.gate(pen, section)
+        running = [pen.place("running")] if self.eventful(section) else []
+        leaving = Leaving(self.canvas, section)
+        for branch in section.branches:
+            ended = [pen.place(part, of=("objective", branch.name)) for part in ("ok", "fail")]
+            # Else outcomes are taken note of one by one, and another place says that it has ended.
+            if not leaving.combined:
+                ended = [pen.place("ended", of=("objective", branch.name))]
+            for place in ended:
+                self.canvas.role(place, ("done", branch.name))
+            if branch.graph.aborts:
+                pen.place("abort", of=("objective", branch.name))
+            self.inside(section, branch).draw()
+        for number in range(1, len(section.shelters) + 1):
+            self.meanwhile(section, number).draw()
+        leaving.all_ended(pen, running, partial(self.led, section), self.halted(section))
+        if self.halted(section):
+            self.halt(pen, section)

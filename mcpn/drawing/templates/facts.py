@@ -1,0 +1,133 @@
+"""Facts of the world: a place for each value, changed by events, read by what they decide.
+
+The values of a fact are a unit: one of its places is marked. The end of an objective, or a declared event,
+changes facts in its own transition, which then stands once for each combination of values that matter: those
+before, of facts that it changes, and those of facts that decide where it leads. Objectives that change facts
+as they are come to do so by internal transitions of ranks of their own, after all other control and before
+any activity looks (:class:`mcpn.drawing.templates.canvas.Ranks`). So nothing that reads a fact races with
+what changes it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
+from typing import NamedTuple
+
+from mcpn.drawing.templates.canvas import Canvas, Pen
+from mcpn.errors import LimitError
+from mcpn.mission.robot import Fact
+from mcpn.mission.world.decisions import FactCase
+from mcpn.nets.events import Event, What
+
+MAX_WAYS = 4096
+"""Combinations of values of facts that one event may be drawn for."""
+
+
+class Way(NamedTuple):
+    """What a transition does with facts, and where it then leads.
+
+    Args:
+        consume: Values that it ends.
+        produce: Values that it begins.
+        read: Values that it asks for.
+        target: The next section, or an exit of the graph.
+    """
+
+    consume: list[str]
+    produce: list[str]
+    read: list[str]
+    target: str
+
+
+def draw_facts(canvas: Canvas, mission: Pen, begin: str) -> None:
+    """Draws all facts of a canvas with the declared events that change them.
+
+    Args:
+        canvas: Where to draw.
+        mission: Draws for the mission.
+        begin: The place that is marked before the start.
+    """
+    for fact in canvas.facts:
+        _draw_fact(canvas, mission, fact, begin)
+    drawn = {fact.name: fact for fact in canvas.facts}
+    for event, changes in canvas.usage.world.changing.items():
+        first = drawn.get(next(iter(changes)))
+        if first is not None:
+            pen = canvas.of("fact", first.name, first.source)
+            for number, way in enumerate(changing(canvas, changes, f"event {event}"), 1):
+                if way.consume:
+                    declared = Event(What.DECLARED, event)
+                    part = f"EV{number}_{event}"
+                    pen.transition(part, way.consume, way.produce, read=way.read, event=declared)
+
+
+def _draw_fact(canvas: Canvas, mission: Pen, fact: Fact, begin: str) -> None:
+    """Draws a fact; in a part of a mission it may have changed before."""
+    pen = canvas.of("fact", fact.name, fact.source)
+    places = {value: pen.place(value, initial=int(value == fact.start)) for value in fact.values}
+    for value, place in places.items():
+        canvas.role(place, ("fact", f"{fact.name}={value}"))
+    canvas.unit([*places.values()])
+    for value, place in places.items() if canvas.part else ():
+        if value != fact.start:
+            event = Event(What.EARLIER, f"{fact.name}={value}")
+            part = ("earlier", fact.name, value)
+            mission.transition(part, [places[fact.start]], [place], read=[begin], event=event)
+
+
+def changing(canvas: Canvas, changes: Mapping[str, str], what: str) -> Iterator[Way]:
+    """Gives facts values, whatever they were.
+
+    Raises:
+        LimitError: There are too many combinations of what they were.
+    """
+    yield from ways(canvas, "", (), changes, what)
+
+
+def ways(
+    canvas: Canvas, default: str, cases: Sequence[FactCase], changes: Mapping[str, str], what: str
+) -> list[Way]:
+    """The ways of a transition: one for each combination of values of facts that it changes or is led by.
+
+    Args:
+        canvas: Names the places.
+        default: Where it leads if no case fits.
+        cases: The first that fits counts.
+        changes: The values that facts are given before.
+        what: What does so, for an error.
+
+    Raises:
+        LimitError: There are too many combinations of values.
+    """
+    if not cases and not changes:
+        return [Way([], [], [], default)]
+    facts, leads = canvas.usage.world.facts, list[Way]()
+    for known, target in _decided(cases, default, dict(changes), facts):
+        read = [canvas.fact(name, value) for name, value in known.items() if name not in changes]
+        for before in product(*(facts[name].values for name in changes)):
+            if len(leads) == MAX_WAYS:
+                raise LimitError(f"{what}: more than {MAX_WAYS} combinations of facts: the limit was hit")
+            both = [(name, was, changes[name]) for name, was in zip(changes, before, strict=True)]
+            kept = [canvas.fact(name, was) for name, was, now in both if was == now]
+            ended = [canvas.fact(name, was) for name, was, now in both if was != now]
+            begun = [canvas.fact(name, now) for name, was, now in both if was != now]
+            leads.append(Way(ended, begun, [*read, *kept], target))
+    return leads
+
+
+def _decided(
+    cases: Sequence[FactCase], default: str, known: dict[str, str], facts: Mapping[str, Fact]
+) -> Iterator[tuple[dict[str, str], str]]:
+    """The leaves of a decision tree over the cases, one of which holds: values of facts, and the target."""
+    for number, case in enumerate(cases):
+        if any(known.get(name, value) != value for name, value in case.when):
+            continue
+        undecided = next((name for name, _ in case.when if name not in known), None)
+        if undecided is None:
+            yield known, case.target
+            return
+        for value in facts[undecided].values:
+            yield from _decided(cases[number:], default, {**known, undecided: value}, facts)
+        return
+    yield known, default

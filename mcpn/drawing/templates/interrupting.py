@@ -1,0 +1,263 @@
+"""What interrupts sections of the objectives graph, and halts parallel blocks.
+
+An event that interrupts an elementary objective is one more way out of it: like its failure it stops the
+activities and enters what follows. One that interrupts a parallel block as a whole halts every branch: the
+event's transition takes the place that says that the block runs, so that nothing begins in it any more, and
+puts a token into each branch's place *halt*. Internal transitions then stop the objective that the branch is
+in, drop one that is about to be entered, or take the branch's outcome; when all branches are halted, what
+follows is entered. Where the block pauses, the places are called *pause*, and each branch notes in a place
+*paused* where it goes on; when all are halted, what runs meanwhile is entered. It is a further *phase* of the
+block, in which the branches stay where they are. By its success they are *resumed*; where it leads elsewhere,
+they are *dropped*, and then that is entered. What runs meanwhile may be halted or pause itself. Branches that
+decide the block's end halt the others in the same way, one that aborts among them
+(:mod:`mcpn.drawing.templates.leaving`). Of all handlers of an event those of the branches count first: where
+some branch is at a place that handles the event itself, these branches do so together and the block goes on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from math import prod
+from typing import TypeAlias
+
+from mcpn.drawing.templates.canvas import Pen
+from mcpn.drawing.templates.interruption import Pausing, Position, Shift, Strand, called, events_of
+from mcpn.drawing.templates.leaving import Leaving
+from mcpn.drawing.templates.level import Level, element_of
+from mcpn.errors import LimitError
+from mcpn.mission.expansion.routes import Interrupted
+from mcpn.mission.flatten import ElementarySection, Interruption, ParallelSection, Section
+from mcpn.nets.events import Event, What
+
+MAX_POSITIONS = 10_000
+"""Combinations of where the branches of a block may be that handle one event, each with a transition."""
+
+_Ways: TypeAlias = Iterable[tuple[list[str], Iterable[str]]]
+"""For each combination of values of facts: the places that say so, and the places to mark."""
+
+
+class Interrupting(Level):
+    """Draws what interrupts the sections of one level."""
+
+    # --- events ---
+
+    def interruptions(self, section: Section) -> None:
+        """One transition for each event and each position of the section's objectives that handles it."""
+        pen = self.canvas.of(*element_of(section), section.source)
+        for name in dict.fromkeys(events_of(section)):
+            event = Event(What.DECLARED, name)
+            handled = [p for p in self.positions(section, name) if p.put is not None]
+            for number, position in enumerate(handled, 1):
+                read = [place for place in dict.fromkeys(position.read) if place not in position.take]
+                read += self.of_handlers(position.happened, "happened")
+                take = [*position.take, *self.of_handlers(position.once, "open")]
+                happened = self.of_handlers(position.once, "happened")
+                put = [*(position.put or ()), *happened, *self.canvas.resting]
+                pen.transition(f"EV{number}_{name}", take, put, read=read, event=event)
+
+    def of_handlers(self, handlers: Iterable[str], part: str) -> list[str]:
+        """Of each of some handlers that happen once the place that its template calls ``part``."""
+        return [self.canvas.place_of("once", handler, part) for handler in handlers]
+
+    def positions(self, section: Section, event: str) -> Iterator[Position]:
+        """Where the objectives of a section may be when an event happens; one of these holds at a time."""
+
+        def handled(
+            place: str, put: Callable[[Interruption, int], _Ways], of: Interrupted = section
+        ) -> Iterator[Position]:
+            for number, (own, before) in enumerate(of.handlers(event), 1):
+                if own is None:
+                    yield Position((place,), happened=before)
+                    continue
+                once = () if own.once is None else (own.once,)
+                for facts, after in put(own, number):
+                    yield Position((place, *facts), (place,), tuple(after), once, before)
+
+        def left(own: Interruption) -> Iterator[tuple[list[str], list[str]]]:
+            if own.pauses is not None:  # of a parallel block, which no stable marking finds at its gate
+                return iter(())
+            return ((way.read, places) for _, way, places in self.ways(section, own.target, own.cases, {}))
+
+        if self.around.in_branch and self.gated(section):
+            yield from handled(self.of(section, "enter"), lambda own, _: left(own))
+        if isinstance(section, ElementarySection):
+            stops = self.stops(section)
+
+            def onward(own: Interruption, _: int) -> _Ways:
+                return ((facts, [*stops, *places]) for facts, places in left(own))
+
+            yield from handled(self.of(section), onward)
+            return
+        for phase, of in enumerate((section, *section.shelters)):
+
+            def whole(own: Interruption, number: int, phase: int = phase) -> _Ways:
+                return [([], self.stopping(section, phase, own, number))]
+
+            for inside in self.in_strands(section, phase, event):
+                if inside.put is not None:
+                    yield inside
+                    continue
+                for outer in handled(self.active(section, phase), whole, of):
+                    if self.possible(both := inside.beside(outer)):
+                        yield both
+
+    def in_strands(self, section: ParallelSection, phase: int, event: str) -> list[Position]:
+        """Where those branches, or what runs while a block pauses, may be that handle an event somewhere."""
+        handling = [
+            [*strand.level.every_position(event), *(Position((end,)) for end in strand.ended)]
+            for strand in self.strands(section, phase)
+            if any(e == event for inner in strand.level.graph.sections for e in events_of(inner))
+        ]
+        positions_so_far = [Position(())]
+        for number, positions in enumerate(handling, 1):
+            both = (one.beside(other) for one in positions_so_far for other in positions)
+            positions_so_far = [position for position in both if self.possible(position)]
+            if len(positions_so_far) > MAX_POSITIONS:
+                count = len(positions_so_far) * prod(map(len, handling[number:]))
+                message = (
+                    f"parallel block {section.name}: {count} combinations of where its branches are when "
+                )
+                raise LimitError(f"{message}the event {event} happens, the limit is {MAX_POSITIONS}")
+        return positions_so_far
+
+    def possible(self, position: Position) -> bool:
+        """Whether a marking may be so: no handler is both open and happened, and no fact has two values."""
+        if not position.possible:
+            return False
+        roles = (self.canvas.roles.get(place, ("", "")) for place in {*position.read})
+        values = [name.partition("=")[0] for kind, name in roles if kind == "fact"]
+        return len(set(values)) == len(values)
+
+    def every_position(self, event: str) -> Iterator[Position]:
+        """Positions of this graph."""
+        for inner in self.graph.sections:
+            yield from self.positions(inner, event)
+
+    # --- what stops and goes on ---
+
+    def strands(self, section: ParallelSection, phase: int) -> list[Strand[Interrupting]]:
+        """The branches of a block; of a later phase that alone which runs while the block pauses."""
+        if phase:
+            return [Strand(self.meanwhile(section, phase), [], partial(self.of_phase, section, phase))]
+        leaving = Leaving(self.canvas, section)
+        return [
+            Strand(self.inside(section, branch), leaving.ends(branch), partial(self.of_branch, branch))
+            for branch in section.branches
+        ]
+
+    def of_phase(self, section: ParallelSection, phase: int, word: str) -> str:
+        """A place of a phase of a block."""
+        return self.of(section, f"{word}_meanwhile{phase}" if phase else word)
+
+    def tokens(self, section: ParallelSection, phase: int, word: str) -> list[str]:
+        """The place of this name of each branch, or of what runs while the block pauses."""
+        return [strand.place(word) for strand in self.strands(section, phase)]
+
+    def stopping(self, section: ParallelSection, phase: int, own: Interruption, number: int) -> list[str]:
+        """The places that an event marks which interrupts a block as a whole."""
+        if own.pauses is not None:
+            pausing = self.of(section, f"pausing{phase}for{own.pauses + 1}")
+            return [pausing, *self.tokens(section, phase, "pause")]
+        word = f"meanwhile{phase}" if phase else "on"
+        return [self.of(section, called(own.event, number, word)), *self.tokens(section, phase, "halt")]
+
+    def halt(self, pen: Pen, section: ParallelSection) -> None:
+        """Halts every branch, wherever it is, then goes on to what the event, or the abort, leads to."""
+        self.each(pen, section, 0, "halt")
+        all_halted = self.tokens(section, 0, "halted")
+        for number, interruption in section.numbered:
+            if interruption.pauses is not None:
+                continue
+            place = pen.place(called(interruption.event, number))
+            left = called(interruption.event, number, "left")
+            leading = self.ways(section, interruption.target, interruption.cases, {})
+            for case, way, entered in leading:
+                part = left + (f"_{case}" if case else "")
+                pen.transition(part, [place, *all_halted], entered, read=way.read, rank=self.first)
+        leaving = Leaving(self.canvas, section)
+        leaving.decided(pen, self.of(section, "running"), partial(self.led, section), all_halted)
+        if self.around.halted:
+            place = pen.place("halting")
+            pen.transition("halted", [place, *all_halted], [self.around.halted], rank=self.first)
+        if section.shelters or self.around.pauses:
+            Pausing(self, pen, section).draw()
+
+    def each(self, pen: Pen, section: ParallelSection, phase: int, word: str) -> None:
+        """Draws how the branches, or what runs while the block pauses, are halted, resumed and so on."""
+        number = 0
+        for strand in self.strands(section, phase):
+            token = pen.own(strand.place(word))
+            if word == "halt":
+                pen.own(strand.place("halted"))
+            for taken, put, read in getattr(strand.level, f"to_{word}")(strand):
+                number += 1
+                part = f"{word}{number}" + (f"of{phase}" if phase else "")
+                pen.transition(part, [token, *taken], put, read=[*read], rank=self.first)
+
+    def to_halt(self, strand: Strand[Interrupting]) -> Iterator[Shift]:
+        """By position of this graph, that of a branch, the places that are taken and those that are put."""
+        halted = strand.place("halted")
+        for inner in self.graph.sections:
+            if self.gated(inner):
+                yield Shift([self.of(inner, "enter")], [halted])
+            if isinstance(inner, ElementarySection):
+                if inner.setting("start"):
+                    yield Shift([self.of(inner, "starts")], [halted])
+                yield Shift([self.of(inner)], [*self.stops(inner), halted])
+                continue
+            for phase in range(len(inner.shelters) + 1):
+                halting = [self.of_phase(inner, phase, "halting"), *self.tokens(inner, phase, "halt")]
+                yield Shift([self.active(inner, phase)], halting)
+        for end in strand.ends:
+            yield Shift(list(end), [halted])
+        if self.graph.aborts and strand.ends:
+            yield Shift([strand.place("abort")], [halted])
+
+    def to_pause(self, strand: Strand[Interrupting]) -> Iterator[Shift]:
+        """The same where the graph goes on later: each position is noted."""
+        halted = strand.place("halted")
+        for inner in self.graph.sections:
+            if isinstance(inner, ElementarySection):
+                paused = self.of(inner, "paused")
+                if self.gated(inner):
+                    yield Shift([self.of(inner, "enter")], [paused, halted])
+                yield Shift([self.of(inner)], [*self.stops(inner), paused, halted])
+                continue
+            for phase in range(len(inner.shelters) + 1):
+                pausing = [self.of_phase(inner, phase, "pausing"), *self.tokens(inner, phase, "pause")]
+                yield Shift([self.active(inner, phase)], pausing)
+        for end in strand.ended:
+            yield Shift([], [halted], [end])
+
+    def to_resume(self, strand: Strand[Interrupting]) -> Iterator[Shift]:
+        """By noted position, how the graph goes on: its objective is entered again."""
+        for inner in self.graph.sections:
+            if isinstance(inner, ElementarySection):
+                yield Shift([self.of(inner, "paused")], self.enter(inner.name))
+                continue
+            for phase in range(len(inner.shelters) + 1):
+                yield Shift([self.of_phase(inner, phase, "paused")], self.going_on(inner, phase))
+        for end in strand.ended:
+            yield Shift([], [], [end])
+
+    def to_drop(self, strand: Strand[Interrupting]) -> Iterator[Shift]:
+        """By noted position, how it is given up."""
+        halted = strand.place("halted")
+        for inner in self.graph.sections:
+            if isinstance(inner, ElementarySection):
+                yield Shift([self.of(inner, "paused")], [halted])
+                continue
+            for phase in range(len(inner.shelters) + 1):
+                dropped = [*self.given_up(inner, phase), self.of(inner, "then_halted")]
+                yield Shift([self.of_phase(inner, phase, "paused")], dropped)
+        for end in strand.ends:
+            yield Shift(list(end), [halted])
+
+    def going_on(self, section: ParallelSection, phase: int) -> list[str]:
+        """Places to mark so that a phase of a block that paused goes on."""
+        return [self.active(section, phase), *self.tokens(section, phase, "resume")]
+
+    def given_up(self, section: ParallelSection, phase: int) -> list[str]:
+        """Places to mark so that a phase of a block that paused is given up."""
+        return [self.of_phase(section, phase, "dropping"), *self.tokens(section, phase, "drop")]

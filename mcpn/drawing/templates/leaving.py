@@ -1,0 +1,191 @@
+"""How a parallel block is left: when all branches have ended, or when some of them decide its end.
+
+Each branch marks how it has ended. When all have, internal transitions leave the block. A block that does not
+await all of them halts the others when its end is decided: an internal transition takes the place that says
+that the block runs, as an event does that interrupts it (:mod:`mcpn.drawing.templates.control`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from itertools import combinations, compress, product
+from math import comb
+from typing import TypeAlias
+
+from mcpn.drawing.templates.canvas import MAX_COMBINED, Canvas, Pen
+from mcpn.drawing.templates.facts import Way
+from mcpn.errors import LimitError
+from mcpn.mission.flatten import Branch, ParallelSection
+
+Lead: TypeAlias = tuple[str, Way, list[str]]
+"""A way that an outcome may lead: its number, empty if there is one alone, facts, places to mark."""
+
+Led: TypeAlias = Callable[[str], Iterable[Lead]]
+"""Says where an outcome leads."""
+
+MAX_DECIDING = 10_000
+"""Combinations of branches whose success decides that of their block, each with a transition."""
+
+_DECIDED = {
+    "success": ("succeeding", "succeed", "succeeded"),
+    "failure": ("failing", "fail", "failed"),
+    "abort": ("aborting", "abort", "aborted"),
+}
+"""What is drawn for an outcome that is decided while branches run: a place, what marks it, what follows."""
+
+
+@dataclass(frozen=True)
+class Leaving:
+    """Draws what leaves a block.
+
+    Args:
+        canvas: Where to draw.
+        section: The block.
+    """
+
+    canvas: Canvas
+    section: ParallelSection
+
+    @property
+    def combined(self) -> bool:
+        """Whether each combination of outcomes has a transition of its own."""
+        return len(self.section.branches) <= self.canvas.most_combined
+
+    def of_branch(self, branch: Branch, part: str) -> str:
+        """A place of a branch."""
+        return self.canvas.place_of("objective", branch.name, part)
+
+    def done(self, branch: Branch, ok: bool) -> str:
+        """The place that says that a branch has ended so."""
+        return self.of_branch(branch, "ok" if ok else "fail")
+
+    def ends(self, branch: Branch) -> list[tuple[str, ...]]:
+        """By outcome, the places marked when a branch has ended; the last says that it has."""
+        more = () if self.combined else (self.of_branch(branch, "ended"),)
+        return [(self.done(branch, ok), *more) for ok in (True, False)]
+
+    def all_ended(self, pen: Pen, running: list[str], led: Led, halted: bool) -> None:
+        """Draws what follows when all branches have ended.
+
+        Args:
+            pen: The block's.
+            running: The place that says that the block runs, where there is one.
+            led: Says where an outcome leads.
+            halted: Whether the block may be halted.
+        """
+        section = self.section
+        if self.combined:
+            self._combined(pen, running, led)
+            return
+        # A block that may be halted, or has few children, counts no outcome before all have ended: until
+        # then each child's outcome stays marked in a place of its own.
+        late = halted or len(section.branches) <= MAX_COMBINED
+        begin = 0 if late else len(section.branches) - 1
+        ended = [*(self.of_branch(b, "ended") for b in section.branches), *running]
+        if section.needed is None:
+            self._one_by_one(pen, led, begin, ended)
+        else:
+            self._counted(pen, led, begin, ended, section.needed)
+
+    def _combined(self, pen: Pen, running: list[str], led: Led) -> None:
+        """One transition per combination of outcomes; success if every mandatory child succeeded (4.2)."""
+        section = self.section
+        for outcome in product((True, False), repeat=len(section.branches)):
+            done = [self.done(branch, ok) for branch, ok in zip(section.branches, outcome, strict=True)]
+            succeeded = section.succeeds(compress(section.branches, outcome))
+            digits = "".join("0" if ok else "1" for ok in outcome)
+            self._leave(pen, f"exit_{digits}", [*done, *running], led("success" if succeeded else "failure"))
+
+    def _leave(self, pen: Pen, part: str, taken: list[str], led: Iterable[Lead]) -> None:
+        """Takes some places and goes on, as facts decide."""
+        for number, way, entered in led:
+            name = f"{part}_{number}" if number else part
+            pen.transition(name, taken, entered, read=way.read, rank=self._rank)
+
+    def _one_by_one(self, pen: Pen, led: Led, begin: int, all_ended: list[str]) -> None:
+        """The outcome of a wide block by a net of linear size, which counts children in document order."""
+        well, lost = [], []
+        for number in range(1, len(self.section.branches)):
+            well.append([pen.place(f"ok{number}")])
+            lost.append([pen.place(f"fail{number}")])
+        well, lost = [[], *well, []], [[], *lost, []]
+        for i, branch in enumerate(self.section.branches):
+            name = f"note{i + 1}"
+            after_failure = lost[i + 1] if branch.mandatory else well[i + 1]
+            ended = all_ended if i == begin else []
+            ways = [(well[i], True, well[i + 1]), (well[i], False, after_failure)]
+            if i:
+                ways += [(lost[i], True, lost[i + 1]), (lost[i], False, lost[i + 1])]
+            for number, (before, ok, after) in enumerate(ways):
+                taken = [*before, self.done(branch, ok), *ended]
+                if i + 1 < len(self.section.branches):
+                    pen.transition(f"{name}_{number}", taken, after, rank=self._rank)
+                else:
+                    outcome = "success" if after is well[-1] else "failure"
+                    self._leave(pen, f"{name}_{number}", taken, led(outcome))
+
+    def _counted(self, pen: Pen, led: Led, begin: int, all_ended: list[str], needed: int) -> None:
+        """The outcome of a block in which some number of children must succeed: they are counted up to it."""
+        last = len(self.section.branches)
+        after: dict[tuple[int, int], list[str]] = {(0, 0): []}
+        for i, branch in enumerate(self.section.branches, 1):
+            for well in range(min(i, needed) + 1):
+                after[i, well] = [] if i == last else [pen.place(f"ok{well}of{i}")]
+            ended = all_ended if i == begin + 1 else []
+            for well, ok in product(range(min(i - 1, needed) + 1), (True, False)):
+                taken = [*after[i - 1, well], self.done(branch, ok), *ended]
+                part, counted = f"note{i}_{well}_{int(not ok)}", min(well + ok, needed)
+                if i < last:
+                    pen.transition(part, taken, after[i, counted], rank=self._rank)
+                else:
+                    self._leave(pen, part, taken, led("failure" if counted < needed else "success"))
+
+    @property
+    def _rank(self) -> int:
+        return self.canvas.ranks.control
+
+    # --- before all have ended ---
+
+    def decided(self, pen: Pen, running: str, led: Led, all_halted: list[str]) -> None:
+        """Draws how branches that have ended decide the block's end, and what follows it.
+
+        Args:
+            pen: The block's.
+            running: The place that says that the block runs.
+            led: Says where an outcome leads.
+            all_halted: The places that say of each branch that it is halted.
+        """
+        for outcome, _ in self.section.outcomes:
+            last = [branch for how, branch in self.section.deciding if how == outcome]
+            if last:
+                deciding, decides, follows = _DECIDED[outcome]
+                self._deciding(pen, running, outcome, last, (pen.place(deciding), decides))
+                taken = [self.canvas.place_of(*pen.called, deciding), *all_halted]
+                self._leave(pen, follows, taken, led(outcome))
+
+    def _deciding(
+        self, pen: Pen, running: str, outcome: str, last: Iterable[Branch], drawn: tuple[str, str]
+    ) -> None:
+        """Branches that decide the end halt the others; of several at a time the first ones count."""
+        section, (place, decides) = self.section, drawn
+        needed = section.needed if outcome == "success" and section.needed else 1
+        if (count := comb(len(section.branches), needed)) > MAX_DECIDING:
+            message = f"parallel block {section.name}: {count} ways in which {needed} branches succeed"
+            raise LimitError(f"{message}, the limit is {MAX_DECIDING}")
+        for branch in last:
+            before = section.branches[: section.branches.index(branch)]
+            rank = self.canvas.ranks.deciding(section.name, outcome, branch.name)
+            for ended in combinations(before, needed - 1):
+                those = (*ended, branch)
+                put = [place, *(self.of_branch(b, "halted") for b in those)]
+                put += [self.of_branch(b, "halt") for b in section.branches if b not in those]
+                taken = [place for b in those for place in self._ended(b, outcome)]
+                name = (decides, *(b.name for b in those))
+                pen.transition(name, [*taken, running], put, rank=rank)
+
+    def _ended(self, branch: Branch, outcome: str) -> tuple[str, ...]:
+        """The places that are marked when a branch has ended so."""
+        if outcome == "abort":
+            return (self.of_branch(branch, "abort"),)
+        return self.ends(branch)[outcome == "failure"]

@@ -1,0 +1,340 @@
+"""What can be said of a net that is of no mission: its behaviour, and its structure.
+
+Behaviour follows from the *bottom components*: strongly connected sets of markings that no firing leaves.
+From every marking some run ends in one of them. So a transition is live (L4) if it fires in each of them, a
+home marking is one that lies in the only bottom component, and the net is reversible if every marking is a
+home marking.
+
+Reference: T. Murata, Petri nets: properties, analysis and applications, Proc. IEEE 77(4), 1989, section IV.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Generic
+
+from mcpn.errors import LimitError, UnboundedError, UnsafeError
+from mcpn.nets.petri import PetriNet
+from mcpn.nets.siphons import (
+    classes,
+    commoner,
+    p_semiflows,
+    siphons,
+    state_machine_components,
+    t_semiflows,
+    traps,
+)
+from mcpn.nets.structure import Sparse, incidence, invariants
+from mcpn.spaces.algebra import S, Space
+from mcpn.spaces.kept import Spaces, spaces_of
+from mcpn.spaces.markings.tokens import REPEATED, Boundedness, boundedness
+from mcpn.spaces.search.goal import DEADLOCK
+from mcpn.spaces.search.portfolio import Portfolio
+
+MOST_LISTED = 1_000_000
+"""Markings listed at most, of a net with priorities that is not 1-safe, or in a coverability tree."""
+
+
+class Behaviour(Generic[S]):
+    """What a bounded net does; each property is decided when it is first asked for.
+
+    Args:
+        space: Its reachable markings.
+
+    Attributes:
+        transitions: All its transitions, as indices.
+    """
+
+    def __init__(self, space: Space[S]) -> None:
+        self.space = space
+        self.transitions = frozenset(range(len(space.net.transitions)))
+
+    @cached_property
+    def deadlock(self) -> bool:
+        """Whether some reachable marking enables nothing."""
+        return bool(self.space.dead)
+
+    @cached_property
+    def quasi_live(self) -> frozenset[int]:
+        """Transitions that fire somewhere."""
+        return frozenset(t for t, count in self.space.firings(self.space.everything).items() if count)
+
+    @property
+    def live(self) -> frozenset[int]:
+        """Transitions that, whatever has happened, can fire again (L4)."""
+        return self._at_bottom[0]
+
+    @property
+    def home_markings(self) -> int:
+        """Number of markings that every reachable marking leads to."""
+        return self._at_bottom[1]
+
+    @property
+    def reversible(self) -> bool:
+        """Whether every reachable marking leads back to the initial one."""
+        return self.home_markings == self.space.everything.count()
+
+    @cached_property
+    def constant_places(self) -> frozenset[int]:
+        """Places whose tokens no transition that fires changes."""
+        rows = enumerate(incidence(self.space.net))
+        return frozenset(place for place, changes in rows if self.quasi_live.isdisjoint(changes))
+
+    @property
+    def all_live(self) -> bool:
+        """Whether every transition is live; a deadlock or a transition that never fires soon refutes it."""
+        fires = not self.deadlock and self.quasi_live == self.transitions
+        return not self.transitions or (fires and self.live == self.transitions)
+
+    @cached_property
+    def _at_bottom(self) -> tuple[frozenset[int], int]:
+        """Transitions that fire in each bottom component, and the markings of the only one.
+
+        One forward and one backward closure for each component; a net with a deadlock needs no more of them
+        than tell whether there is a second.
+        """
+        space, left = self.space, self.space.everything
+        live, home, components = frozenset() if self.deadlock else self.transitions, 0, 0
+        while left:
+            bottom = self._bottom(left)
+            components += 1
+            home = bottom.count() if components == 1 else 0
+            # In a component that is no deadlock every transition fires that is enabled somewhere in it.
+            live = live.intersection(space.firings(bottom))
+            if components > 1 and not live:
+                break
+            left = left - space.reaching(bottom)
+        return live, home
+
+    def _bottom(self, within: S) -> S:
+        """A bottom component that some marking of a non-empty set leads to.
+
+        The markings that a marking reaches and that do not lead back to it lie in components further down:
+        the search goes on from one of them (Xie, Beerel, *Efficient state classification of finite state
+        Markov chains*, DAC 1998).
+        """
+        while True:
+            here = self.space.single(within.pick())
+            ahead = self.space.reached(here)
+            beyond = ahead - self.space.reaching(here, ahead)
+            if not beyond:
+                return ahead
+            within = beyond
+
+
+EXAMINATIONS: Mapping[str, Callable[[Behaviour[Any]], bool]] = {
+    "ReachabilityDeadlock": lambda does: does.deadlock,
+    "QuasiLiveness": lambda does: does.quasi_live == does.transitions,
+    "Liveness": lambda does: does.all_live,
+    "StableMarking": lambda does: bool(does.constant_places),
+}
+"""By names of the Model Checking Contest, the properties that need no formula, but for ``OneSafe``."""
+
+
+@dataclass(frozen=True)
+class NetCheck:
+    """The behaviour of a net, by names; ``None`` where it is not known.
+
+    Args:
+        net: The net.
+        safe: Whether no place ever holds two tokens.
+        bounded: Whether it is bounded, with runs that show that it is not.
+        bound: Most tokens that a place holds.
+        states: Reachable markings.
+        deadlock: A run to a dead marking, a shortest one where the net is bounded.
+        deadlock_free: Whether there is none.
+        dead_transitions: Transitions that never fire.
+        not_live: Transitions that are not live: from some reachable marking they can never fire again.
+        reversible: See :class:`Behaviour`.
+        home_markings: The same.
+    """
+
+    net: PetriNet
+    safe: bool
+    bounded: Boundedness
+    bound: int | None = None
+    states: int | None = None
+    deadlock: tuple[str, ...] | None = None
+    deadlock_free: bool | None = None
+    dead_transitions: tuple[str, ...] | None = None
+    not_live: tuple[str, ...] | None = None
+    reversible: bool | None = None
+    home_markings: int | None = None
+
+
+def check_net(of: Spaces | PetriNet, *, max_states: int = MOST_LISTED) -> NetCheck:
+    """Decides the behavioural properties of a net; those that need all of infinitely many markings stay open.
+
+    Args:
+        of: Any net, or its spaces. Its markings are reached as a diagram; those of a net with priorities that
+            is not 1-safe are listed one by one, up to the limit.
+        max_states: Limit for those, and for the coverability tree.
+
+    Raises:
+        LimitError: A limit was hit.
+    """
+    spaces = spaces_of(of)
+    net, (space, bounded, most) = spaces.net, _reached(spaces, max_states)
+    if space is None or most is None:
+        # A search may still find a deadlock, or that there is none.
+        for _, found in () if net.priorities else Portfolio(net).decide([DEADLOCK]):
+            run = None if found.run is None else _names(net, found.run)
+            return NetCheck(net, False, bounded, deadlock=run, deadlock_free=not found.reachable)
+        return NetCheck(net, False, bounded)
+    does = Behaviour(space)
+    to_death = space.run(space.initial.pick(), space.dead)
+    return NetCheck(
+        net,
+        most <= 1,
+        bounded,
+        most,
+        space.everything.count(),
+        None if to_death is None else _names(net, [edge.transition for edge in to_death]),
+        not does.deadlock,
+        _names(net, sorted(does.transitions - does.quasi_live)),
+        _names(net, sorted(does.transitions - does.live)),
+        does.reversible,
+        does.home_markings,
+    )
+
+
+def _reached(spaces: Spaces, max_states: int) -> tuple[Space[Any] | None, Boundedness, int | None]:
+    """The markings of a bounded net, whether it is bounded, and the most tokens in a place."""
+    try:
+        space = spaces.diagram
+    except UnsafeError:
+        bounded = boundedness(spaces.net, max_states=max_states)
+        if not bounded.bounded:
+            return None, bounded, None
+        return spaces.with_tokens(max_states), bounded, bounded.bound
+    except UnboundedError as error:
+        return None, Boundedness(False, error.bounds, error.run, error.pump, REPEATED), None
+    most = space.space.max_tokens_in_place
+    if most <= 1:
+        return space, Boundedness(True, None, reason="a 1-safe net is bounded"), most
+    bounds = tuple(space.encoding.most(space.everything))
+    return space, Boundedness(True, bounds, reason="all its markings were reached"), most
+
+
+def _names(net: PetriNet, transitions: Iterable[int]) -> tuple[str, ...]:
+    return tuple(net.transitions[t].name for t in transitions)
+
+
+PARTS: Mapping[str, Callable[[PetriNet], Any]] = {
+    "p_semiflows": p_semiflows,
+    "t_semiflows": t_semiflows,
+    "siphons": siphons,
+    "traps": traps,
+    "components": state_machine_components,
+    "unmarked_siphon": commoner,
+}
+"""What is looked for among the arcs of a net: see :mod:`mcpn.nets.siphons`."""
+
+
+class Structure:
+    """What the arcs of a net tell without its markings; a part whose limit was hit is left out and named.
+
+    Places and transitions go by their names, numbers by these are weights; to ask for a part that was left
+    out is a :class:`mcpn.errors.LimitError`.
+
+    Args:
+        net: The net.
+
+    Examples:
+        >>> from mcpn.testing.nets import kanban
+        >>> found = Structure(kanban(3))
+        >>> found.p_semiflows[0]
+        {'machine1': 1, 'rework1': 1, 'out1': 1, 'card1': 1}
+        >>> len(found.invariants), len(found.p_semiflows), found.siphons[0] == found.traps[0]
+        (5, 6, True)
+
+    Attributes:
+        classes: See :func:`mcpn.nets.siphons.classes`.
+        parts: What was found, by the names of :data:`PARTS`.
+        left_out: What was left out, and which limit was hit.
+    """
+
+    def __init__(self, net: PetriNet) -> None:
+        self.net = net
+        self.classes = classes(net)
+        self.parts: dict[str, Any] = {}
+        self.left_out: dict[str, str] = {}
+        for name, find in PARTS.items():
+            try:
+                self.parts[name] = find(net)
+            except LimitError as error:
+                self.left_out[name] = str(error)
+
+    @property
+    def invariants(self) -> tuple[dict[str, int], ...]:
+        """A basis of the P-invariants: weights, also negative, of sums of tokens that no firing changes."""
+        return self._by_place(invariants(self.net))
+
+    @property
+    def p_semiflows(self) -> tuple[dict[str, int], ...]:
+        """The P-invariants without negative weights, those of minimal support."""
+        return self._by_place(self._part("p_semiflows"))
+
+    @property
+    def t_semiflows(self) -> tuple[dict[str, int], ...]:
+        """How often transitions fire on the way from a marking back to it, those of minimal support."""
+        names = [t.name for t in self.net.transitions]
+        return tuple({names[t]: n for t, n in flow.items()} for flow in self._part("t_semiflows"))
+
+    @property
+    def siphons(self) -> tuple[tuple[str, ...], ...]:
+        """Minimal sets of places that stay without tokens once they have none."""
+        return self._sets("siphons")
+
+    @property
+    def traps(self) -> tuple[tuple[str, ...], ...]:
+        """Minimal sets of places that keep a token once they have one."""
+        return self._sets("traps")
+
+    @property
+    def components(self) -> tuple[tuple[str, ...], ...]:
+        """State machine components: sets of places among which transitions only move tokens."""
+        return self._sets("components")
+
+    def _part(self, name: str) -> Any:
+        if name in self.left_out:
+            raise LimitError(self.left_out[name])
+        return self.parts[name]
+
+    def _by_place(self, flows: Iterable[Sparse]) -> tuple[dict[str, int], ...]:
+        return tuple({self.net.places[p].name: weight for p, weight in flow.items()} for flow in flows)
+
+    def _sets(self, part: str) -> tuple[tuple[str, ...], ...]:
+        return tuple(tuple(self.net.places[p].name for p in members) for members in self._part(part))
+
+    @property
+    def conservative(self) -> bool | None:
+        """Whether some positive weighting of all places never changes; then the net is bounded."""
+        return self._every_place(self.parts.get("p_semiflows"))
+
+    @property
+    def covered(self) -> bool | None:
+        """Whether every place is in some state machine component."""
+        return self._every_place(self.parts.get("components"))
+
+    def _every_place(self, parts: Iterable[Iterable[int]] | None) -> bool | None:
+        return None if parts is None else set().union(*parts) == set(range(len(self.net.places)))
+
+    @property
+    def proves(self) -> list[str]:
+        """What follows, whatever the order of firing."""
+        proved = []
+        if self.conservative:
+            proved.append("bounded, whatever the initial marking: every place is in a P-semiflow")
+        if "ordinary" in self.classes and "components" in self.parts:
+            initial = self.net.initial
+            if self._every_place(c for c in self.parts["components"] if sum(initial[p] for p in c) == 1):
+                proved.append("1-safe: every place is in a state machine component with one token")
+        decided = {"ordinary", "free choice"} <= self.classes and not self.net.priorities
+        if decided and {"siphons", "traps", "unmarked_siphon"} <= self.parts.keys():
+            live = self.parts["unmarked_siphon"] is None
+            why = "every minimal siphon contains" if live else "a minimal siphon does not contain"
+            proved.append(f"{'live' if live else 'not live'}: free choice, and {why} a marked trap")
+        return proved

@@ -1,0 +1,190 @@
+"""What is known of formulas at a net's initial state without its space, and the runs that show it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from mcpn.logic.formulas import EU
+from mcpn.logic.ltl.formulas import SomePath
+from mcpn.logic.simplify import at_first, simplified
+from mcpn.logic.witness import Explanation, NoRun, Witness
+from mcpn.nets.petri import EVENTS, Marking, PetriNet
+from mcpn.spaces.algebra import Edge
+from mcpn.spaces.names import Names
+from mcpn.spaces.run import Completion
+from mcpn.spaces.search.goal import DEADLOCK, FALSE, TRUE, And, Formula, Goal, as_goal, calm, holds
+
+if TYPE_CHECKING:
+    from mcpn.logic.ltl.search import FoundPath
+    from mcpn.spaces.search.facts import Facts
+
+SOME_DEADLOCK = EU(TRUE, DEADLOCK)
+
+
+@dataclass(frozen=True)
+class Fired:
+    """A net whose states are its markings, fired one after the other.
+
+    Args:
+        net: The net.
+    """
+
+    net: PetriNet
+
+    def marking(self, state: Marking) -> Marking:
+        """The state itself."""
+        return state
+
+
+class Known:
+    """Values of formulas at the initial state of a graph whose states are not listed.
+
+    Args:
+        net: The net.
+        settled: Whether the states are the stable markings alone.
+
+    Attributes:
+        values: By part of a simplified formula its value at the initial state.
+        runs: By part that begins with ``EF`` and holds the transitions of a run to where its operand holds.
+        paths: By part that asks for some path and holds such a path.
+    """
+
+    def __init__(self, net: PetriNet, *, settled: bool) -> None:
+        self.net, self.settled = net, settled
+        self.values: dict[Formula, bool] = {}
+        self.runs: dict[Formula, tuple[int, ...]] = {}
+        self.paths: dict[Formula, FoundPath] = {}
+        self._facts: Facts | None = None
+        self._simple: dict[Formula, Formula] = {}
+
+    def believe(self, facts: Facts) -> None:
+        """Puts in what is true of the net as a whole: formulas are simplified anew."""
+        self._facts = facts
+        self._simple.clear()
+
+    @cached_property
+    def initial(self) -> Marking:
+        """The initial state."""
+        marking = list(self.net.initial)
+        if self.settled:
+            for _ in Completion(self.net).settle(marking):
+                pass
+        return tuple(marking)
+
+    @cached_property
+    def _bounds(self) -> Sequence[float]:
+        from mcpn.nets.structure import place_bounds
+
+        # The space of a net with priorities is there only if it is 1-safe: its bounds are not worth knowing.
+        return [float("inf")] * len(self.net.places) if self.net.priorities else place_bounds(self.net)
+
+    def simple(self, formula: Formula) -> Formula:
+        """A smaller formula with the same value in every state."""
+        if formula == SOME_DEADLOCK:  # no bound makes it smaller
+            return formula
+        if formula not in self._simple:
+            always = (lambda _: None) if self._facts is None else self._facts.always
+            self._simple[formula] = simplified(formula, self.net, self._bounds, always)
+        return self._simple[formula]
+
+    def rest(self, formula: Formula, marking: Marking | None = None) -> Formula:
+        """What is left to ask of a formula in a state: a constant where what is known decides it.
+
+        Args:
+            formula: The formula.
+            marking: The state; by default the initial one, of which more is known than its marking.
+        """
+
+        def value(part: Formula) -> bool | None:
+            if marking is None and part in self.values:
+                return self.values[part]
+            goal = as_goal(part, self.net)
+            return None if goal is None else holds(goal, self.net, marking or self.initial)
+
+        return at_first(self.simple(formula), value)
+
+    def goal(self, part: Formula) -> Goal | None:
+        """The markings that a search looks for where a part is ``EF f`` and needs no more; else ``None``."""
+        match part:
+            case EU((And(()), inside)):
+                goal = as_goal(inside, self.net)
+                # A dead marking is stable; of other goals only the stable markings count.
+                unrestricted = goal is None or goal == DEADLOCK or not self.settled
+                return goal if unrestricted else as_goal(And(inside, calm(self.net, EVENTS)), self.net)
+        return None
+
+    def beginning(self, names: Names) -> Witness:
+        """A run that has not left the initial state."""
+        return Witness(Fired(self.net), self.initial, names, self.settled and self.net.priorities)
+
+    def explain(self, formula: Formula, value: bool, names: Names) -> Witness:
+        """Shows by a run why a formula has a value in the initial state.
+
+        Raises:
+            NoRun: No run is known that shows it.
+        """
+        witness = self.beginning(names)
+        _ByRuns(self, witness).explain(formula, value)
+        return witness
+
+
+class _ByRuns(Explanation):
+    """Explains by the runs that searches have found."""
+
+    def __init__(self, known: Known, witness: Witness) -> None:
+        super().__init__(witness)
+        self.known = known
+
+    def _rest(self, formula: Formula) -> Formula:
+        return self.known.rest(formula, self.witness.end if self.witness.steps else None)
+
+    def value(self, formula: Formula) -> bool | None:
+        return {TRUE: True, FALSE: False}.get(self._rest(formula))
+
+    def reach(self, left: Formula, right: Formula) -> None:
+        if self.value(right):
+            return
+        run = None if self.witness.steps else self.known.runs.get(self.known.simple(EU(left, right)))
+        if run is None:
+            raise NoRun
+        self._fire(run)
+
+    def _fire(self, run: Sequence[int]) -> None:
+        """Appends the edges of a run: firings, or events each with the internal firings behind it."""
+        net, marking = self.known.net, self.known.net.initial
+        events: list[tuple[list[int], Marking]] = []
+        for t in run:
+            marking = net.fire(marking, t)
+            if not self.witness.settles or not net.transitions[t].internal:
+                events.append(([t], marking))
+            elif events:
+                events[-1] = [*events[-1][0], t], marking
+        self.witness.steps += (Edge(fired[0], after, tuple(fired[1:])) for fired, after in events)
+
+    def step(self, operand: Formula) -> None:
+        net, here = self.known.net, self.witness.end
+        completion = Completion(net) if self.witness.settles else None
+        for t in net.enabled(here):
+            internal, after = completion.after(here, t) if completion else ((), net.fire(here, t))
+            if self.known.rest(operand, after) == TRUE:
+                self.witness.steps.append(Edge(t, after, internal))
+                return
+        raise NoRun
+
+    def stay(self, operand: Formula) -> None:
+        raise NoRun
+
+    def show_path(self, formula: SomePath) -> None:
+        raise NoRun
+
+    def explain(self, formula: Formula, holds: bool) -> None:
+        path = self.known.paths.get(self.known.simple(formula)) if holds else None
+        if path is None or self.witness.steps:
+            super().explain(formula, holds)
+            return
+        self.note("along this run", formula)
+        self._fire(path.run)
+        self.show_rest(path.cycle, decided=bool(self.known.net.enabled(self.witness.end)))

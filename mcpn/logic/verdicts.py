@@ -1,0 +1,482 @@
+"""Answers to formulas, typed or in files, and to examinations of the contest, with how they were had.
+
+Formulas are simplified, by invariants and by the initial marking; what asks for one reachable marking goes to
+a search, once where several formulas ask for the same; others are asked of few markings, as they are needed
+(:mod:`mcpn.logic.on_the_fly`). What is left is asked of the space, built once. All questions share it:
+cheap ones first, each with a time slice that grows round by round, so that one hard question does not cost
+the easy ones. A typed formula comes with a run that shows its value, so that a technique without runs decides
+it only where no single run would show it, or where there is no space.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from itertools import chain, count
+from typing import TYPE_CHECKING, TypeAlias
+
+from mcpn._kernel import Store
+from mcpn.errors import InputError, LimitError, McpnError
+from mcpn.logic.evaluate import largest
+from mcpn.logic.formulas import EX, on_one_path, says_paths
+from mcpn.logic.known import SOME_DEADLOCK, Known
+from mcpn.logic.questions import Answer, Questions
+from mcpn.logic.simplify import at_first, parts_at_first
+from mcpn.logic.witness import NoRun, Witness, explain
+from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
+from mcpn.spaces.engines import Asked, Choice, NoSpace
+from mcpn.spaces.search.goal import FALSE, TRUE, Formula
+from mcpn.steps import Doing, step
+
+if TYPE_CHECKING:
+    from mcpn.logic.contest import Property
+    from mcpn.logic.ltl.parts import PathParts
+    from mcpn.logic.on_the_fly import OnTheFlyCheck
+    from mcpn.spaces.search.facts import Facts
+    from mcpn.spaces.search.portfolio import Round
+
+# What searches is loaded when something is searched.
+
+DIAGRAMS, REWRITING, COMPOSITION = "DECISION_DIAGRAMS", "QUERY_REDUCTION", "COMPOSITION"
+EXPLICIT, INITIAL_STATE, RANDOM_WALK = "EXPLICIT", "INITIAL_STATE", "RANDOM_WALK"
+FIRST_SLICE, FIRST_ROUND, GROWTH = 0.4, 1.0, 3.0
+WALK_STEPS = 50_000
+Meaning: TypeAlias = Formula | tuple[int, ...] | str
+"""A formula; places, where the most tokens that they hold together is asked; or an examination's name."""
+
+ONE_SAFE, QUASI_LIVE, LIVE = "OneSafe", "QuasiLiveness", "Liveness"
+_FOLLOWS: tuple[tuple[Meaning, bool, Meaning, bool], ...] = (
+    (SOME_DEADLOCK, True, LIVE, False),
+    ("ReachabilityDeadlock", True, LIVE, False),
+    (LIVE, True, QUASI_LIVE, True),
+)
+IMPLICATIONS: tuple[tuple[tuple[Meaning, bool], tuple[Meaning, bool]], ...] = tuple(
+    pair
+    for what, holds, then, follows in _FOLLOWS
+    for pair in (((what, holds), (then, follows)), ((then, not follows), (what, not holds)))
+)
+"""What an answer implies, of nets that have transitions; each stands here with its contraposition."""
+EFFORT_OF_LIVENESS = 30
+"""The number of operators of a formula that takes about as long: closures forward and backward."""
+LOCAL_STEPS = (20_000, 200_000, 1_000_000, 5_000_000, 25_000_000, 125_000_000)
+"""For each part of a formula, in rounds."""
+BESIDE = 4
+"""How many of these rounds take turns with the race for the space; others stand between rounds of slices."""
+
+
+@dataclass(frozen=True)
+class ContestAnswer:
+    """An answer to a question of the contest.
+
+    Args:
+        name: The question's.
+        value: ``TRUE``, ``FALSE`` or a number.
+        techniques: How it was had, in the contest's words.
+    """
+
+    name: str
+    value: str
+    techniques: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return f"FORMULA {self.name} {self.value} TECHNIQUES {' '.join(self.techniques)}"
+
+
+class _SliceSpent(Exception):
+    """A formula has had its time slice."""
+
+
+def answer_all(
+    questions: Questions, properties: Iterable[Property] = (), examinations: Iterable[str] = ()
+) -> Iterator[ContestAnswer]:
+    """Answers properties, of one file or several, and examinations, on one space.
+
+    Args:
+        questions: About the net.
+        properties: What is asked.
+        examinations: Names of :data:`mcpn.logic.behaviour.EXAMINATIONS`.
+
+    Returns:
+        The answers in the order in which they are found. Taking them raises UnboundedError, UnsafeError (of
+        nets with priorities) or LimitError where what is left needs the space.
+
+    Raises:
+        InputError: Two properties have one name; this is found before anything is answered.
+    """
+    meant: dict[str, Meaning] = {}
+    for name in examinations:
+        searched = name == "ReachabilityDeadlock" and questions.searchable
+        meant[f"{questions.net.name}-{name}"] = SOME_DEADLOCK if searched else name
+    for asked in properties:
+        if asked.name in meant:
+            raise InputError.at(asked.source, f"found {asked.name} a second time, expected a name of its own")
+        meant[asked.name] = asked.meaning
+    return _Answers(questions, meant).all()
+
+
+def answer_typed(questions: Questions, texts: Sequence[str]) -> list[Answer]:
+    """Answers formulas as people type them, each with a run that shows why.
+
+    Args:
+        questions: About the net or the mission.
+        texts: The formulas.
+
+    Returns:
+        The answers, in the order of the formulas.
+
+    Raises:
+        InputError: A text is no formula; this is found before anything is answered.
+        SemanticsError: The space that is needed does not exist.
+        LimitError: A limit was hit.
+    """
+    formulas = {text: questions.formula(text) for text in texts}
+    answers, given = _Answers(questions, dict(formulas), typed=True), dict[str, Answer]()
+    for verdict in answers.all():
+        holds = verdict.value == str(True).upper()
+        witness, choice = answers.shown(formulas[verdict.name], holds, verdict.techniques)
+        given[verdict.name] = Answer(verdict.name, holds, witness, choice, verdict.techniques)
+    return [given[text] for text in texts]
+
+
+class _Answers:
+    """Gives answers: each technique removes the questions that it decides from those that wait.
+
+    Args:
+        questions: About the net.
+        waiting: What is asked, by name; of a formula, what is left to ask in the initial marking.
+        typed: Whether a run is to show each answer.
+    """
+
+    def __init__(self, questions: Questions, waiting: dict[str, Meaning], *, typed: bool = False) -> None:
+        self.questions, self.net, self.waiting = questions, questions.net, waiting
+        self.typed, self.asked = typed, dict(waiting)
+        self.ways: dict[str, dict[str, None]] = {name: {} for name in waiting}  # that decided parts of it
+        self.known = Known(self.net, settled=questions.on == "alternatives")
+        self.on_the_fly: OnTheFlyCheck | None = None
+        self.paths: PathParts | None = None
+        self.facts: Facts | None = None
+        self.rounds = self.searches = 0
+
+    def all(self) -> Iterator[ContestAnswer]:
+        """Asks one way after the other; where there is a space, in turns with markings as they are needed."""
+        questions, store = self.questions, None
+        yield from self.one_safe_at_sight()
+        if questions.searchable:
+            yield from self.rewritten()
+            if not self.typed:
+                yield from self.bounds_by_space() if questions.brief() else self.by_equation()
+            yield from self.by_need(LOCAL_STEPS[0], searched=False)
+            # The space of a mission is not far, once a search has found nothing; in a small one it has the
+            # shortest runs.
+            if not questions.small or questions.engine == "search":
+                yield from self.by_search(short=self.net.priorities)
+            yield from self.by_need(LOCAL_STEPS[1], searched=False)
+            for steps in () if self.typed else LOCAL_STEPS[:BESIDE]:
+                if steps > LOCAL_STEPS[1]:
+                    if questions.made:
+                        break
+                    yield from self.by_need(steps)
+                yield from self.by_paths(steps, enrich=steps > LOCAL_STEPS[0])
+        try:
+            yield from self.one_safe()
+            if self.waiting and isinstance(questions.space, DiagramMarkings | DiagramAlternatives):
+                store = questions.space.encoding.store
+        except McpnError as error:
+            if isinstance(error, LimitError) and questions.searchable and self.net.priorities:
+                yield from self.by_search()
+            for steps in LOCAL_STEPS[2 if self.typed else BESIDE :] if questions.searchable else ():
+                yield from self.by_need(steps, runs=True)
+            for steps in LOCAL_STEPS[2:4] if self.typed else ():
+                yield from self.by_paths(steps, enrich=True)
+            if self.waiting and questions.engine == "search":
+                raise LimitError(f"engine search leaves open: {', '.join(self.waiting)}") from error
+            if self.waiting:
+                raise
+        tried: Counter[str] = Counter()
+        for number in count():
+            begun = time.process_time()
+            for name in sorted(self.waiting, key=lambda name: (tried[name], _effort(self.waiting[name]))):
+                if name not in self.waiting:  # what was answered before it has implied its answer
+                    continue
+                if store and time.process_time() - begun > FIRST_ROUND * GROWTH**number:
+                    break
+                value = None
+                tried[name] += 1
+                with _limited(store, FIRST_SLICE * GROWTH ** (tried[name] - 1)):
+                    value = self.by_space(name)
+                if value is not None:
+                    yield from self.answer(name, value, _technique(questions.choice.engine))
+            if not self.waiting:
+                return
+            steps = LOCAL_STEPS[min(2 + number, len(LOCAL_STEPS) - 1)]
+            yield from self.by_need(steps)
+            yield from self.by_paths(steps, enrich=True)
+
+    def shown(self, formula: Formula, holds: bool, ways: Sequence[str]) -> tuple[Witness, Choice | NoSpace]:
+        """The run that shows the value of a formula, and who has answered."""
+        questions = self.questions
+        parts = parts_at_first(self.known.simple(formula)) if self.known.paths else []
+        if not questions.made or any(part in self.known.paths for part in parts):
+            listed = ", ".join(way.lower().replace("_", " ") for way in ways)
+            choice = NoSpace(f"no space was needed ({listed})")
+            try:
+                return self.known.explain(formula, holds, questions.names), choice
+            except NoRun:
+                pass
+            try:
+                _ = questions.space
+            except McpnError as error:
+                witness = self.known.beginning(questions.names)
+                witness.shown.append(f"no run is shown, since it needs the space: {error}")
+                return witness, choice
+        return explain(questions.evaluation, formula, questions.names), questions.choice
+
+    # --- what waits ---
+
+    def answer(self, name: str, value: int, *ways: str) -> Iterator[ContestAnswer]:
+        """Answers a question, which waits no more, with the techniques of its parts; and what follows."""
+        del self.waiting[name]
+        told = tuple({**self.ways[name], **dict.fromkeys(ways)})
+        yield ContestAnswer(name, str(value).upper(), told)
+        for other, follows in self.implied(self.asked[name], value):
+            yield from self.learn(other, follows, *told)
+
+    def implied(self, asked: Meaning, value: int) -> list[tuple[Meaning, bool]]:
+        """What an answer says of the examinations."""
+        if isinstance(asked, tuple):
+            return [(ONE_SAFE, False)] if value > len(asked) else []
+        if not self.net.transitions or self.net.priorities:
+            return []
+        return [then for (what, holds), then in IMPLICATIONS if (what, holds) == (asked, bool(value))]
+
+    def raced(self) -> Callable[[], bool]:
+        """What to ask between searches: whether the space, where it was not there yet, has come meanwhile."""
+        waits = self.questions.searchable and not (self.typed or self.questions.made)
+        return self.questions.brief if waits else lambda: False
+
+    def parts(self) -> list[Formula]:
+        """The parts whose values in the initial marking are asked for, each once, cheap ones first."""
+        formulas = (asked for asked in self.waiting.values() if isinstance(asked, Formula))
+        return sorted(dict.fromkeys(chain.from_iterable(map(parts_at_first, formulas))), key=_effort)
+
+    def learn(self, part: Meaning, value: int, *ways: str) -> Iterator[ContestAnswer]:
+        """Puts a value where it is asked for, and yields what that answers."""
+        if isinstance(part, Formula):
+            self.known.values[part] = bool(value)
+            for other, follows in self.implied(part, value):
+                yield from self.learn(other, follows, *ways)
+        for name, asked in list(self.waiting.items()):
+            if name not in self.waiting:
+                continue
+            if asked == part:
+                yield from self.answer(name, value, *ways)
+            elif isinstance(asked, Formula) and part in parts_at_first(asked):
+                self.ways[name].update(dict.fromkeys(ways))
+                yield from self.left(
+                    name, at_first(asked, lambda atom: bool(value) if atom == part else None)
+                )
+
+    def left(self, name: str, rest: Formula, *ways: str) -> Iterator[ContestAnswer]:
+        """Keeps what is left to ask of a formula, or yields the answer if nothing is."""
+        self.waiting[name] = rest
+        if rest in (TRUE, FALSE):
+            yield from self.answer(name, rest == TRUE, *ways)
+
+    # --- ways ---
+
+    def one_safe_at_sight(self) -> Iterator[ContestAnswer]:
+        """Answers whether the net is 1-safe, where the initial marking or a walk shows that it is not."""
+        if ONE_SAFE not in self.waiting.values():
+            return
+        from mcpn.spaces.search.searches import Searches
+
+        searches = Searches(self.net)
+        if max(self.net.initial, default=0) > 1:
+            yield from self.learn(ONE_SAFE, False, INITIAL_STATE)
+        elif self.questions.engine == "auto" and searches.fits and searches.walk_unsafe(steps=WALK_STEPS):
+            yield from self.learn(ONE_SAFE, False, RANDOM_WALK)
+
+    def one_safe(self) -> Iterator[ContestAnswer]:
+        """Answers whether the net is 1-safe; if it is, the space is then there for all that is asked."""
+        if ONE_SAFE in self.waiting.values():
+            safe = self.questions.one_safe()
+            engine = self.questions.choice.engine if safe else self.questions.engine
+            yield from self.learn(ONE_SAFE, safe, _technique(engine))
+
+    def rewritten(self, by: str = REWRITING) -> Iterator[ContestAnswer]:
+        """Answers what rewriting and the initial marking decide; of others keeps what is left to ask."""
+        for name, formula in list(self.waiting.items()):
+            if isinstance(formula, Formula) and name in self.waiting:
+                how = by if self.known.simple(formula) in (TRUE, FALSE) else INITIAL_STATE
+                rest = self.known.rest(formula)
+                if by != REWRITING and rest != formula:
+                    self.ways[name][by] = None
+                yield from self.left(name, rest, how)
+
+    def bounds_by_space(self) -> Iterator[ContestAnswer]:
+        """Answers bounds and examinations where the space is there at once, each within a short slice."""
+        yield from self.one_safe()
+        space = self.questions.space
+        store = space.encoding.store if isinstance(space, DiagramMarkings) else None
+        for name, asked in list(self.waiting.items()):
+            if name in self.waiting and not isinstance(asked, Formula) and asked != ONE_SAFE:
+                value = None
+                with _limited(store, FIRST_SLICE):
+                    value = self.by_space(name)
+                if value is not None:
+                    yield from self.answer(name, value, _technique(self.questions.choice.engine))
+
+    def by_equation(self) -> Iterator[ContestAnswer]:
+        """Answers bounds and examinations by the state equation and by walks that come to what it allows."""
+        if self.net.priorities or not self.waiting:
+            return
+        from mcpn.spaces.search.facts import Facts
+        from mcpn.spaces.search.portfolio import STATE_EQUATION
+
+        facts = self.facts = Facts(self.net)
+        sums = [asked for asked in dict.fromkeys(self.waiting.values()) if isinstance(asked, tuple)]
+        for places, bound, ways in facts.sums(sums):
+            yield from self.learn(places, bound, *ways)
+        for name, decide in facts.examinations.items():
+            if name in self.waiting.values():
+                value, ways = decide()
+                if value is not None:
+                    yield from self.learn(name, value, *ways)
+        self.known.believe(facts)
+        yield from self.rewritten(STATE_EQUATION)
+
+    def by_search(self, *, short: bool = False) -> Iterator[ContestAnswer]:
+        """Answers what asks for reachable markings by search, until it turns out that the space is small.
+
+        Args:
+            short: Whether there is no more than one search, for a short run.
+        """
+        goals = {part: goal for part in self.parts() if (goal := self.known.goal(part)) is not None}
+        if not goals:
+            return
+        from mcpn.spaces.search.portfolio import ROUNDS, SHORT, Portfolio
+
+        budgets = [self.limited(budget) for budget in ([SHORT] if short else ROUNDS)]
+        parts, brief = list(goals), self.questions.brief
+        for index, found in Portfolio(self.net).decide(
+            list(goals.values()), budgets, go_on=lambda: not brief()
+        ):
+            if found.run is not None:
+                self.known.runs[parts[index]] = found.run
+            yield from self.learn(parts[index], found.reachable, *found.techniques)
+
+    def limited(self, budget: Round) -> Round:
+        """A budget within the user's limit on markings that are listed."""
+        most = self.questions.max_states
+        return budget if most is None else replace(budget, states=min(budget.states, most))
+
+    def by_need(self, steps: int, *, searched: bool = True, runs: bool = False) -> Iterator[ContestAnswer]:
+        """Asks markings as they are needed, so many steps for each part.
+
+        Args:
+            steps: How many.
+            searched: Whether parts are asked that a search may decide.
+            runs: Whether a part that holds is answered although no run is known that shows it.
+        """
+        parts = [
+            part
+            for part in self.parts()
+            if (searched or self.known.goal(part) is None) and not says_paths(part)
+        ]
+        if not parts or self.net.priorities:  # whose atoms are no conditions on tokens alone
+            return
+        if self.on_the_fly is None:
+            from mcpn.logic.on_the_fly import OnTheFlyCheck
+            from mcpn.spaces.search.searches import Searches
+
+            if not Searches(self.net).fits:
+                return
+            self.on_the_fly = OnTheFlyCheck(self.net, [part for part in self.parts() if not says_paths(part)])
+        came = self.raced()
+        for part in parts:
+            if came():
+                return
+            value = self.on_the_fly.decide(part, steps, seed=self.rounds)
+            # EX is shown by one step; other parts that hold need a run, which is not known.
+            if value is False or (value and (runs or not self.typed or isinstance(part, EX))):
+                yield from self.learn(part, value, EXPLICIT)
+        self.rounds += 1
+
+    def by_paths(self, steps: int, *, enrich: bool = False) -> Iterator[ContestAnswer]:
+        """Looks for paths that parts ask for, marking by marking, so many steps for each part.
+
+        Args:
+            steps: How many.
+            enrich: Whether to ask first what holds always, or never.
+        """
+        parts = [part for part in self.parts() if says_paths(part)]
+        if not parts or not self.questions.searchable or self.net.priorities:
+            return
+        if self.paths is None:
+            from mcpn.logic.ltl.parts import PathParts
+
+            self.paths = PathParts(self.net)
+        self.searches += 1
+        came = self.raced()
+        for part in parts:
+            if came():
+                return
+            path = on_one_path(part, self.net)
+            if path is None:
+                continue
+            found = self.paths.decide(path, steps, self.searches, enrich=enrich)
+            if found is None or found.outcome not in ("found", "none"):
+                continue
+            if found.outcome == "found":
+                self.known.paths[part] = found
+            yield from self.learn(part, found.outcome == "found", EXPLICIT)
+
+    def by_space(self, name: str) -> int:
+        """The answer by the space: a truth value or a number."""
+        # A typed formula is asked as it was written: so is the run that shows it.
+        meaning, questions = (self.asked if self.typed else self.waiting)[name], self.questions
+        if self.typed:
+            step(Doing.ANSWERING, question=name)
+        if isinstance(meaning, tuple):
+            return largest(questions.space, Counter(meaning))
+        if isinstance(meaning, str):
+            from mcpn.logic.behaviour import EXAMINATIONS, Behaviour
+
+            return EXAMINATIONS[meaning](Behaviour(questions.space))
+        return questions.evaluation.holds(meaning)
+
+
+def _technique(engine: Asked) -> str:
+    return {"explicit": EXPLICIT, "local": COMPOSITION}.get(engine, DIAGRAMS)
+
+
+@contextmanager
+def _limited(store: Store | None, seconds: float) -> Iterator[None]:
+    """Ends what is inside when a diagram has had so much CPU time, whatever else the machine does."""
+    if store is None:
+        yield
+        return
+    before, until = store.progress, time.process_time() + seconds
+
+    def watch(nodes: int) -> None:
+        if before is not None:
+            before(nodes)
+        if time.process_time() > until:
+            raise _SliceSpent
+
+    store.progress = watch
+    try:
+        yield
+    except _SliceSpent:
+        pass
+    finally:
+        store.progress = before
+
+
+def _effort(meaning: Meaning) -> int:
+    if isinstance(meaning, Formula):
+        return sum(1 for _ in meaning.walk())
+    return EFFORT_OF_LIVENESS if meaning == "Liveness" else 0

@@ -1,1 +1,0 @@
-"""Petri nets: model, templates, composition."""

@@ -1,0 +1,1 @@
+"""Petri nets: the model and its firing, formats, structure, reductions."""

@@ -1,0 +1,114 @@
+"""Events: what happens, and to which element of a mission; the one home of their text.
+
+>>> str(Event(What.OUT_OF_SERVICE, "GPS_sensor"))
+'GPS_sensor_EV_OOS'
+>>> Event.parse("OBJ_diving_EV_OK")
+Event(what=<What.SUCCESS: 'success'>, element='diving')
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import total_ordering
+
+
+class What(StrEnum):
+    """What an event says that happens."""
+
+    START = "start"
+    """The mission starts; in the net of a section, the section is entered."""
+    SUCCESS = "success"
+    """An objective ends in success."""
+    FAILURE = "failure"
+    """An objective ends in failure."""
+    TIMEOUT = "timeout"
+    """The time of an objective is over."""
+    OUT_OF_SERVICE = "out of service"
+    """A hardware resource fails."""
+    REPAIRED = "repaired"
+    """A hardware resource is ready again."""
+    LOST = "lost"
+    """A hardware resource that is out of service is given up for good (:mod:`mcpn.drawing.mortal`)."""
+    EARLIER = "earlier"
+    """A handler that happens once has happened before this part of the mission; in nets of parts alone."""
+    DETECTED = "detected"
+    """The robot learns that a hardware resource is out of service which is detected late."""
+    DECLARED = "declared"
+    """An event that the mission declares by name."""
+    NAMED = "named"
+    """Anything else that a net from a file, or a template of a user's own, calls by a name."""
+
+
+ENDING = (What.SUCCESS, What.FAILURE, What.TIMEOUT)
+"""How an objective ends by itself."""
+
+_FORMS = {
+    What.SUCCESS: ("OBJ_", "_EV_OK"),
+    What.FAILURE: ("OBJ_", "_EV_FAIL"),
+    What.TIMEOUT: ("OBJ_", "_EV_TIMEOUT"),
+    What.OUT_OF_SERVICE: ("", "_EV_OOS"),
+    What.REPAIRED: ("", "_EV_RD"),
+    What.LOST: ("", "_EV_DEATH"),
+    What.EARLIER: ("", "_EARLIER"),
+    What.DETECTED: ("", "_EV_DETECTED"),
+    What.DECLARED: ("", "_EV"),
+}
+"""Text before and after the element; no text ends like two of them."""
+
+_START = "MISSION_EV_START"
+
+
+@total_ordering
+@dataclass(frozen=True, slots=True)
+class Event:
+    """An event of a net. Two events are equal if and only if their texts are.
+
+    Args:
+        what: What happens.
+        element: To which element: an objective, hardware, the declared name; of a named event its whole
+            text, of the start nothing.
+
+    Raises:
+        ValueError: The text of these would be read as another event.
+    """
+
+    what: What
+    element: str = ""
+
+    def __post_init__(self) -> None:
+        if self.what is What.NAMED and _parse(self.element) is not None:
+            raise ValueError(f"{self.element!r} is the text of a typed event: parse it")
+        if (self.what is What.START) != (not self.element) and self.what is not What.NAMED:
+            raise ValueError(f"{self.what.name} of {self.element!r}: only the start is of no element")
+
+    def __str__(self) -> str:
+        if self.what is What.NAMED:
+            return self.element
+        if self.what is What.START:
+            return _START
+        before, after = _FORMS[self.what]
+        return f"{before}{self.element}{after}"
+
+    def __lt__(self, other: Event) -> bool:
+        return str(self) < str(other)
+
+    @staticmethod
+    def parse(text: str) -> Event:
+        """The event that a text from a file or from people says."""
+        what, element = _parse(text) or (What.NAMED, text)
+        return Event(what, element)
+
+
+def _parse(text: str) -> tuple[What, str] | None:
+    """What happens and to which element, or ``None`` for a text of no typed event."""
+    if text == _START:
+        return What.START, ""
+    for what, (before, after) in _FORMS.items():
+        if text.startswith(before) and text.endswith(after) and len(text) > len(before) + len(after):
+            return what, text[len(before) : -len(after)]
+    return None
+
+
+START = Event(What.START)
+"""The event with which a mission begins, and each section in its own net."""

@@ -1,0 +1,38 @@
+"""Numbers of tokens in files: exact, and bounded because files are untrusted."""
+
+from __future__ import annotations
+
+from mcpn.errors import InputError
+from mcpn.nets.petri import PetriNet
+
+MAX_DIGITS = 18
+MAX_COUNT = 10**MAX_DIGITS - 1
+"""The most tokens that a file may put in a place, or an arc may move."""
+
+
+def read_count(text: str) -> int | None:
+    """The number that a text says in decimal digits, or ``None`` where it says none or too large a one.
+
+    >>> read_count("12"), read_count("-1"), read_count("1" + "0" * 18)
+    (12, None, None)
+    """
+    return int(text) if text.isascii() and text.isdigit() and len(text) <= MAX_DIGITS else None
+
+
+def check_counts(net: PetriNet) -> None:
+    """Sees to it that what is written can be read back.
+
+    Raises:
+        InputError: A place holds, or an arc moves, more tokens than files may say.
+    """
+    for place in net.places:
+        if not 0 <= place.initial <= MAX_COUNT:
+            raise InputError.at(None, f"place {place.name} holds {place.initial} tokens, files say {_RANGE}")
+    for t in net.transitions:
+        for p, weight in (*t.consume, *t.produce, *t.read):
+            if not 1 <= weight <= MAX_COUNT:
+                between = f"transition {t.name} and place {net.places[p].name}"
+                raise InputError.at(None, f"weight {weight} between {between}, files say {_RANGE}")
+
+
+_RANGE = f"whole numbers of at most {MAX_DIGITS} digits"

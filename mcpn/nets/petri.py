@@ -1,0 +1,361 @@
+"""Petri nets with read arcs and priorities, their markings and the one definition of firing.
+
+A transition carries an *event* or is *internal*. Where a net has priorities, internal transitions come
+first: an event transition may fire only in a marking that enables no internal transition (paper, 7.1).
+Internal transitions have *ranks*: one may fire only where none of a lower rank is enabled.
+
+>>> builder = NetBuilder("toggle")
+>>> builder.place("off", initial=1)
+'off'
+>>> builder.place("on")
+'on'
+>>> builder.transition("switch", consume=["off"], produce=["on"], event=Event.parse("SWITCH"))
+>>> net = builder.build()
+>>> net.fire(net.initial, 0)
+(0, 1)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TypeAlias
+
+from mcpn.errors import InputError, Source
+from mcpn.nets.events import Event
+from mcpn.notebook import Drawn
+
+Marking: TypeAlias = tuple[int, ...]
+"""Tokens of each place, in the order of the net's places."""
+
+EVENTS = 0xFFFF
+"""The rank of events, after that of any internal transition."""
+
+Arcs: TypeAlias = tuple[tuple[int, int], ...]
+"""Pairs (index of a place, weight of at least 1), in the order of the places, each place once."""
+
+
+@dataclass(frozen=True, slots=True)
+class Provenance:
+    """The element of the mission that made a place or a transition.
+
+    Args:
+        kind: ``hardware``, ``software``, ``activity``, ``alternative``, ``objective``, ``parallel``,
+            ``fact``, ``once`` (a handler that happens once), ``exit`` (of a part) or ``mission``.
+        name: The element's name, qualified where a use of a protocol qualifies it.
+        source: Its file and line, if it has any.
+    """
+
+    kind: str
+    name: str
+    source: Source | None = field(default=None, compare=False)
+
+    def __str__(self) -> str:
+        return f"{self.kind} {self.name}"
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A place.
+
+    Args:
+        name: Unique among the places of its net; any characters.
+        initial: Tokens of the initial marking.
+        provenance: What made it, for nets composed from missions.
+    """
+
+    name: str
+    initial: int = 0
+    provenance: Provenance | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Transition:
+    """A transition: enabled where each place holds as many tokens as it consumes and as it reads.
+
+    Args:
+        name: Unique among the transitions of its net; any characters.
+        consume: Tokens that firing takes.
+        produce: Tokens that firing puts.
+        read: Tokens that must be there and stay.
+        event: The event that fires it, or ``None`` for an internal transition.
+        rank: Of an internal transition: in nets with priorities those of a lower rank fire before it. From 0
+            to 65,534; events come after all ranks, and have none of their own.
+        provenance: What made it, for nets composed from missions.
+    """
+
+    name: str
+    consume: Arcs = ()
+    produce: Arcs = ()
+    read: Arcs = ()
+    event: Event | None = None
+    rank: int = 0
+    provenance: Provenance | None = field(default=None, compare=False)
+
+    @property
+    def internal(self) -> bool:
+        """Whether no event is needed to fire it."""
+        return self.event is None
+
+
+@dataclass(frozen=True, slots=True)
+class SafeTransition:
+    """What a transition does to a 1-safe marking, seen as the set of its marked places.
+
+    The four sets of places are disjoint but for ``overflow``.
+
+    Args:
+        consume: Places that go from marked to unmarked.
+        produce: Places that go from unmarked to marked; if one is marked already, the firing is unsafe.
+        read: Places that must be marked and stay so.
+        overflow: Places that receive more than one token at each firing: unsafe whatever the marking.
+        blocked: Whether it needs more than one token of a place, so that no safe marking enables it.
+    """
+
+    consume: tuple[int, ...]
+    produce: tuple[int, ...]
+    read: tuple[int, ...]
+    overflow: tuple[int, ...]
+    blocked: bool
+
+
+@dataclass(frozen=True)
+class PetriNet(Drawn):
+    """A place/transition net.
+
+    Args:
+        name: Any text.
+        places: In the order that markings follow.
+        transitions: In a fixed order.
+        priorities: Whether internal transitions have priority over events.
+        units: Groups of places of which at most one is meant to be marked (a hint for orders of places,
+            never an assumption), as indices.
+    """
+
+    name: str
+    places: tuple[Place, ...]
+    transitions: tuple[Transition, ...]
+    priorities: bool = False
+    units: tuple[tuple[int, ...], ...] = field(default=(), compare=False)
+
+    def __repr__(self) -> str:
+        return f"<net {self.name}: {len(self.places)} places, {len(self.transitions)} transitions>"
+
+    @cached_property
+    def initial(self) -> Marking:
+        """The initial marking."""
+        return tuple(place.initial for place in self.places)
+
+    @cached_property
+    def place_index(self) -> Mapping[str, int]:
+        """Index of each place by name."""
+        return {place.name: index for index, place in enumerate(self.places)}
+
+    @cached_property
+    def transition_index(self) -> Mapping[str, int]:
+        """Index of each transition by name."""
+        return {transition.name: index for index, transition in enumerate(self.transitions)}
+
+    @cached_property
+    def ranks(self) -> tuple[int, ...]:
+        """The rank of each transition, :data:`EVENTS` for events."""
+        return tuple(t.rank if t.internal else EVENTS for t in self.transitions)
+
+    @cached_property
+    def internal_ranks(self) -> tuple[tuple[int, ...], ...]:
+        """The internal transitions by rank, those that fire first at first."""
+        ranks = sorted({t.rank for t in self.transitions if t.internal})
+        return tuple(tuple(t for t, own in enumerate(self.ranks) if own == rank) for rank in ranks)
+
+    @cached_property
+    def internal_users(self) -> Mapping[int, Sequence[int]]:
+        """The internal transitions that consume or read each place, where there are some."""
+        users: dict[int, list[int]] = {}
+        for number, transition in enumerate(self.transitions):
+            if transition.internal:
+                for place, _ in (*transition.consume, *transition.read):
+                    users.setdefault(place, []).append(number)
+        return users
+
+    @cached_property
+    def safe_transitions(self) -> tuple[SafeTransition, ...]:
+        """Each transition as it acts on 1-safe markings, in the net's order."""
+        return tuple(_safe(transition) for transition in self.transitions)
+
+    def covers(self, marking: Sequence[int], transition: int) -> bool:
+        """Whether the marking has the tokens that the transition needs, priorities aside."""
+        arcs = self.transitions[transition]
+        for needed in (arcs.consume, arcs.read):
+            for place, weight in needed:
+                if marking[place] < weight:
+                    return False
+        return True
+
+    def enabled(self, marking: Sequence[int]) -> list[int]:
+        """Indices of the transitions that may fire in the marking, priorities respected.
+
+        Args:
+            marking: Tokens of each place.
+
+        Returns:
+            Indices in the net's order; where the net has priorities, those of the lowest rank alone.
+        """
+        covered = [t for t in range(len(self.transitions)) if self.covers(marking, t)]
+        if self.priorities and covered:
+            least = min(self.ranks[t] for t in covered)
+            return [t for t in covered if self.ranks[t] == least]
+        return covered
+
+    def fire(self, marking: Sequence[int], transition: int) -> Marking:
+        """The marking after firing a transition; the caller has seen that it is enabled.
+
+        Args:
+            marking: Tokens of each place.
+            transition: Index of an enabled transition.
+
+        Returns:
+            The next marking.
+        """
+        after = list(marking)
+        self.fire_in_place(after, transition)
+        return tuple(after)
+
+    def fire_in_place(self, marking: list[int], transition: int) -> None:
+        """Fires a transition; the caller has seen that it is enabled."""
+        for place, weight in self.transitions[transition].consume:
+            marking[place] -= weight
+        for place, weight in self.transitions[transition].produce:
+            marking[place] += weight
+
+    def marked(self, marking: Sequence[int]) -> frozenset[str]:
+        """Names of the places that hold a token."""
+        return frozenset(place.name for place, tokens in zip(self.places, marking, strict=True) if tokens)
+
+
+def _safe(transition: Transition) -> SafeTransition:
+    consume, produce, read = dict(transition.consume), dict(transition.produce), dict(transition.read)
+    needed = consume.keys() | read.keys()
+    return SafeTransition(
+        consume=tuple(sorted(consume.keys() - produce.keys())),
+        produce=tuple(sorted(produce.keys() - consume.keys())),
+        read=tuple(sorted(needed - (consume.keys() - produce.keys()))),
+        overflow=tuple(
+            sorted(p for p, w in produce.items() if w - consume.get(p, 0) + (1 if p in needed else 0) > 1)
+        ),
+        blocked=any(w > 1 for w in consume.values()) or any(w > 1 for w in read.values()),
+    )
+
+
+_Sides: TypeAlias = tuple[Mapping[str, int], Mapping[str, int], Mapping[str, int]]
+_Draft: TypeAlias = tuple[_Sides, Event | None, int, Provenance | None]
+"""A transition whose places may be declared later: its arcs, its event, its rank and its provenance."""
+
+
+class NetBuilder:
+    """Collects places and transitions by name and makes a :class:`PetriNet` of them.
+
+    Transitions may name places that are declared later; :meth:`build` checks every name.
+
+    Args:
+        name: The net's name.
+        priorities: Whether internal transitions have priority over events.
+    """
+
+    def __init__(self, name: str, *, priorities: bool = False) -> None:
+        self.name = name
+        self.priorities = priorities
+        self._places: dict[str, Place] = {}
+        self._transitions: dict[str, _Draft] = {}
+        self._units: list[list[str]] = []
+
+    def place(self, name: str, *, initial: int = 0, provenance: Provenance | None = None) -> str:
+        """Declares a place and returns its name.
+
+        Raises:
+            InputError: The name is taken.
+        """
+        if name in self._places:
+            raise InputError.at(provenance.source if provenance else None, f"place {name} is declared twice")
+        self._places[name] = Place(name, initial, provenance)
+        return name
+
+    def transition(
+        self,
+        name: str,
+        *,
+        consume: Iterable[str] | Mapping[str, int] = (),
+        produce: Iterable[str] | Mapping[str, int] = (),
+        read: Iterable[str] | Mapping[str, int] = (),
+        event: Event | None = None,
+        rank: int = 0,
+        provenance: Provenance | None = None,
+    ) -> None:
+        """Declares a transition; arcs are names of places (weight 1 each, repeats add up) or weights by name.
+
+        Raises:
+            InputError: The name is taken, or the rank is out of bounds.
+        """
+        if not 0 <= rank < EVENTS:
+            raise InputError.at(
+                provenance.source if provenance else None,
+                f"transition {name}: found the rank {rank}, expected 0 to {EVENTS - 1}",
+            )
+        if name in self._transitions:
+            raise InputError.at(
+                provenance.source if provenance else None, f"transition {name} is declared twice"
+            )
+        arcs = _weights(consume), _weights(produce), _weights(read)
+        self._transitions[name] = arcs, event, rank, provenance
+
+    def unit(self, places: Iterable[str]) -> None:
+        """Notes a group of places of which at most one is meant to be marked."""
+        self._units.append(list(places))
+
+    def has_place(self, name: str) -> bool:
+        """Whether a place of this name is declared."""
+        return name in self._places
+
+    def build(self) -> PetriNet:
+        """The net; ranks are numbered from 0 in their order.
+
+        Raises:
+            InputError: A transition or a unit names a place that nobody declared.
+        """
+        index = {name: number for number, name in enumerate(self._places)}
+
+        def resolve(weights: Mapping[str, int], user: str, provenance: Provenance | None) -> Arcs:
+            if not weights:
+                return ()
+            try:
+                arcs = [(index[place], weight) for place, weight in weights.items()]
+            except KeyError as missing:
+                raise InputError.at(
+                    provenance.source if provenance else None,
+                    f"{user} names the place {missing.args[0]}, which is not declared",
+                ) from None
+            if 0 in weights.values():
+                arcs = [arc for arc in arcs if arc[1]]
+            arcs.sort()
+            return tuple(arcs)
+
+        ranks = sorted({rank for _, event, rank, _ in self._transitions.values() if event is None})
+        number = {rank: i for i, rank in enumerate(ranks)}
+        transitions = []
+        for name, (arcs, event, rank, origin) in self._transitions.items():
+            consume, produce, read = (resolve(side, f"transition {name}", origin) for side in arcs)
+            order = number[rank] if self.priorities and event is None else 0
+            transitions.append(Transition(name, consume, produce, read, event, order, origin))
+        units = tuple(
+            tuple(p for p, _ in resolve(dict.fromkeys(unit, 1), "a unit", None)) for unit in self._units
+        )
+        return PetriNet(self.name, tuple(self._places.values()), tuple(transitions), self.priorities, units)
+
+
+def _weights(side: Iterable[str] | Mapping[str, int]) -> dict[str, int]:
+    if isinstance(side, dict) or (not isinstance(side, list) and isinstance(side, Mapping)):
+        return dict(side)
+    weights: dict[str, int] = {}
+    for place in side:
+        weights[place] = weights.get(place, 0) + 1
+    return weights

@@ -1,1 +1,0 @@
-"""State spaces: markings graphs and alternatives graphs, explicit, symbolic and by composition."""

@@ -1,0 +1,318 @@
+"""The state spaces of one net: the one place where engines are built, each space once.
+
+Questions ask :class:`Spaces` for a space by an engine (:mod:`mcpn.spaces.engines`). What has been built for
+one question is there for the next.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Hashable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+
+from mcpn.errors import InputError, LimitError, SemanticsError
+from mcpn.nets.petri import PetriNet
+from mcpn.spaces.algebra import Space
+from mcpn.spaces.diagrams.bounded import reach_markings, reaching_markings
+from mcpn.spaces.diagrams.race import Resting
+from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
+from mcpn.spaces.diagrams.symbolic import SymbolicSpace, reaching
+from mcpn.spaces.engines import Asked, Choice, Engine, On, choices_of_net
+from mcpn.spaces.markings.explicit import MAX_MARKINGS, Counts, Progress, count, explore
+from mcpn.spaces.names import PROGRESS, Names
+from mcpn.spaces.stable.completion import MAX_STABLE_STATES
+from mcpn.steps import Doing, step
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+    from mcpn.spaces.arrays import ArraySpace
+    from mcpn.spaces.diagrams.order import Order
+    from mcpn.spaces.pyeda_reference import ReferenceCounts
+    from mcpn.spaces.search.goal import Formula
+    from mcpn.spaces.stable.alternatives import AlternativesGraph
+
+# Each engine is loaded when it is asked.
+
+Built = TypeVar("Built")
+Subject: TypeAlias = "Spaces | PetriNet"
+"""What questions are asked of: spaces that may be there already, or the net that they are to be built of."""
+
+
+class Spaces:
+    """The state spaces of one net, each built when it is first asked for, and then kept.
+
+    Also an error is kept: a limit that was hit, a net that is not safe, an event with two outcomes. What was
+    built within a limit on states serves every higher limit. Callbacks for progress and executors matter
+    while a space is built; the space does not depend on them.
+
+    What questions must know of what the net means is asked here, too: which graph they speak of, what names
+    stand for, which engine comes first. Here it means nothing but itself; for a mission's net,
+    :class:`mcpn.answers.spaces.MissionSpaces` says more.
+
+    Args:
+        net: The net; an attribute, too.
+
+    Attributes:
+        asked_on: The graph that questions speak of by default.
+        one_outcome: Whether each event is known to have one outcome before any space is built.
+    """
+
+    asked_on: On = "markings"
+    one_outcome: bool = False
+
+    def __init__(self, net: PetriNet) -> None:
+        self.net = net
+        self._kept: dict[Hashable, tuple[int, Any]] = {}
+
+    # --- what the net means ---
+
+    def names(self) -> Names:
+        """Looks up what names in formulas stand for."""
+        return Names(self.net)
+
+    def progress(self) -> Sequence[tuple[Formula, tuple[int, ...]]]:
+        """The fairness constraint of that name: conditions and transitions, as of a Justice.
+
+        Raises:
+            InputError: The net is of no mission.
+        """
+        raise InputError.at(None, f"the constraint {PROGRESS} speaks of missions, and this net is of none")
+
+    def choices(self, engine: Asked, on: On, max_states: int | None = None) -> Iterator[Choice]:
+        """The engines to ask, the one that promises most first; see :mod:`mcpn.spaces.engines`."""
+        return choices_of_net(engine, max_states)
+
+    def few(self, max_states: int | None = None) -> bool:
+        """Whether few stable states are expected, so that they are listed before anything else is tried."""
+        return False
+
+    def _once(self, key: Hashable, build: Callable[[], Built], limit: int = 0) -> Built:
+        """What was built under a key, or the error that was raised; it is built where neither is known.
+
+        Args:
+            key: What is built, without the limit on states.
+            build: Builds it.
+            limit: The limit on states under which it is built.
+        """
+        if key in self._kept:
+            kept_limit, outcome = self._kept[key]
+            if kept_limit == limit or (kept_limit < limit and not isinstance(outcome, LimitError)):
+                if isinstance(outcome, LimitError | SemanticsError):
+                    raise copy.copy(outcome)
+                return outcome  # type: ignore[no-any-return]
+        try:
+            built = build()
+        except (LimitError, SemanticsError) as error:
+            self._kept[key] = limit, copy.copy(error)  # without its traceback, which holds much
+            raise
+        self._kept[key] = limit, built
+        return built
+
+    # --- by engine and graph ---
+
+    def space(
+        self,
+        by: Choice | Engine,
+        on: On = "markings",
+        *,
+        progress: Progress | None = None,
+        tokens: bool = True,
+        executor: Executor | None = None,
+    ) -> Space[Any]:
+        """The space on one of the graphs, by one of the engines.
+
+        Args:
+            by: The engine.
+            on: The graph; the alternatives graph is of nets with priorities.
+            progress: Called now and then with states and edges, or with local spaces done and to do.
+            tokens: Whether the places of a net without priorities may hold several tokens.
+            executor: Where what can be explored in parts is; this process by default.
+
+        Raises:
+            InputError: The net has no such graph.
+            SemanticsError: The net is unbounded, or not 1-safe though it has priorities or may hold no more
+                than one token in a place; of the alternatives graph, internal evolution is not confluent or
+                divergent.
+            LimitError: A limit was hit.
+        """
+        by = Choice(by) if isinstance(by, str) else by
+        if on == "alternatives" and not self.net.priorities:
+            raise InputError.at(None, "the alternatives graph is of missions: this net has no priorities")
+        if by.engine == "local":
+            message = (
+                "composition makes the alternatives graph of a mission: sections hand on stable states only"
+            )
+            raise InputError.at(None, message)
+        if on == "markings":
+            return self.markings(by, progress, tokens=tokens)
+        return self.stable(by, progress)[0] if by.engine == "explicit" else self.reduced(by, progress)[0]
+
+    # --- the whole net ---
+
+    def stable(self, by: Choice, progress: Progress | None = None) -> tuple[ArraySpace, str]:
+        """The alternatives graph by listing, and the proof of confluence used; see :meth:`space`."""
+        graph, space = self._listed(by.limit, progress)
+        return space, graph.proof or ""
+
+    def listed(self, max_states: int | None = None, progress: Progress | None = None) -> AlternativesGraph:
+        """The alternatives graph with its stable states listed, and proved; its errors are the net's own."""
+        return self._listed(MAX_STABLE_STATES if max_states is None else max_states, progress)[0]
+
+    def _listed(self, max_states: int, progress: Progress | None) -> tuple[AlternativesGraph, ArraySpace]:
+        def build() -> tuple[AlternativesGraph, ArraySpace]:
+            step(Doing.LISTING)  # before arrays are loaded, which takes its time
+            from mcpn.spaces.arrays import ArraySpace
+            from mcpn.spaces.stable.alternatives import direct_with_proof
+
+            graph = direct_with_proof(self.net, max_states=max_states, progress=progress)
+            return graph, ArraySpace(graph)
+
+        return self._once("listed", build, max_states)
+
+    def unproved(self, max_states: int, progress: Progress | None = None) -> ArraySpace:
+        """The alternatives graph with its stable states listed, confluence taken for granted."""
+
+        def build() -> ArraySpace:
+            from mcpn.spaces.arrays import ArraySpace
+            from mcpn.spaces.stable.alternatives import direct
+
+            return ArraySpace(direct(self.net, proof=False, max_states=max_states, progress=progress))
+
+        return self._once("unproved", build, max_states)
+
+    def markings(
+        self, by: Choice, progress: Progress | None = None, *, tokens: bool = True
+    ) -> ArraySpace | DiagramMarkings:
+        """The markings graph; see :meth:`space`."""
+        tokens = tokens and not self.net.priorities  # else the net must be 1-safe
+        if by.engine == "explicit":
+            return self._once(("explicit", tokens), lambda: self._arrays(by, progress, tokens), by.limit)
+        edges = (
+            by.why is not None and not self.net.priorities
+        )  # ``auto`` chose: no diagram was asked for by name
+
+        def build() -> ArraySpace | DiagramMarkings:
+            space = self.symbolic(tokens=tokens, edges=edges)
+            if space.listed is None:
+                return DiagramMarkings(space)
+            from mcpn.spaces.arrays import ArraySpace
+
+            return ArraySpace(space.listed)
+
+        return self._once(("markings", tokens, edges), build)
+
+    def _arrays(self, by: Choice, progress: Progress | None, tokens: bool) -> ArraySpace:
+        step(Doing.LISTING_MARKINGS)
+        from mcpn.spaces.arrays import ArraySpace
+
+        if not tokens:
+            return ArraySpace(explore(self.net, max_states=by.limit, progress=progress))
+        from mcpn.spaces.markings.counted import explore_markings
+
+        return ArraySpace(explore_markings(self.net, max_states=by.limit, progress=progress))
+
+    def symbolic(self, *, tokens: bool = True, edges: bool = False) -> SymbolicSpace:
+        """All markings as a diagram.
+
+        Args:
+            tokens: Whether places may hold several tokens.
+            edges: Whether firings are kept where the markings were listed, if they fit.
+        """
+
+        def build() -> SymbolicSpace:
+            step(Doing.MAKING_DIAGRAM)
+            return self._reaching(tokens and not self.net.priorities, edges).made
+
+        return self._once(("symbolic", tokens and not self.net.priorities, edges), build)
+
+    def _reaching(self, tokens: bool, edges: bool) -> Resting[SymbolicSpace]:
+        work = reaching_markings if tokens else reaching  # without tokens the net must be 1-safe
+        return self._once(("reaching", tokens, edges), lambda: Resting(work(self.net, edges=edges)))
+
+    @property
+    def diagram(self) -> DiagramMarkings:
+        """All markings of a bounded net on a diagram, with as many tokens as there are."""
+        return self._once("diagram", lambda: DiagramMarkings(self.symbolic()))
+
+    def reduced(
+        self, by: Choice, progress: Progress | None = None, *, proof: bool = True
+    ) -> tuple[Space[Any], str]:
+        """The alternatives graph by way of all markings of a 1-safe net, and the proof of confluence."""
+
+        def build() -> tuple[Space[Any], str]:
+            markings = self.markings(by, progress, tokens=False)
+            step(Doing.PROVING)
+            if not isinstance(markings, DiagramMarkings):
+                from mcpn.spaces.stable.alternatives import by_reduction
+
+                graph = by_reduction(markings.graph)
+                return type(markings)(graph), graph.proof or ""
+            from mcpn.spaces.stable.confluence import prove_confluent
+
+            space = markings.space
+            proved = prove_confluent(self.net, max_states=by.limit, space=space) if proof else ""
+            return DiagramAlternatives(space), proved
+
+        listed_early = by.why is not None and not self.net.priorities
+        return self._once(("reduced", by.engine, listed_early, proof), build, by.limit)
+
+    def ordered(self, order: Order | None = None, seed: int | None = None) -> SymbolicSpace:
+        """All markings on a diagram whose order of places is given, or raced with one that a seed draws."""
+        key = "ordered", None if order is None else tuple(order), seed
+        return self._once(key, lambda: reach_markings(self.net, order=order, seed=seed))
+
+    def go_on(self, steps: int) -> bool:
+        """Goes on with the diagram of all markings of a net without priorities, as ``auto`` asks for it.
+
+        Args:
+            steps: How many the rounds of the race of orders may have.
+
+        Returns:
+            Whether it is there; where an error has ended the work, whoever asks for the space meets it.
+        """
+        return self._reaching(tokens=True, edges=True).go_on(steps)
+
+    def counted(
+        self, max_states: int | None = None, progress: Progress | None = None, *, tokens: bool = True
+    ) -> Counts:
+        """The sizes of the markings graph, counted marking by marking without keeping the firings."""
+        tokens, limit = tokens and not self.net.priorities, max_states or MAX_MARKINGS
+
+        def build() -> Counts:
+            if not tokens:
+                return count(self.net, max_states=limit, progress=progress)
+            from mcpn.spaces.markings.counted import count_markings
+
+            return count_markings(self.net, max_states=limit, progress=progress)
+
+        return self._once(("counted", tokens), build, limit)
+
+    def reference(self) -> ReferenceCounts:
+        """What the independent reference counts.
+
+        Raises:
+            UnsafeError: The net is not 1-safe.
+            LimitError: pyeda holds too many nodes, or is not installed.
+        """
+        try:
+            from mcpn.spaces import pyeda_reference
+
+            return self._once("reference", lambda: pyeda_reference.count(self.net))
+        except ImportError as error:
+            raise LimitError("the reference engine needs pyeda: pip install 'mcpn[pyeda]'") from error
+
+    def with_tokens(self, max_states: int) -> ArraySpace:
+        """All markings of a bounded net listed, with as many tokens as there are, priorities respected."""
+        from mcpn.spaces.arrays import ArraySpace
+        from mcpn.spaces.markings.counted import explore_tokens
+
+        def build() -> ArraySpace:
+            return ArraySpace(explore_tokens(self.net, max_states=max_states))
+
+        return self._once("with tokens", build, max_states)
+
+
+def spaces_of(of: Subject) -> Spaces:
+    """The spaces of a net; those that are given, if they are."""
+    return of if isinstance(of, Spaces) else Spaces(of)

@@ -1,0 +1,437 @@
+"""The state equation: markings that firings could reach if their order did not matter.
+
+Each reachable marking is the initial one and what some numbers of firings change. Where no such marking
+satisfies a goal, none is reachable. What the equation lets pass is made narrower by traps: one that is marked
+at first stays marked. J. Esparza, S. Melzer, *Verification of safety properties using integer programming:
+beyond the state equation*, Formal Methods in System Design 16, 2000.
+
+Conditions become rows of a linear program, which HiGHS solves; where a solution is not whole, branch and
+bound goes on. The solver's numbers are floating: each refutation and each bound is taken from it as
+multipliers of rows, and believed once :func:`mcpn.nets.programs.ceiling` has proved it in whole numbers. An
+alternative that no finite bound is known for is left out, which only lets more pass.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from math import ceil, floor, inf, isinf
+from typing import Literal, TypeAlias
+
+from mcpn.nets.petri import PetriNet
+from mcpn.nets.programs import LinearProgram, Solved, ceiling, proposed
+from mcpn.nets.structure import incidence, place_bounds
+from mcpn.spaces.search.goal import DEADLOCK, And, AtMost, Goal, Or, as_goal, fireable
+
+WHOLE = 1e-6
+"""How far from a whole number the solver's numbers may be that mean it."""
+LARGEST = 10**9
+"""Weights and tokens beyond this are not given to the solver."""
+MOST_ENTRIES = 200_000
+ITERATIONS = 20_000
+"""Of the simplex method, for each solution."""
+NODES = 100
+TRAPS = 30
+
+Kind: TypeAlias = Literal["unreachable", "possible", "unknown"]
+Sums: TypeAlias = tuple[dict[int, int], float, float]
+"""Weights by variable, and the least and the most that their sum may be."""
+
+
+@dataclass(frozen=True)
+class Proof:
+    """Multipliers that show that no values of the variables satisfy some rows, or bound a sum.
+
+    Variables are the numbers of firings, the tokens of the places, and choices between alternatives. The
+    first rows, one for each place, are the state equation.
+
+    Args:
+        rows: The rows.
+        lower: The least value of each variable.
+        upper: The greatest value of each.
+        multipliers: By row.
+        common: Their denominator.
+    """
+
+    rows: Sequence[Sums]
+    lower: Sequence[float]
+    upper: Sequence[float]
+    multipliers: Sequence[int]
+    common: int
+
+
+@dataclass(frozen=True)
+class Solution:
+    """What the state equation says of a goal.
+
+    Args:
+        kind: No marking of the goal is reachable, some numbers of firings may lead to one, or it is not
+            decided.
+        counts: Numbers of firings, by transition.
+        traps: How many traps were needed.
+        proofs: Why none is reachable: of each case of the branch and bound.
+    """
+
+    kind: Kind
+    counts: tuple[int, ...] = ()
+    traps: int = 0
+    proofs: tuple[Proof, ...] = ()
+
+
+@dataclass(frozen=True)
+class Ceiling:
+    """The most that a sum of tokens may come to, by the state equation.
+
+    Args:
+        bound: No reachable marking has more; ``None`` where no bound is proved.
+        counts: Numbers of firings that may lead there, by transition.
+        traps: How many traps were needed.
+        proof: Why.
+    """
+
+    bound: int | None
+    counts: tuple[int, ...] = ()
+    traps: int = 0
+    proof: Proof | None = None
+
+
+class StateEquation:
+    """The state equation of a net.
+
+    Args:
+        net: The net.
+    """
+
+    def __init__(self, net: PetriNet) -> None:
+        self.net = net
+        self._traps: list[frozenset[int]] = []
+
+    @cached_property
+    def bounds(self) -> list[float]:
+        """Most tokens of each place, as far as invariants say."""
+        return place_bounds(self.net)
+
+    @cached_property
+    def fits(self) -> bool:
+        """Whether the net is within what the solver is given."""
+        arcs = [w for t in self.net.transitions for side in (t.consume, t.produce, t.read) for _, w in side]
+        return max((*arcs, *self.net.initial), default=0) <= LARGEST and len(arcs) <= MOST_ENTRIES
+
+    @cached_property
+    def _plain(self) -> _Program:
+        """The equation and the traps found, without a goal and without bounds."""
+        return _Program(self.net, [inf] * len(self.net.places), self._traps)
+
+    def most(self, weights: Mapping[int, int]) -> Ceiling:
+        """The most that a weighted sum of tokens may come to.
+
+        Args:
+            weights: By place.
+
+        Returns:
+            A bound that holds, with its proof.
+        """
+        if not self.fits or max(map(abs, weights.values()), default=0) > LARGEST:
+            return Ceiling(None)
+        program, best = self._plain, Ceiling(None)
+        sum_of_places = {program.first_place + place: weight for place, weight in weights.items()}
+        while True:
+            solved = program.solve(sum_of_places)
+            if solved.kind != "solved":
+                return best
+            found = program.proved(solved.duals, sum_of_places)
+            if found is None:
+                return best
+            bound, proof = found
+            best = Ceiling(floor(bound), program.counts(solved), len(program.traps), proof)
+            if len(program.traps) >= TRAPS or not (trap := self._trap(program.empty(solved))):
+                return best
+            program.mark(trap)
+
+    def shared(self, ceiling: Ceiling) -> dict[int, int]:
+        """Bounds of single places that a proof gives besides, where no weight of its sum is negative."""
+        if ceiling.proof is None:
+            return {}
+        first, total = len(self.net.transitions), 0
+        weights = [0] * len(self.net.places)
+        for multiplier, (row, least, _) in zip(ceiling.proof.multipliers, ceiling.proof.rows, strict=True):
+            if multiplier:
+                total -= multiplier * int(least)
+                for variable, weight in row.items():
+                    if variable >= first:
+                        weights[variable - first] -= multiplier * weight
+        return {place: total // weight for place, weight in enumerate(weights) if weight > 0}
+
+    def solve(self, goal: Goal) -> Solution:
+        """Whether the equation, with traps, rules a goal out.
+
+        Args:
+            goal: Any goal.
+
+        Returns:
+            The answer; ``unknown`` also where the net or the goal is too large for the solver.
+        """
+        if not self.fits:
+            return Solution("unknown")
+        box = _box(goal)
+        if box is not None:  # bounds of places: nothing but them is added to the equation
+            program = self._plain
+            cases = [{program.first_place + place: pair for place, pair in box.items()}]
+        else:
+            program, cases = _Program(self.net, self.bounds, self._traps), [{}]
+            if not program.require(goal):
+                return Solution("unknown")
+        proofs: list[Proof] = []
+        nodes = 0
+        while cases:
+            case = cases.pop()
+            solved = program.solve({}, case)
+            if solved.kind == "infeasible":
+                found = program.proved(solved.duals, {}, case)
+                if found is None:
+                    return Solution("unknown")
+                proofs.append(found[1])
+                continue
+            nodes += 1
+            if solved.kind == "unknown" or nodes > NODES + len(program.traps):
+                return Solution("unknown")
+            trap = self._trap(program.empty(solved)) if len(program.traps) < TRAPS else frozenset()
+            if trap:
+                program.mark(trap)
+                cases.append(case)
+                continue
+            split = program.between(solved)
+            if split is None:
+                return Solution("possible", program.counts(solved), len(program.traps))
+            variable, value = split
+            low, high = case.get(variable, (program.lower[variable], program.upper[variable]))
+            cases += [
+                {**case, variable: (low, floor(value))},
+                {**case, variable: (floor(value) + 1.0, high)},
+            ]
+        return Solution("unreachable", traps=len(program.traps), proofs=tuple(proofs))
+
+    def _trap(self, within: Iterable[int]) -> frozenset[int]:
+        """An initially marked trap within some places, shrunk greedily; empty where there is none."""
+        trap = self._largest_trap(within)
+        if not any(self.net.initial[p] for p in trap):
+            return frozenset()
+        for place in sorted(trap):
+            if place in trap:
+                smaller = self._largest_trap(trap - {place})
+                if any(self.net.initial[p] for p in smaller):
+                    trap = smaller
+        return trap
+
+    def _largest_trap(self, within: Iterable[int]) -> frozenset[int]:
+        """The largest set of some places such that what takes from it also puts in it."""
+        trap = set(within)
+        queue = list(trap)
+        while queue:
+            place = queue.pop()
+            if place not in trap:
+                continue
+            if any(trap.isdisjoint(self._puts[t]) for t in self._takers[place]):
+                trap.discard(place)
+                queue += (p for t in self._feeders[place] for p in self._needs[t] if p in trap)
+        return frozenset(trap)
+
+    @cached_property
+    def _needs(self) -> list[frozenset[int]]:
+        return [frozenset(p for p, _ in t.consume) for t in self.net.transitions]
+
+    @cached_property
+    def _puts(self) -> list[frozenset[int]]:
+        """Places that hold a token after a firing."""
+        sets = []
+        for t in self.net.transitions:
+            taken = dict(t.consume)
+            stays = (p for p, weight in t.read if weight > taken.get(p, 0))
+            sets.append(frozenset(p for p, _ in t.produce).union(stays))
+        return sets
+
+    @cached_property
+    def _takers(self) -> list[list[int]]:
+        return _by_place(self._needs, len(self.net.places))
+
+    @cached_property
+    def _feeders(self) -> list[list[int]]:
+        return _by_place(self._puts, len(self.net.places))
+
+
+def _by_place(sides: list[frozenset[int]], places: int) -> list[list[int]]:
+    lists: list[list[int]] = [[] for _ in range(places)]
+    for t, side in enumerate(sides):
+        for place in side:
+            lists[place].append(t)
+    return lists
+
+
+def _box(goal: Goal) -> dict[int, tuple[float, float]] | None:
+    """The bounds of places that a goal is made of; ``None`` where it is made of more."""
+    box: dict[int, tuple[float, float]] = {}
+    for part in goal.operands if isinstance(goal, And) else (goal,):
+        match part:
+            case AtMost(((place, weight),), bound) if max(abs(weight), abs(bound)) <= LARGEST:
+                low, high = box.get(place, (0.0, inf))
+                if weight > 0:
+                    high = min(high, bound // weight)
+                else:
+                    low = max(low, -(bound // -weight))
+                box[place] = low, high
+            case _:
+                return None
+    # The solver refuses bounds that cross; branch and bound is for all others.
+    return None if any(low > high for low, high in box.values()) else box
+
+
+class _Program:
+    """Rows of a linear program: numbers of firings, tokens, and choices between alternatives."""
+
+    def __init__(self, net: PetriNet, bounds: Sequence[float], traps: list[frozenset[int]]) -> None:
+        self.net, self.bounds, self.traps = net, bounds, traps
+        self.first_place = len(net.transitions)
+        self.first_choice = self.first_place + len(net.places)
+        self.lower = [0.0] * self.first_choice
+        self.upper = [inf] * self.first_place + list(bounds)
+        self.rows: list[Sums] = []
+        for place, (row, tokens) in enumerate(zip(incidence(net), net.initial, strict=True)):
+            self.rows.append(({**row, self.first_place + place: -1}, -tokens, -tokens))
+        for trap in traps:
+            self.at_least(dict.fromkeys(trap, 1), 1)
+        self._changed: set[int] = set()
+        self._firings = dict.fromkeys(range(self.first_place), 1.0)
+        self._priced: dict[int, float] = {}
+
+    def at_least(self, weights: dict[int, int], least: int, choice: int | None = None) -> None:
+        """A weighted sum of places is at least so much, where an alternative is chosen if one is given."""
+        row = {self.first_place + place: weight for place, weight in weights.items()}
+        if choice is not None:
+            if any(w < 0 and self.bounds[p] == inf for p, w in weights.items()):
+                return
+            lowest = sum(w * int(self.bounds[p]) for p, w in weights.items() if w < 0)
+            if lowest >= least:
+                return
+            row[choice] = lowest - least
+            least = lowest
+        self.rows.append((row, least, inf))
+
+    def mark(self, trap: frozenset[int]) -> None:
+        """A trap stays marked."""
+        self.traps.append(trap)
+        self.at_least(dict.fromkeys(trap, 1), 1)
+        self._solver.require(self.rows[-1])
+
+    def require(self, goal: Goal, choice: int | None = None) -> bool:
+        """Adds a goal; whether its numbers are within what the solver is given."""
+        match goal:
+            case AtMost(weights, bound):
+                if max([abs(bound), *(abs(weight) for _, weight in weights)]) > LARGEST:
+                    return False
+                self.at_least({p: -w for p, w in weights}, -bound, choice)
+                return True
+            case And(goals):
+                return all(self.require(inside, choice) for inside in goals)
+            case Or((only,)):
+                return self.require(only, choice)
+            case Or(goals):
+                return self._clause(goals, choice) or self._choose(goals, choice)
+            case _:  # a deadlock, or that something may fire
+                fires = Or(*(fireable(self.net, t) for t in range(len(self.net.transitions))))
+                spelled = as_goal(fires, self.net, goal != DEADLOCK)
+                assert spelled is not None, "it speaks of tokens alone"
+                return self.require(spelled, choice)
+
+    def _clause(self, goals: tuple[Goal, ...], choice: int | None) -> bool:
+        """One row for alternatives that each ask whether a place of at most one token is marked."""
+        weights: dict[int, int] = {}
+        least = 1
+        for goal in goals:
+            match goal:
+                case AtMost(((place, 1),), 0) if self.bounds[place] <= 1 and place not in weights:
+                    weights[place] = -1
+                    least -= 1
+                case AtMost(((place, -1),), -1) if self.bounds[place] <= 1 and place not in weights:
+                    weights[place] = 1
+                case _:
+                    return False
+        self.at_least(weights, least, choice)
+        return True
+
+    def _choose(self, goals: tuple[Goal, ...], choice: int | None) -> bool:
+        chosen = []
+        for goal in goals:
+            number = len(self.upper)
+            self.lower.append(0.0)
+            self.upper.append(1.0)
+            chosen.append(number)
+            if not self.require(goal, number):
+                return False
+        row = dict.fromkeys(chosen, 1)
+        if choice is not None:
+            row[choice] = -1
+        self.rows.append((row, 1 if choice is None else 0, inf))
+        return True
+
+    @cached_property
+    def _solver(self) -> LinearProgram:
+        return LinearProgram(
+            [0.0] * len(self.upper),
+            self.rows,
+            self.lower,
+            self.upper,
+            presolve="off",  # which tells no multipliers
+            simplex_iteration_limit=ITERATIONS,
+        )
+
+    def solve(self, most: Mapping[int, int], case: Mapping[int, tuple[float, float]] | None = None) -> Solved:
+        """Looks for values where a sum is greatest, or else the firings fewest, within bounds of a case."""
+        case = case or {}
+        back = {variable: (self.lower[variable], self.upper[variable]) for variable in self._changed}
+        self._solver.limit({**back, **case})
+        self._changed = set(case)
+        costs = {variable: -float(w) for variable, w in most.items()} or self._firings
+        self._solver.price({**dict.fromkeys(self._priced, 0.0), **costs})
+        self._priced = costs
+        return self._solver.minimise()
+
+    def proved(
+        self,
+        duals: Sequence[float],
+        weights: Mapping[int, int],
+        case: Mapping[int, tuple[float, float]] | None = None,
+    ) -> tuple[float | Fraction, Proof] | None:
+        """What a sum cannot exceed; of no sum, that there are no values. ``None`` where neither is proved."""
+        if len(duals) != len(self.rows):  # the solver has no proof to propose
+            return None
+        lower, upper = list(self.lower), list(self.upper)
+        for variable, (low, high) in (case or {}).items():
+            lower[variable], upper[variable] = low, high
+        signs = (1,) if weights else (1, -1)
+        largest = 1.0 if weights else max(map(abs, duals), default=1.0) or 1.0
+        for sign in signs:
+            for multipliers, common in proposed([sign * value / largest for value in duals]):
+                bound = ceiling(weights, self.rows, lower, upper, multipliers, common)
+                if bound < 0 or (weights and not isinf(bound)):
+                    return bound, Proof(tuple(self.rows), lower, upper, multipliers, common)
+        return None
+
+    def counts(self, solved: Solved) -> tuple[int, ...]:
+        """Numbers of firings of a solution."""
+        return tuple(ceil(value - WHOLE) for value in solved.values[: self.first_place])
+
+    def empty(self, solved: Solved) -> set[int]:
+        """Places without tokens in a solution."""
+        tokens = solved.values[self.first_place : self.first_choice]
+        return {place for place, value in enumerate(tokens) if value < WHOLE}
+
+    def between(self, solved: Solved) -> tuple[int, float] | None:
+        """A choice, or else the tokens of a place, that a solution leaves between two whole numbers."""
+        split = [
+            (v < self.first_choice, abs(value % 1 - 0.5), v)
+            for v, value in enumerate(solved.values)
+            if v >= self.first_place and abs(value - round(value)) > WHOLE
+        ]
+        return (variable, solved.values[variable]) if split and (variable := min(split)[2]) else None

@@ -1,0 +1,263 @@
+"""What is true of a net as a whole, by the state equation, by walks and by its arcs: no space is built.
+
+The state equation says how many tokens there may be and which transitions never fire; walks meet these bounds
+and fire the others. Each answer is exact: a bound counts once a marking has come to it, and a transition is
+dead or has fired, or nothing is said.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cached_property
+from itertools import islice
+from math import inf
+from typing import TypeAlias
+
+from mcpn.errors import LimitError
+from mcpn.nets.petri import PetriNet
+from mcpn.nets.repeatable import repeatable
+from mcpn.nets.siphons import classes, commoner
+from mcpn.nets.structure import incidence, needs
+from mcpn.spaces.search.equation import Ceiling, StateEquation
+from mcpn.spaces.search.goal import AtMost, Fires, Formula, Goal, fireable, holds, marked
+from mcpn.spaces.search.portfolio import INITIAL_STATE, RANDOM_WALK, STATE_EQUATION, TRAPS
+from mcpn.spaces.search.searches import Searches
+
+STRUCTURE = "STRUCTURAL"
+STEPS = 20_000
+"""Firings of walks for each sum; as many for all transitions together, and some for each."""
+STEPS_OF_TRANSITION = 50
+MOST_COUNTED = 1_000_000
+"""Firings of a walk by the numbers that the equation proposes."""
+MOST_WORK, WORK_OF_CALL = 2_000_000, 500
+"""How much work the equation is asked for of all transitions, of all places and of all atoms: calls times
+arcs, as if each net had some more."""
+MOST_TOGETHER = 20
+"""Sums whose walks have their full number of firings."""
+SIPHON_STEPS = 500
+MOST_ARCS = 5_000
+"""Where a net has more, its siphons are not looked for."""
+
+Ways: TypeAlias = tuple[str, ...]
+
+
+class Facts:
+    """Bounds, dead transitions, safety and liveness of a net without priorities.
+
+    Args:
+        net: The net.
+
+    Attributes:
+        fires: Transitions that are known to fire in some reachable marking.
+        dead: Transitions that are known never to fire.
+        ceilings: By sum of places the most that it may come to, as far as is known.
+    """
+
+    def __init__(self, net: PetriNet) -> None:
+        assert not net.priorities, "with priorities, less fires than the arcs say"
+        self.net = net
+        self.equation = StateEquation(net)
+        self.searches = Searches(net)
+        self.fires: set[int] = set()
+        self.dead: set[int] = set()
+        self.ceilings: dict[tuple[int, ...], int] = {}
+        self._traps = False
+        self._round = self._asked = 0
+
+    # --- bounds ---
+
+    def sums(self, asked: Iterable[tuple[int, ...]]) -> Iterator[tuple[tuple[int, ...], int, Ways]]:
+        """The most tokens that places hold together, of sums whose bound by the equation is met.
+
+        Args:
+            asked: Places of each sum; one that stands twice counts twice.
+
+        Yields:
+            A sum, its bound, and how it was had.
+        """
+        met: list[tuple[tuple[int, ...], Ceiling]] = []
+        for places in asked:
+            found = self.equation.most(Counter(places))
+            if found.bound is None:
+                continue
+            self.ceilings[places] = found.bound
+            ways = _proved(found.traps)
+            if holds(exceeding(places, found.bound - 1), self.net, self.net.initial):
+                yield places, found.bound, (INITIAL_STATE, *ways)
+            else:
+                met.append((places, found))
+        goals = [exceeding(places, self.ceilings[places] - 1) for places, _ in met]
+        reached = self._met(goals, STEPS * min(len(goals), MOST_TOGETHER))
+        for goal, (places, found) in enumerate(met):
+            if goal in reached or self._counted(goals[goal], found.counts):
+                yield places, self.ceilings[places], (*_proved(found.traps), RANDOM_WALK)
+
+    # --- transitions ---
+
+    def know_transitions(self) -> None:
+        """Finds out, once, which transitions fire and which are dead, as far as that is told."""
+        if self.fires or self.dead:
+            return
+        self.dead |= set(range(len(self.net.transitions))) - self._possible()
+        self._fire(STEPS)
+        for t in self._affordable(self.unknown):
+            solution = self.equation.solve(fireable(self.net, t))
+            if solution.kind == "unreachable":
+                self.dead.add(t)
+                self._traps = self._traps or bool(solution.traps)
+            elif solution.kind == "possible" and self._counted(fireable(self.net, t), solution.counts):
+                self.fires.add(t)
+
+    @property
+    def unknown(self) -> list[int]:
+        """Transitions of which neither is known."""
+        return [t for t in range(len(self.net.transitions)) if t not in self.fires and t not in self.dead]
+
+    @property
+    def ways(self) -> Ways:
+        """How it was found out which transitions fire."""
+        return (RANDOM_WALK, *(_proved(self._traps) if self.dead else ()))
+
+    def _fire(self, steps: int) -> None:
+        open_ones = self.unknown
+        goals = [fireable(self.net, t) for t in open_ones]
+        found = self._met(goals, steps + STEPS_OF_TRANSITION * len(goals))
+        self.fires.update(open_ones[goal] for goal in found)
+
+    def _possible(self) -> set[int]:
+        """Transitions whose places can be marked one after the other: all others need an empty siphon."""
+        marked_ones = {p for p, tokens in enumerate(self.net.initial) if tokens}
+        waiting: dict[int, list[int]] = {}
+        missing = []
+        ready = []
+        for t in range(len(self.net.transitions)):
+            wanted = needs(self.net, t).keys() - marked_ones
+            missing.append(len(wanted))
+            for place in wanted:
+                waiting.setdefault(place, []).append(t)
+            if not wanted:
+                ready.append(t)
+        found = set(ready)
+        while ready:
+            for place, _ in self.net.transitions[ready.pop()].produce:
+                for t in waiting.pop(place, ()):
+                    missing[t] -= 1
+                    if not missing[t]:
+                        found.add(t)
+                        ready.append(t)
+        return found
+
+    # --- examinations ---
+
+    @property
+    def examinations(self) -> dict[str, Callable[[], tuple[bool | None, Ways]]]:
+        """By names of the contest: what decides each, cheap ones first; ``None`` where it is not decided."""
+        return {
+            "OneSafe": self.safe,
+            "QuasiLiveness": self.quasi_live,
+            "StableMarking": self.stable_place,
+            "Liveness": self.live,
+        }
+
+    def quasi_live(self) -> tuple[bool | None, Ways]:
+        """Whether every transition fires somewhere, and how it is known."""
+        self.know_transitions()
+        return (False if self.dead else None if self.unknown else True), self.ways
+
+    def stable_place(self) -> tuple[bool | None, Ways]:
+        """Whether the tokens of some place never change, and how it is known."""
+        changing = incidence(self.net)
+        if not all(changing):
+            return True, (STRUCTURE,)
+        self.know_transitions()
+        if any(self.dead.issuperset(row) for row in changing):
+            return True, self.ways
+        return (None if any(self.fires.isdisjoint(row) for row in changing) else False), self.ways
+
+    def safe(self) -> tuple[bool | None, Ways]:
+        """Whether no place ever holds two tokens, as far as the equation and walks tell, and how."""
+        crowded, whole = self._crowded(1)
+        if self._met([marked(p, tokens=2) for p in crowded], STEPS * min(len(crowded), MOST_TOGETHER)):
+            return False, (RANDOM_WALK,)
+        return (None, ()) if crowded or not whole else (True, _proved(self._traps))
+
+    @cached_property
+    def bounded(self) -> bool:
+        """Whether the equation bounds every place."""
+        return self._crowded(inf) == ([], True)
+
+    def _crowded(self, most: float) -> tuple[list[int], bool]:
+        """Places not proved to hold so few tokens, and whether the others are proved to."""
+        crowded: list[int] = []
+        known: dict[int, float] = {}
+        every = range(len(self.net.places))
+        for place in self._affordable(p for p in every if known.get(p, inf) == inf or known[p] > most):
+            found = self.equation.most({place: 1})
+            self._traps = self._traps or bool(found.traps)
+            for other, bound in self.equation.shared(found).items():
+                known[other] = min(bound, known.get(other, inf))
+            if found.bound is not None:
+                known[place] = min(found.bound, known.get(place, inf))
+            if known.get(place, inf) > most or place not in known:
+                crowded.append(place)
+        return crowded, all(p in crowded or (p in known and known[p] <= most) for p in every)
+
+    def _affordable(self, asked: Iterable[int]) -> Iterator[int]:
+        """Those of which the equation is asked one by one: fewer, the larger the net is."""
+        return islice(asked, MOST_WORK // self._size)
+
+    @cached_property
+    def _size(self) -> int:
+        return WORK_OF_CALL + sum(len(t.consume) + len(t.produce) for t in self.net.transitions)
+
+    def always(self, atom: Formula) -> bool | None:
+        """The value of an atom that is the same in every reachable marking; ``None`` where not known."""
+        match atom:
+            case Fires(transitions) if self.dead.issuperset(transitions):
+                return False
+            case AtMost(weights, bound) if self._asked * self._size < MOST_WORK:
+                self._asked += 1
+                if (most := self.equation.most(dict(weights)).bound) is not None and most <= bound:
+                    return True
+                least = self.equation.most({place: -weight for place, weight in weights}).bound
+                return False if least is not None and -least > bound else None
+        return None
+
+    def live(self) -> tuple[bool | None, Ways]:
+        """Whether every transition can always fire again, as far as arcs and the equation tell, and how."""
+        every = range(len(self.net.transitions))
+        if self.equation.fits and self.bounded and len(repeatable(self.net, every)) < len(every):
+            return False, (STATE_EQUATION,)  # what lowers a bounded sum that nothing raises ends
+        if sum(len(t.consume) for t in self.net.transitions) <= MOST_ARCS:
+            try:
+                if {"ordinary", "free choice"} <= classes(self.net):
+                    return commoner(self.net, max_steps=SIPHON_STEPS) is None, (STRUCTURE,)
+            except LimitError:
+                pass
+        return None, ()
+
+    # --- walks ---
+
+    def _met(self, goals: Sequence[Goal], steps: int) -> set[int]:
+        """The goals that a walk has met, by index."""
+        if not goals or not self.searches.fits:
+            return set()
+        self._round += 1
+        return self.searches.met(goals, steps=steps, seed=self._round)
+
+    def _counted(self, goal: Goal, counts: Sequence[int]) -> bool:
+        """Whether a walk by proposed numbers of firings meets a goal."""
+        firings = sum(counts)
+        if not self.searches.fits or firings > MOST_COUNTED:
+            return False
+        return bool(self.searches.met([goal], steps=STEPS + 4 * firings, counts=counts))
+
+
+def exceeding(places: Sequence[int], bound: int) -> Goal:
+    """The markings where places hold together more tokens; one that stands twice counts twice."""
+    return AtMost(tuple((place, -times) for place, times in sorted(Counter(places).items())), -bound - 1)
+
+
+def _proved(traps: int) -> Ways:
+    return (STATE_EQUATION, TRAPS) if traps else (STATE_EQUATION,)

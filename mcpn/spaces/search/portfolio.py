@@ -1,0 +1,211 @@
+"""Is some marking of a goal reachable? Asked of cheap ways first, each with a budget that grows by rounds.
+
+The ways are a look at the initial marking, walks, structural reductions with a search of what is left, and
+the state equation. Nothing here builds the whole space, and nothing is sure to end with an answer.
+
+Budgets are counts of firings and markings, never seconds, so that the same question has the same answer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from mcpn.nets.petri import PetriNet
+from mcpn.nets.reduce.reduction import Reduction, reduce_for_deadlock, reduce_for_goal
+from mcpn.spaces.search.goal import DEADLOCK, Goal, asks_dead, holds, renamed, wanted
+from mcpn.spaces.search.searches import Run, Searches, leads_to, replay, shortened
+
+INITIAL_STATE, RANDOM_WALK, STUBBORN_SETS = "INITIAL_STATE", "RANDOM_WALK", "STUBBORN_SETS"
+EXPLICIT, REDUCTION = "EXPLICIT", "STRUCTURAL_REDUCTION"
+STATE_EQUATION, TRAPS = "STATE_EQUATION", "TRAPS"
+MOST_LEFT = 100_000
+"""Firings after a lifted run before its end must be dead."""
+
+
+@dataclass(frozen=True)
+class SearchResult:
+    """Whether a goal is reachable, and how that was found.
+
+    Args:
+        reachable: The answer.
+        run: Transitions of the net from its initial marking to the goal, where it is reachable.
+        techniques: The ways that led to the answer, in words of the Model Checking Contest.
+    """
+
+    reachable: bool
+    run: Run | None
+    techniques: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Round:
+    """Budgets of one round, for each goal.
+
+    Args:
+        steps: Firings of a walk; none where it is 0.
+        states: Markings of a search.
+        equation: Whether the state equation is asked as well.
+    """
+
+    steps: int
+    states: int
+    equation: bool = False
+
+
+ALONE = 3
+"""How many times as many markings a lone goal has before the equation, whose solver takes as long to load."""
+STEPS_OF_TRANSITION = 20
+"""Firings of a walk beyond those of its round, for each transition of the net."""
+SHORT = Round(0, 20_000)
+"""A search alone, whose runs are shorter than those of walks."""
+ROUNDS = (Round(20_000, 2_000), Round(60_000, 20_000, equation=True), Round(200_000, 200_000))
+
+
+class Portfolio:
+    """Decides goals on one net.
+
+    Args:
+        net: Any net. One with priorities is neither reduced nor searched by stubborn sets; the state equation
+            speaks of it too, since priorities only forbid.
+    """
+
+    def __init__(self, net: PetriNet) -> None:
+        self.net = net
+
+    @cached_property
+    def searches(self) -> Searches:
+        """Walks and searches on the net itself."""
+        return Searches(self.net)
+
+    def decide(
+        self,
+        goals: Sequence[Goal],
+        rounds: Sequence[Round] = ROUNDS,
+        go_on: Callable[[], bool] = lambda: True,
+    ) -> Iterator[tuple[int, SearchResult]]:
+        """Decides goals, the easy ones first.
+
+        Args:
+            goals: What may be reachable.
+            rounds: Budgets, growing.
+            go_on: Asked before each round but the first: it may know a quicker way.
+
+        Yields:
+            The index of a goal and what was found, as it comes; goals that no way decides are left out.
+        """
+        waiting = []
+        for index, goal in enumerate(goals):
+            if holds(goal, self.net, self.net.initial):
+                yield index, SearchResult(True, (), (INITIAL_STATE,))
+            else:
+                waiting.append(index)
+        if not self.searches.fits:
+            return
+        tasks: dict[int, _Task] = {}
+        for number, budget in enumerate(rounds):
+            if not waiting or (number and not go_on()):
+                return
+            beyond = STEPS_OF_TRANSITION * len(self.net.transitions) if budget.steps else 0
+            walked = self.searches.walk(
+                [goals[index] for index in waiting], steps=(budget.steps + beyond) * len(waiting), seed=number
+            )
+            for position, run in walked.items():
+                yield (
+                    waiting[position],
+                    SearchResult(True, _direct(self.net, run, goals[waiting[position]]), (RANDOM_WALK,)),
+                )
+            waiting = [index for position, index in enumerate(waiting) if position not in walked]
+            left = []
+            for index in waiting:
+                task = tasks.get(index) or tasks.setdefault(index, _Task(self.net, goals[index]))
+                finding = task.search(budget, seed=number, alone=len(goals) == 1)
+                if finding is None:
+                    left.append(index)
+                else:
+                    yield index, finding
+            waiting = left
+
+
+class _Task:
+    """One goal, on the net reduced for it.
+
+    Args:
+        net: The net.
+        goal: What is looked for.
+    """
+
+    def __init__(self, net: PetriNet, goal: Goal) -> None:
+        self.net, self.goal = net, goal
+        self.reduction = _reduced(net, goal)
+        smaller = net if self.reduction is None else self.reduction.net
+        self.searches = Searches(smaller)
+        self.inner = goal if self.reduction is None else renamed(goal, self.reduction.place_index.__getitem__)
+        self.techniques = () if self.reduction is None else (REDUCTION,)
+        self.ways = (EXPLICIT,) if net.priorities else (EXPLICIT, STUBBORN_SETS)
+
+    def search(self, budget: Round, seed: int, alone: bool) -> SearchResult | None:
+        """Walks and searches, within a budget; nothing where neither decides."""
+        if self.reduction is not None:
+            if not self.searches.fits:
+                return None
+            walked = self.searches.walk([self.inner], steps=budget.steps, seed=seed)
+            if walked:
+                return self._reached(walked[0], RANDOM_WALK)
+        more = ALONE if alone and budget.equation else 1
+        run = self.searches.seek(self.inner, max_states=budget.states * more)
+        if run.outcome == "reached":
+            return self._reached(run.run, *self.ways)
+        if run.outcome == "unreachable":
+            return SearchResult(False, None, (*self.techniques, *self.ways))
+        return self._by_equation(budget, seed) if budget.equation else None
+
+    def _by_equation(self, budget: Round, seed: int) -> SearchResult | None:
+        from mcpn.spaces.search.equation import StateEquation
+
+        solution = StateEquation(self.searches.net).solve(self.inner)
+        if solution.kind == "unreachable":
+            traps = (TRAPS,) if solution.traps else ()
+            return SearchResult(False, None, (*self.techniques, STATE_EQUATION, *traps))
+        if solution.kind == "possible":
+            walked = self.searches.walk([self.inner], steps=budget.steps, seed=seed, counts=solution.counts)
+            if walked:
+                return self._reached(walked[0], STATE_EQUATION, RANDOM_WALK)
+        return None
+
+    def _reached(self, run: Run, *ways: str) -> SearchResult:
+        if self.reduction is not None:
+            run = shortened(self.net, self.reduction.lift(run))
+            if self.goal == DEADLOCK:
+                run = shortened(self.net, _gone_on(self.net, run))
+        run = _direct(self.net, run, self.goal)
+        assert leads_to(self.net, run, self.goal), "a run to a goal replays"
+        return SearchResult(True, run, (*self.techniques, *ways))
+
+
+def _reduced(net: PetriNet, goal: Goal) -> Reduction | None:
+    if net.priorities:
+        return None
+    if goal == DEADLOCK:
+        return reduce_for_deadlock(net)
+    return None if asks_dead(goal) else reduce_for_goal(net, wanted(goal))
+
+
+def _direct(net: PetriNet, run: Run, goal: Goal) -> Run:
+    """A run to a goal without the events of a mission that it can do without."""
+    if not net.priorities:
+        return run
+    from mcpn.spaces.run import without_detours
+
+    return without_detours(net, run, lambda marking: holds(goal, net, marking))
+
+
+def _gone_on(net: PetriNet, run: Run) -> Run:
+    """A run that goes on until nothing may fire."""
+    fired = list(run)
+    marking = replay(net, run)
+    while (enabled := net.enabled(marking)) and len(fired) < len(run) + MOST_LEFT:
+        fired.append(enabled[0])
+        marking = net.fire(marking, enabled[0])
+    return tuple(fired)

@@ -1,0 +1,201 @@
+"""Walks and searches of the native kernel on a net, with runs that replay.
+
+A walk follows one run at a time and finds what is easy to come to; a search stores what it has seen, nearest
+to the goal first, and says also that nothing more is reachable.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, TypeAlias, cast
+
+from mcpn._kernel import TokenNet
+from mcpn.errors import UnsafeError
+from mcpn.nets.petri import PetriNet
+from mcpn.nets.structure import changes, needs
+from mcpn.spaces.markings.firing import unsafe_at_start
+from mcpn.spaces.search.goal import Goal, encode, holds
+
+Run: TypeAlias = tuple[int, ...]
+"""Transitions by index, from the initial marking on."""
+
+Outcome: TypeAlias = Literal["reached", "unreachable", "states", "bytes", "tokens"]
+MOST_TOKENS = 2**31
+MAX_BYTES = 1 << 30
+WALK_LENGTH = 500
+"""Firings before a walk begins anew, at first; in large nets twice as many as there are transitions."""
+
+
+@dataclass(frozen=True)
+class Search:
+    """How a search ended.
+
+    Args:
+        outcome: The goal was reached, or no marking of it is reachable, or a limit was hit: on states, on
+            memory, or on tokens in one place.
+        states: Markings seen.
+        run: To the goal.
+    """
+
+    outcome: Outcome
+    states: int
+    run: Run = ()
+
+
+class Searches:
+    """Looks for markings of one net without building its space.
+
+    Args:
+        net: Any net; priorities are respected.
+    """
+
+    def __init__(self, net: PetriNet) -> None:
+        self.net = net
+
+    @property
+    def fits(self) -> bool:
+        """Whether the net's numbers are within what the kernel follows."""
+        arcs = (arc for t in self.net.transitions for side in (t.consume, t.produce, t.read) for arc in side)
+        weights = (weight for _, weight in arcs)
+        return max(max(self.net.initial, default=0), max(weights, default=0)) < MOST_TOKENS
+
+    @cached_property
+    def kernel(self) -> TokenNet:
+        """The net as the kernel walks it."""
+        transitions = []
+        for t in range(len(self.net.transitions)):
+            changed = list(changes(self.net, t).items())
+            transitions.append((list(needs(self.net, t).items()), changed, self.net.ranks[t]))
+        return TokenNet(len(self.net.places), transitions, self.net.priorities)
+
+    @property
+    def _length(self) -> int:
+        return max(WALK_LENGTH, 2 * len(self.net.transitions))
+
+    def walk(
+        self,
+        goals: Sequence[Goal],
+        *,
+        steps: int,
+        seed: int = 0,
+        counts: Sequence[int] = (),
+    ) -> dict[int, Run]:
+        """Walks from the initial marking: at random, towards one goal, or by a drawn order of transitions.
+
+        Args:
+            goals: What is looked for.
+            steps: Firings in all, those tried included.
+            seed: The same seed walks the same way.
+            counts: How often each transition should fire, where the state equation has proposed it.
+
+        Returns:
+            Runs to the goals that were met, by their index.
+        """
+        return {goal: shortened(self.net, run) for goal, run in self._walked(goals, steps, seed, counts)}
+
+    def met(
+        self, goals: Sequence[Goal], *, steps: int, seed: int = 0, counts: Sequence[int] = ()
+    ) -> set[int]:
+        """The goals that :meth:`walk` meets, by index, where their runs are not asked for."""
+        return {goal for goal, _ in self._walked(goals, steps, seed, counts)}
+
+    def _walked(
+        self, goals: Sequence[Goal], steps: int, seed: int, counts: Sequence[int]
+    ) -> list[tuple[int, list[int]]]:
+        encoded, roots = encode(goals, len(self.net.places))
+        length = max(self._length, 2 * sum(counts))
+        return self.kernel.walk(self.net.initial, encoded, roots, steps, length, seed, False, list(counts))
+
+    def walk_unsafe(self, *, steps: int, seed: int = 0) -> UnsafeError | None:
+        """Walks until a firing puts a second token in a place, if one does within so many steps.
+
+        Returns:
+            The error of that firing, or of an initial marking that holds several tokens in a place.
+        """
+        if error := unsafe_at_start(self.net):
+            return error
+        encoded, roots = encode((), len(self.net.places))
+        walked = self.kernel.walk(self.net.initial, encoded, roots, steps, self._length, seed, True, [])
+        if not walked:
+            return None
+        *run, last = shortened(self.net, walked[0][1])
+        before = replay(self.net, run)
+        after = self.net.fire(before, last)
+        place = next(p for p, tokens in enumerate(after) if tokens > 1)
+        names = [self.net.transitions[t].name for t in run]
+        return UnsafeError(
+            self.net.places[place].name, self.net.transitions[last].name, self.net.marked(before), names
+        )
+
+    def seek(
+        self, goal: Goal, *, max_states: int, max_bytes: int = MAX_BYTES, stubborn: bool = True
+    ) -> Search:
+        """Searches for a marking of a goal, nearest first.
+
+        Args:
+            goal: What is looked for.
+            max_states: Limit on markings.
+            max_bytes: Limit on memory.
+            stubborn: Whether to leave out interleavings that do not matter to the goal.
+
+        Returns:
+            A run to it, or that it is not reachable, or the limit that was hit.
+        """
+        encoded, (root,) = encode((goal,), len(self.net.places))
+        outcome, states, run = self.kernel.seek(
+            self.net.initial, encoded, root, stubborn, max_states, max_bytes
+        )
+        return Search(cast(Outcome, outcome), states, shortened(self.net, run))
+
+
+def replay(net: PetriNet, run: Sequence[int]) -> tuple[int, ...]:
+    """The marking after a run of enabled transitions, priorities aside.
+
+    Raises:
+        ValueError: A transition of the run is not enabled.
+    """
+    marking = list(net.initial)
+    for number, t in enumerate(run):
+        if not net.covers(marking, t):
+            raise ValueError(f"step {number}: {net.transitions[t].name} is not enabled")
+        net.fire_in_place(marking, t)
+    return tuple(marking)
+
+
+def leads_to(net: PetriNet, run: Sequence[int], goal: Goal) -> bool:
+    """Whether a run replays and its end satisfies a goal."""
+    try:
+        return holds(goal, net, replay(net, run))
+    except ValueError:
+        return False
+
+
+def shortened(net: PetriNet, run: Sequence[int]) -> Run:
+    """A run without the parts that come back to a marking."""
+    marking = list(net.initial)
+    # Markings are told apart by the places that differ from the initial one.
+    differing: dict[int, int] = {}
+    key = frozenset(differing.items())
+    seen = {key: 0}
+    kept: list[int] = []
+    keys = [key]
+    for t in run:
+        net.fire_in_place(marking, t)
+        for place, _ in (*net.transitions[t].consume, *net.transitions[t].produce):
+            if marking[place] == net.initial[place]:
+                differing.pop(place, None)
+            else:
+                differing[place] = marking[place]
+        kept.append(t)
+        key = frozenset(differing.items())
+        if key in seen:
+            back = seen[key]
+            for dropped in keys[back + 1 :]:
+                del seen[dropped]
+            del keys[back + 1 :], kept[back:]
+        else:
+            seen[key] = len(kept)
+            keys.append(key)
+    return tuple(kept)

@@ -1,0 +1,285 @@
+"""Big steps: an event with the internal evolution after it, as one event of the store on stable states.
+
+A big step applies to every stable marking that marks certain places and leaves certain others empty. It is
+computed from one such marking, by running the event to completion; the places that were read on the way are
+its condition, and all markings that agree on them behave alike. So few big steps cover many states, and no
+transient marking is kept. Each is tried in enough orders of internal transitions to prove that the event has
+one outcome in all of these markings (:mod:`mcpn.spaces.stable.completion`).
+
+An event that concerns all branches of a mission has a product of big steps. It is run to completion from
+whole sets of states, and what it makes of them is one function (``kernel/src/markings/set_evolution.cpp``).
+
+Big steps of an event that fit one state make the same of it. Together they are a decision diagram over what
+they do to each level of the store (``kernel/src/diagrams/choices.cpp``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from functools import cached_property, partial
+from itertools import chain
+from typing import Literal, TypeAlias
+
+from mcpn._kernel import BigSteps as KernelSteps
+from mcpn._kernel import MemoryLimit, StateLimit, Zdd, choices
+from mcpn.spaces.algebra import Guards
+from mcpn.spaces.diagrams.encoding import Encoding, distinct
+from mcpn.spaces.diagrams.spaces import DiagramAlternatives, Step
+from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY, SymbolicSpace
+from mcpn.spaces.markings.explicit import KernelNet
+
+Steps: TypeAlias = Mapping[int, bytes | None]
+"""By transition its big steps, on the levels of a store; ``None`` where its firing is all that happens."""
+
+FUNCTION = b"\xff\xff\xff\xff"
+"""The prefix of big steps that are encoded as one function of states."""
+MOST_STEPS = 200_000
+"""Big steps of all events together."""
+MOST_SINGLY = 20_000
+"""Those that are found one by one before all markings are tried, which may be reached far sooner."""
+FEW_STEPS = 200
+"""Big steps of one event that are found one by one before it is run from whole sets of states."""
+MOST_KEPT = 100_000
+"""Transient markings that the proof may keep behind one event."""
+
+
+def is_function(steps: bytes) -> bool:
+    """Whether big steps are encoded as one function of states, and not as a list."""
+    return steps[:4] == FUNCTION
+
+
+def reach_in_big_steps(
+    prepared: KernelNet, encoding: Encoding, few: int | None = None, most: int | None = None
+) -> tuple[Zdd, dict[int, bytes]] | None:
+    """The stable states of a net, and the big steps between them.
+
+    Args:
+        prepared: A net with priorities.
+        encoding: It, or the same with more places, which are empty, on the levels of a store.
+        few: Big steps of one event that are found one by one before it is run from whole sets of states; by
+            default :data:`FEW_STEPS`.
+        most: Big steps of all events that are found one by one; by default :data:`MOST_SINGLY`.
+
+    Returns:
+        The states, and the big steps by transition; ``None`` where there are too many big steps, or some
+        event has no outcome or may have two.
+    """
+    try:
+        return _reach(
+            prepared,
+            encoding,
+            FEW_STEPS if few is None else few,
+            MOST_SINGLY if most is None else most,
+        )
+    except (MemoryLimit, StateLimit):
+        return None
+
+
+def _reach(
+    prepared: KernelNet, encoding: Encoding, few: int, most: int
+) -> tuple[Zdd, dict[int, bytes]] | None:
+    """As :func:`reach_in_big_steps`, but a limit of the kernel that is hit is an error."""
+    count = len(prepared.net.places)
+    kernel = KernelSteps(
+        prepared.kernel,
+        prepared.initial,
+        [place if place < count else -1 for place in encoding.places],
+        [(place, encoding.level[kept]) for place, kept in encoding.partner.items() if place < count],
+        DEFAULT_MEMORY,
+        MOST_KEPT,
+    )
+    return _Reaching(prepared, encoding, kernel, few, most).search()
+
+
+class _Reaching:
+    """A search for all stable states.
+
+    The big steps of an event are found one by one, until they are many. From then on it is run to completion
+    from whole sets of states; its function of states is computed when all states are known. Where that cannot
+    be done, its big steps are found one by one after all.
+
+    Args:
+        prepared: A net with priorities.
+        encoding: It on the levels of a store.
+        kernel: The same in the kernel.
+        few: Big steps of an event that are not yet many.
+        most: Big steps of all events that are found one by one.
+    """
+
+    def __init__(
+        self, prepared: KernelNet, encoding: Encoding, kernel: KernelSteps, few: int, most: int
+    ) -> None:
+        self._few = few
+        net = prepared.net
+        self._events = [
+            (label, t) for label, t in enumerate(prepared.transitions) if not net.transitions[t].internal
+        ]
+        self._safe = net.safe_transitions
+        self._encoding, self._kernel = encoding, kernel
+        self._steps: dict[int, bytes] = {}
+        self._known: dict[int, list[int]] = {t: [] for _, t in self._events}
+        """By transition, the conditions under which its big steps are known."""
+        self._ahead: dict[int, list[int]] = {}
+        self._left = most
+        self._done: dict[int, Zdd] = {}
+        """By transition that is run from whole sets of states, those from which it has been run."""
+        self._single = set[int]()
+        """Transitions that cannot be run from whole sets: their big steps are found one by one."""
+
+    def search(self) -> tuple[Zdd, dict[int, bytes]] | None:
+        """All stable states and the big steps between them, as :func:`reach_in_big_steps` finds them."""
+        reached = fresh = self._kernel.start(self._encoding.store)
+        while fresh:
+            assert reached is not None, "there is a fresh state"
+            wider = reached
+            for label, t in self._events:
+                if t not in self._done and not self._cover(label, t, fresh):
+                    return None
+                if t in self._done:
+                    after = self._after_all(label, t, wider)
+                    if after is not None:
+                        wider |= after
+                    elif not self._cover(label, t, wider):
+                        return None
+            wider = wider.saturate(list(chain.from_iterable(self._ahead.values())))
+            fresh, reached = wider - reached, wider
+        return None if reached is None or not self._make_functions(reached) else (reached, self._steps)
+
+    def _enabling(self, states: Zdd, t: int) -> Zdd:
+        return self._encoding.restricted(states, (*self._safe[t].consume, *self._safe[t].read))
+
+    def _cover(self, label: int, t: int, states: Zdd) -> bool:
+        """Finds big steps of an event one by one; false where they are too many, or tell of no outcome."""
+        asked = self._enabling(states, t).without(self._known[t])
+        if not asked:
+            return True
+        most = self._left if t in self._single else min(self._few, self._left)
+        covering = self._kernel.cover(asked, label, most)
+        if covering is None:
+            return False
+        ways, count, complete = covering
+        if not complete and t not in self._single and most < self._left:
+            self._done[t] = self._encoding.store.empty()
+            self._steps.pop(t, None), self._ahead.pop(t, None)
+            return True
+        if not complete:
+            return False
+        store = self._encoding.store
+        self._left -= count
+        self._steps[t] = self._steps.get(t, b"") + ways
+        self._ahead.setdefault(t, []).extend(choices(store, ways, "ahead", ()))
+        self._known[t] += choices(store, ways, "where", ())
+        return True
+
+    def _after_all(self, label: int, t: int, states: Zdd) -> Zdd | None:
+        """The states after an event from all from which it was not run yet; ``None`` where it cannot be."""
+        asked = self._enabling(states - self._done[t], t)
+        after = self._kernel.after(asked, label) if asked else asked
+        if after is None:
+            self._give_up_sets(t)
+        else:
+            self._done[t] = states
+        return after
+
+    def _give_up_sets(self, t: int) -> None:
+        """From now on the big steps of this transition are found one by one."""
+        del self._done[t]
+        self._known[t] = []
+        self._single.add(t)
+
+    def _make_functions(self, states: Zdd) -> bool:
+        """Computes the function of each event that was run from sets; false where one is too large."""
+        for label, t in self._events:
+            if t in self._done:
+                function = self._kernel.function(self._enabling(states, t), label)
+                if function is not None:
+                    self._steps[t] = function
+                    continue
+                self._give_up_sets(t)
+                if not self._cover(label, t, states):
+                    return False
+        return True
+
+
+class BigStepSpace(DiagramAlternatives):
+    """The alternatives graph of a net by the big steps of its events.
+
+    Args:
+        space: Its stable states.
+        steps: The big steps, on the levels of its store.
+        also: By transition, levels that must be marked besides the conditions of its big steps.
+    """
+
+    def __init__(self, space: SymbolicSpace, steps: Steps, also: Mapping[int, Collection[int]]) -> None:
+        super().__init__(space)
+        self._steps, self._also = steps, also
+
+    @cached_property
+    def _ahead(self) -> Mapping[int, list[int]]:
+        """By transition, events of the store."""
+        return self._events("ahead", self.encoding.events)
+
+    @cached_property
+    def _back(self) -> Mapping[int, list[int]]:
+        """By transition, events that undo it."""
+        return self._events("back", self.encoding.undoing)
+
+    def _events(self, way: Literal["ahead", "back"], alone: Mapping[int, int]) -> Mapping[int, list[int]]:
+        store, also = self.encoding.store, self._also
+        return {
+            t: [alone[t]] if steps is None else choices(store, steps, way, sorted(also.get(t, ())))
+            for t, steps in self._steps.items()
+        }
+
+    def after(
+        self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
+    ) -> Zdd:
+        """States that an edge leads to from some states."""
+        free, guarded = self._asked(self._ahead, transitions, guards)
+        targets = states.images(free)
+        for events, where in guarded:
+            targets |= (states & where).images(events)
+        return targets
+
+    def leading_into(
+        self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
+    ) -> Zdd:
+        """All states with an edge into some states."""
+        free, guarded = self._asked(self._back, transitions, guards)
+        sources = states.images(free, within=self.everything)
+        for events, where in guarded:
+            sources |= states.images(events, within=where)
+        return sources
+
+    def ahead(
+        self, along: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
+    ) -> list[Step]:
+        """Steps on along a set: any number of all unguarded events, and one of each that has a guard."""
+
+        def step(states: Zdd, events: list[int], where: Zdd) -> Zdd:
+            return (states & where).images(events, within=along)
+
+        free, guarded = self._asked(self._ahead, transitions, guards)
+        some = [partial(step, events=events, where=where) for events, where in guarded]
+        return [lambda states: states.saturate(free, within=along), *some]
+
+    def back(
+        self, along: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
+    ) -> list[Step]:
+        """Steps back along a set: any number of all unguarded events, and one of each that has a guard."""
+
+        def step(states: Zdd, events: list[int], where: Zdd) -> Zdd:
+            return states.images(events, within=where & along)
+
+        free, guarded = self._asked(self._back, transitions, guards)
+        some = [partial(step, events=events, where=where) for events, where in guarded]
+        return [lambda states: states.saturate(free, within=along | states), *some]
+
+    def _asked(
+        self, events: Mapping[int, list[int]], transitions: Collection[int] | None, guards: Guards[Zdd]
+    ) -> tuple[list[int], list[tuple[list[int], Zdd]]]:
+        """Events of transitions that are asked for and have no guard, and of those that have one, with it."""
+        asked = [t for t in events if transitions is None or t in transitions]
+        free = chain.from_iterable(events[t] for t in asked if not guards or t not in guards)
+        guarded = [(events[t], guards[t] & self.everything) for t in asked if guards and t in guards]
+        return distinct(free), guarded

@@ -1,0 +1,158 @@
+"""The nearest event without one outcome: what a designer is shown of a mission that is not confluent.
+
+Stable markings are visited by as few events as can be, failures and repairs counting twice; behind each event
+some interleavings are followed, those in which rivals come to want the same, and conflicts are tried both
+ways. What is found so is a fact with two runs that show it. That nothing is found proves nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from heapq import heappop, heappush
+
+from mcpn.errors import LimitError, SemanticsError, UnsafeError
+from mcpn.nets.events import What
+from mcpn.nets.petri import PetriNet
+from mcpn.spaces.markings.explicit import KernelNet
+from mcpn.spaces.markings.firing import mask_of, unsafe_after
+from mcpn.spaces.stable.completion import LEAST_TRANSIENT, Walk, confluence_error, divergence_error, settled
+from mcpn.spaces.stable.local_confluence import EndlessRun, Joining, Parting
+
+FIRINGS = 50_000
+"""Firings, and markings behind events, after which the search gives up; about a second."""
+
+FIRST_FIRINGS = 3_000
+"""The same for a first look, before anything is proved: it costs little where there is nothing to find."""
+
+PREPARING = 40
+"""Firings that are as much work as the kernel's preparation for one exploration behind an event."""
+
+WAYS = 30
+"""Markings behind one event from which every order is tried."""
+
+MOST_NEAR = 100
+"""Stable ends behind one event that are looked for, with ``completion.LEAST_TRANSIENT`` markings."""
+
+HARDWARE = {What.OUT_OF_SERVICE, What.REPAIRED, What.LOST}
+
+
+def nearest_fault(net: PetriNet, firings: int = FIRINGS) -> SemanticsError | None:
+    """The error of an event after which internal evolution has two ends, or none, near the initial marking.
+
+    Args:
+        net: A net with priorities. Where a run that is found passes an unsafe firing, that is the error.
+        firings: How many firings may be looked at.
+
+    Returns:
+        The error with whole runs; ``None`` where the search has found nothing, which proves nothing.
+    """
+    error = _Search(net, firings).nearest()
+    for run in () if error is None else error.runs:
+        if (unsafe := _unsafe_in(net, [net.transition_index[name] for name in run])) is not None:
+            return unsafe
+    return error
+
+
+def _unsafe_in(net: PetriNet, run: Sequence[int]) -> UnsafeError | None:
+    """The error of the first firing of a run that puts a second token in a place."""
+    marking = net.initial
+    for number, t in enumerate(run, 1):
+        marking = net.fire(marking, t)
+        if max(marking) > 1:
+            return unsafe_after(net, run[:number])
+    return None
+
+
+def fault_by(net: PetriNet, events: Iterable[int]) -> SemanticsError | None:
+    """The error of the last of some events, where one run behind it shows that it has two ends, or none.
+
+    Args:
+        net: A 1-safe net with priorities.
+        events: The transitions of the events from the initial marking on.
+
+    Returns:
+        The error with whole runs; ``None`` where nothing was found, which proves nothing.
+    """
+    search = _Search(net, FIRINGS)
+    marking = search.masked.initial()
+    error = search.settle(marking, [])
+    for t in events:
+        if error is not None:
+            return error
+        error = search.settle(search.masked.fire(search.end, t)[0], [*search.prefix, t])
+    return error
+
+
+class _Search:
+    def __init__(self, net: PetriNet, firings: int) -> None:
+        self.net = net
+        self.joining = Joining(net)
+        self.masked = self.joining.masked
+        self.firings = firings
+        self.ranked = KernelNet(net, events=False) if len(net.internal_ranks) > 1 else None
+        self.end = 0
+        self.prefix: list[int] = []
+
+    def settle(self, marking: int, prefix: list[int]) -> SemanticsError | None:
+        """Runs to completion: sets :attr:`end` and :attr:`prefix`, or returns the error that is come upon."""
+        if self.ranked is not None:
+            return self.settle_by_rank(self.ranked, marking, prefix)
+        try:
+            run, self.end, parting = self.joining.parting_behind(marking, WAYS)
+        except EndlessRun as endless:
+            return divergence_error(self.names([*prefix, *endless.run]))
+        self.prefix = [*prefix, *run]
+        return None if parting is None else self.parted(self.prefix, parting)
+
+    def settle_by_rank(self, internal: KernelNet, marking: int, prefix: list[int]) -> SemanticsError | None:
+        """As :meth:`settle`, where internal transitions have ranks: by enough interleavings to judge all."""
+        self.joining.firings += PREPARING
+        walk = Walk(self.net)
+        walk.marking[:] = [marking >> p & 1 for p in range(len(self.net.places))]
+        walk.run[:] = prefix
+        try:
+            exploration = settled(internal, walk.marking, orders="enough", max_states=MOST_NEAR)
+        except LimitError:  # too much behind this event to be near
+            self.joining.firings += LEAST_TRANSIENT
+        else:
+            self.joining.firings += exploration.transient
+            if exploration.trouble is not None:
+                return walk.fault(internal, exploration)
+        walk.settle()
+        self.joining.firings += len(walk.run) - len(prefix)
+        self.prefix, self.end = walk.run, mask_of(walk.marking)
+        return None
+
+    def parted(self, prefix: list[int], parting: Parting) -> SemanticsError:
+        return confluence_error(
+            self.net, [self.names([*prefix, *run]) for run in (parting.first, parting.second)]
+        )
+
+    def names(self, run: Iterable[int]) -> list[str]:
+        return [self.net.transitions[t].name for t in run]
+
+    def nearest(self) -> SemanticsError | None:
+        error = self.settle(self.masked.initial(), [])
+        if error is not None:
+            return error
+        queue: list[tuple[int, int]] = []
+        visited: list[tuple[int, list[int]]] = [(self.end, self.prefix)]
+        known = {self.end}
+        heappush(queue, (0, 0))
+        while queue and self.joining.firings < self.firings:
+            cost, number = heappop(queue)
+            marking, prefix = visited[number]
+            for t in self._events(marking):
+                error = self.settle(self.masked.fire(marking, t)[0], [*prefix, t])
+                if error is not None:
+                    return error
+                if self.end not in known:
+                    known.add(self.end)
+                    event = self.net.transitions[t].event
+                    of_hardware = event is not None and event.what in HARDWARE
+                    heappush(queue, (cost + 1 + of_hardware, len(visited)))
+                    visited.append((self.end, self.prefix))
+        return None
+
+    def _events(self, marking: int) -> Iterator[int]:
+        return self.masked.allowed(self.masked.covered(marking))

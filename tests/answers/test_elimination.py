@@ -1,0 +1,73 @@
+"""Block elimination against one dense system."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mcpn.answers.causes.elimination import Elimination
+from mcpn.answers.causes.linear_systems import Floats, resolvent
+
+
+@given(st.data())
+def test_blocks_give_what_one_dense_system_gives(data: st.DataObject) -> None:
+    """Few different matrices at drawn places, rows that sum to less than 1, as of a chain that ends."""
+    count, size = data.draw(st.integers(1, 9)), data.draw(st.integers(1, 3))
+    pair = st.tuples(st.integers(0, count - 1), st.integers(0, count - 1))
+    names = data.draw(st.dictionaries(pair, st.integers(0, 3), max_size=3 * count))
+    random = np.random.default_rng(data.draw(st.integers(0, 99)))
+    matrices = random.random((4, size, size)) * 0.99 / (size * count)
+    right = random.random((count, size, 2))
+    dense = np.eye(count * size)
+    for (i, j), name in names.items():
+        dense[i * size : (i + 1) * size, j * size : (j + 1) * size] -= matrices[name]
+    asked: list[Hashable] = []
+
+    def matrix(name: Hashable) -> Floats:
+        asked.append(name)
+        if isinstance(name, tuple):
+            return np.asarray(dense[name[1] * size : (name[1] + 1) * size].sum(axis=1)[:, None])
+        assert isinstance(name, int)
+        return np.asarray(matrices[name])
+
+    leaving = [("leaving", i) for i in range(count)]
+    found = Elimination(names, leaving).factored_with(matrix)(right)
+    expected = np.linalg.solve(dense, right.reshape(-1, 2)).reshape(right.shape)
+    assert found == pytest.approx(expected, abs=1e-12)
+    assert sorted(asked, key=repr) == sorted({*names.values(), *leaving}, key=repr)
+
+
+@pytest.mark.parametrize("back", ["first", "before", "last leads to first"])
+def test_a_row_of_equal_blocks_takes_as_many_products_as_its_length_has_digits(back: str) -> None:
+    def products(length: int) -> int:
+        names: dict[tuple[int, int], Hashable] = {(i, i + 1): "on" for i in range(length - 1)}
+        for i in range(length):
+            to = {"first": 0, "before": max(0, i - 1), "last leads to first": 0}[back]
+            if i == length - 1 or back != "last leads to first":
+                names[i, to] = "back"
+        return Elimination(names, ["out"] * length).products
+
+    assert products(2000) - products(1000) <= products(1000) - products(500) + 8 <= 50
+
+
+@given(st.integers(1, 12), st.integers(0, 99), st.sampled_from([1.0, 1e-9, 1e-15]))
+def test_a_resolvent_is_exact_however_rarely_it_is_left(size: int, seed: int, rare: float) -> None:
+    """Against fractions: each entry relative to itself, where rows sum to nearly 1."""
+    random = np.random.default_rng(seed)
+    steps, leaving = random.random((size, size)), random.random(size) * rare
+    np.fill_diagonal(steps, 0.0)
+    rows = [[Fraction(x) for x in row] for row in steps]
+    matrix = [[-x for x in row] + [Fraction(int(i == j)) for j in range(size)] for i, row in enumerate(rows)]
+    for i, row in enumerate(rows):
+        matrix[i][i] += sum(row) + Fraction(leaving[i])
+    for i in range(size):  # Gauss and Jordan
+        matrix[i] = [x / matrix[i][i] for x in matrix[i]]
+        for j in set(range(size)) - {i}:
+            matrix[j] = [x - matrix[j][i] * y for x, y in zip(matrix[j], matrix[i], strict=True)]
+    inverse = [[float(x) for x in row[size:]] for row in matrix]
+    assert resolvent(steps, leaving) == pytest.approx(np.array(inverse), rel=1e-12)

@@ -1,0 +1,310 @@
+"""What paths satisfy: by automata on every engine, by tableaux, and run by run."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hypothesis import assume, event, given
+from hypothesis import strategies as st
+
+from mcpn.logic.evaluate import Evaluation
+from mcpn.logic.formulas import Justice, every_path, on_one_path, says_paths, some_path
+from mcpn.logic.known import Known
+from mcpn.logic.ltl.automaton import translated
+from mcpn.logic.ltl.formulas import SomePath, is_of_paths, normal
+from mcpn.logic.ltl.parts import PathParts
+from mcpn.logic.ltl.search import FoundPath, PathSearch
+from mcpn.logic.questions import Questions
+from mcpn.logic.syntax import parse, parse_open
+from mcpn.logic.witness import explain
+from mcpn.logic.writing import show
+from mcpn.nets.petri import Marking, NetBuilder, PetriNet
+from mcpn.spaces.algebra import Space
+from mcpn.spaces.arrays import ArraySpace
+from mcpn.spaces.diagrams.spaces import DiagramMarkings
+from mcpn.spaces.diagrams.symbolic import reach
+from mcpn.spaces.markings.explicit import explore
+from mcpn.spaces.names import Names
+from mcpn.spaces.search.goal import Formula
+from tests.draws import fewer
+from tests.logic.formulas import Edges, Written, edges_of
+from tests.logic.formulas import formulas as on_states
+from tests.logic.formulas import read as read_on_states
+from tests.logic.formulas import satisfying as states_satisfying
+from tests.logic.ltl import tableau
+from tests.logic.test_ctl import names, satisfy
+from tests.nets.nets import nets, reachable, state_machines
+from tests.shares import returns_early
+
+MOST_NODES = 5_000
+"""Of the tableau of one formula on one net."""
+
+NETS = nets(max_places=4, max_transitions=5) | state_machines().map(lambda drawn: drawn[0])
+
+
+def spaces(net: PetriNet) -> list[Space[Any]]:
+    return [ArraySpace(explore(net)), DiagramMarkings(reach(net))]
+
+
+def fits(written: Written, edges: Edges) -> bool:
+    if len(edges) * 2 ** len(tableau.promises(written)) <= MOST_NODES:
+        return True
+    returns_early("a large tableau")
+    return False
+
+
+def assert_shown(evaluation: Evaluation[Any], formula: Formula, written: Written, edges: Edges) -> None:
+    """The run that shows a path is one of the net, and satisfies the formula by its definition."""
+    net, witness = evaluation.space.net, explain(evaluation, formula)
+    marking, run = net.initial, list[tuple[Marking, int | None]]()
+    for t in witness.firings:
+        assert t in net.enabled(marking)
+        run.append((marking, t))
+        marking = net.fire(marking, t)
+    cycle = witness.cycle_firing
+    event(f"decided by a part of a path: {witness.decided}")
+    if witness.decided:
+        for choice in range(3):
+            further, begin = gone_on(net, marking, choice)
+            assert tableau.on_lasso(written, net, edges, run + further, len(run) + begin)
+        return
+    if cycle is None:
+        assert not edges[marking]
+        cycle = len(run)
+        run.append((marking, None))
+    else:
+        assert run[cycle][0] == marking
+    assert tableau.on_lasso(written, net, edges, run, cycle)
+
+
+def gone_on(net: PetriNet, marking: Marking, choice: int) -> tuple[list[tuple[Marking, int | None]], int]:
+    """How a path goes on from a marking, always by the same choice of what may fire; where that repeats."""
+    run, seen = list[tuple[Marking, int | None]](), dict[Marking, int]()
+    while marking not in seen:
+        seen[marking] = len(run)
+        enabled = net.enabled(marking)
+        t = enabled[choice % len(enabled)] if enabled else None
+        run.append((marking, t))
+        marking = marking if t is None else net.fire(marking, t)
+    return run, seen[marking]
+
+
+def test_a_run_against_safety_ends_where_it_is_violated() -> None:
+    builder = NetBuilder("counter")
+    for name, tokens in (("a", 1), ("b", 0), ("c", 0)):
+        builder.place(name, initial=tokens)
+    for begin, end in ("ab", "bc", "ca"):
+        builder.transition(f"{begin}{end}", consume=[begin], produce=[end])
+    net = builder.build()
+    for space in spaces(net):
+        for text, length in (("G !fires(bc)", 2), ("G (a & X b -> X X a)", 2)):
+            witness = explain(Evaluation(space), parse(text, Names(net)))
+            assert (len(witness.steps), witness.decided, witness.cycle) == (length, True, None), text
+        witness = explain(Evaluation(space), parse("F G a", Names(net)))
+        assert (witness.decided, witness.cycle) == (False, 0)
+
+
+@given(NETS, st.data())
+def test_automata_and_tableaux_find_the_same(net: PetriNet, data: st.DataObject) -> None:
+    assume(reachable(net)[2])
+    edges = edges_of(net)
+    for written in data.draw(st.lists(tableau.formulas(*names(net)), min_size=2, max_size=2)):
+        if not fits(written, edges):
+            continue
+        expected = tableau.satisfying(written, net, edges)
+        formula = parse(f"E ({tableau.text(written)})", Names(net))
+        # The automaton alone, without what single states tell.
+        alone = SomePath(normal(tableau.read(written, net)))
+        assert formula == some_path(tableau.read(written, net))
+        event(f"needs an automaton: {any(isinstance(f, SomePath) for f in formula.walk())}")
+        event(f"some {bool(expected)}, all {len(expected) == len(edges)}")
+        for space in spaces(net):
+            for of in (formula, alone):
+                assert Evaluation(space).holds(of) == (net.initial in expected)
+                evaluation = Evaluation(space)
+                assert satisfy(evaluation, of) == expected
+            if net.initial in expected:
+                assert_shown(evaluation, alone, written, edges)
+
+
+@fewer(0.6)
+@given(NETS, st.data())
+def test_paths_that_do_not_count_are_left_out(net: PetriNet, data: st.DataObject) -> None:
+    assume(reachable(net)[2])
+    edges = edges_of(net)
+    places, transitions = names(net)
+    fires = st.lists(st.sampled_from(range(len(transitions))), max_size=2) if transitions else st.just([])
+    fair = data.draw(st.lists(st.tuples(on_states(places, transitions, leaves=2), fires), max_size=2))
+    justice = [Justice(read_on_states(f, net), tuple(t)) for f, t in fair]
+    met = [(states_satisfying(f, net, edges), set(t)) for f, t in fair]
+    # Fairness is of all paths, of those of CTL in the leaves too, for which tableaux ask another oracle.
+    written = data.draw(tableau.formulas(places, transitions, of_ctl=False))
+    if not fits(written, edges):
+        return
+    expected = tableau.satisfying(written, net, edges, met)
+    alone = SomePath(normal(tableau.read(written, net)))
+    for space in spaces(net):
+        evaluation = Evaluation(space, justice)
+        assert satisfy(evaluation, alone) == expected
+        assert Evaluation(space, justice).holds(alone) == (net.initial in expected)
+        if net.initial in expected:
+            assert_shown(evaluation, alone, written, edges)
+
+
+@given(st.data())
+def test_what_is_shown_of_paths_reads_back(data: st.DataObject) -> None:
+    net = data.draw(nets(max_places=3))
+    of_net = Names(net)
+    path = tableau.read(data.draw(tableau.formulas(*names(net))), net)
+    for formula in (some_path(path), every_path(path), SomePath(normal(path))):
+        text = show(formula, of_net)
+        again = parse(text, of_net)
+        event(f"on paths: {is_of_paths(path)}")
+        for space in spaces(net) if reachable(net)[2] else ():
+            assert satisfy(Evaluation(space), again) == satisfy(Evaluation(space), formula)
+
+
+def assert_found(found: FoundPath, net: PetriNet, written: Written, edges: Edges) -> None:
+    """A path that a search has found is one of the net, and satisfies the formula however it goes on."""
+    marking, run = net.initial, list[tuple[Marking, int | None]]()
+    for t in found.run:
+        assert t in net.enabled(marking)
+        run.append((marking, t))
+        marking = net.fire(marking, t)
+    if found.cycle is not None:
+        assert marking == run[found.cycle][0]
+        assert tableau.on_lasso(written, net, edges, run, found.cycle)
+    for choice in range(3) if found.cycle is None else ():
+        further, begin = gone_on(net, marking, choice)
+        assert tableau.on_lasso(written, net, edges, run + further, len(run) + begin)
+
+
+@given(NETS, st.data())
+def test_a_search_finds_what_tableaux_find(net: PetriNet, data: st.DataObject) -> None:
+    assume(reachable(net)[2])
+    edges = edges_of(net)
+    for written in data.draw(st.lists(tableau.formulas(*names(net), of_ctl=False), min_size=2, max_size=2)):
+        if not fits(written, edges):
+            continue
+        expected = net.initial in tableau.satisfying(written, net, edges)
+        search = PathSearch(net, translated(normal(tableau.read(written, net))))
+        assert search.fits
+        for seed in range(3):
+            found = search.search(100_000, seed)
+            assert found.outcome == ("found" if expected else "none")
+            if expected:
+                event(f"repeats: {found.cycle is not None}")
+                assert_found(found, net, written, edges)
+
+
+def test_a_search_for_paths_says_which_limit_it_hit() -> None:
+    builder = NetBuilder("counter")
+    for bit in range(20):
+        builder.place(f"off{bit}", initial=1)
+        builder.place(f"on{bit}")
+        builder.transition(f"up{bit}", consume=[f"off{bit}"], produce=[f"on{bit}"])
+        builder.transition(f"down{bit}", consume=[f"on{bit}"], produce=[f"off{bit}"])
+    net = builder.build()
+    formula = parse_open("(F G tokens(on0, off0) = 2) & F (on1 & X on2)", Names(net))
+    search = PathSearch(net, translated(normal(formula)))
+    assert search.search(1_000, 0).outcome == "steps"
+    assert search.search(10_000_000, 0, max_bytes=1 << 20).outcome == "bytes"
+    grows = NetBuilder("grows")
+    grows.place("heap")
+    grows.transition("more", produce=["heap"])
+    automaton = translated(normal(parse_open("G F !heap", Names(grows.build()))))
+    assert PathSearch(grows.build(), automaton).search(10**9, 0, max_bytes=1 << 20).outcome == "bytes"
+
+
+@given(NETS, st.data())
+def test_parts_of_formulas_are_decided_marking_by_marking(net: PetriNet, data: st.DataObject) -> None:
+    assume(reachable(net)[2])
+    edges = edges_of(net)
+    written = data.draw(tableau.formulas(*names(net), of_ctl=False))
+    if not fits(written, edges):
+        return
+    expected = net.initial in tableau.satisfying(written, net, edges)
+    formula = some_path(tableau.read(written, net))
+    known = Known(net, settled=False)
+    parts = PathParts(net)
+    path = on_one_path(formula, net)
+    event(f"read as one path: {path is not None}; needs an automaton: {says_paths(formula)}")
+    if path is None:
+        return
+    for of in (formula, known.simple(formula)):
+        for enrich in (False, True):
+            path = on_one_path(of, net)
+            assert path is not None
+            found = parts.decide(path, 100_000, 1, enrich=enrich)
+            assert found is not None
+            assert found.outcome == ("found" if expected else "none")
+
+
+def is_without_next(written: Written) -> bool:
+    operator, *operands = written
+    return operator not in ("X", "fires") and all(
+        is_without_next(f) for f in operands if isinstance(f, tuple)
+    )
+
+
+@given(NETS, st.data())
+def test_a_path_of_a_smaller_net_is_one_of_the_net(net: PetriNet, data: st.DataObject) -> None:
+    assume(reachable(net)[2])
+    edges = edges_of(net)
+    written = data.draw(tableau.formulas(*names(net), of_ctl=False).filter(is_without_next))
+    for operator in data.draw(st.sampled_from(["", "FG", "GF"])):
+        written = (operator, written)
+    if not fits(written, edges):
+        return
+    expected = net.initial in tableau.satisfying(written, net, edges)
+    parts = PathParts(net)
+    path = normal(tableau.read(written, net))
+    found = parts.decide(path, 100_000, 1, enrich=True)
+    assert found is not None
+    assert found.outcome == ("found" if expected else "none")
+    asked = parts._searches[path]
+    smaller = None if asked is None or asked.reduction is None else asked.reduction
+    fewer = smaller is not None and len(smaller.net.places) < len(net.places)
+    event(f"in a smaller net: {fewer}, {found.outcome}, repeats: {found.cycle is not None}")
+    if expected:
+        assert_found(found, net, written, edges)
+
+
+def test_what_comes_on_every_path_is_known_before_the_search() -> None:
+    builder = NetBuilder("ends, and counts meanwhile")
+    for name, tokens in (("begun", 1), ("ended", 0), ("even", 1), ("odd", 0)):
+        builder.place(name, initial=tokens)
+    builder.transition("end", consume=["begun"], produce=["ended"])
+    builder.transition("up", consume=["even", "ended"], produce=["odd", "ended"])
+    builder.transition("down", consume=["odd", "ended"], produce=["even", "ended"])
+    net = builder.build()
+    parts = PathParts(net)
+    for text, refuted in (
+        ("(G F odd) & (G F even) & G !ended", True),  # what comes on every path comes here never
+        ("(G F odd) & (G F even) & F ended", False),
+        ("(G F odd) & X X !ended", False),  # none is so, but what comes at some time does not say it
+    ):
+        assert parts._refuted(normal(parse_open(text, Names(net)))) == refuted
+        found = parts.decide(parse_open(text, Names(net)), 100, 1, enrich=True)
+        assert found is not None
+        assert found.outcome == ("found" if text.endswith("F ended") else "none")
+
+
+def test_a_path_is_shown_where_there_is_no_space() -> None:
+    builder = NetBuilder("grows")
+    for name, tokens in (("a", 1), ("b", 0), ("heap", 0)):
+        builder.place(name, initial=tokens)
+    builder.transition("ab", consume=["a"], produce=["b"])
+    builder.transition("ba", consume=["b"], produce=["a"])
+    builder.transition("more", consume=["a"], produce=["a", "heap"])
+    net = builder.build()
+    fails = Questions(net, max_states=1_000).answer("(F G a) | F G (b | heap)")
+    assert not fails.holds
+    witness = fails.witness
+    assert witness.cycle is not None
+    assert {net.transitions[t].name for t in witness.repeated} == {"ab", "ba"}
+    decided = Questions(net, max_states=1_000).answer("G (a & X b -> X X b)")
+    *_, first, last = [net.transitions[t].name for t in decided.witness.firings]
+    assert (first, last) == ("ab", "ba")
+    assert decided.witness.decided
+    assert any("decides it" in note for note in decided.witness.notes)

@@ -1,0 +1,184 @@
+"""What a mission can still reach, by plain search over its net, which shares nothing with what it judges."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import replace
+from itertools import combinations
+
+from hypothesis import strategies as st
+
+from mcpn.drawing.compose import MissionNet
+from mcpn.mission.model import Block, Holder, Mission, Objective
+from mcpn.nets.petri import Marking
+from mcpn.testing import missions
+
+Edge = tuple[str, Marking]
+
+
+class Play:
+    """Stable markings of a mission's net and the events between them, found as they are asked for."""
+
+    def __init__(self, found: MissionNet) -> None:
+        self.net = found.net
+        self.place = found.net.place_index
+        self.hardware = [h.name for h in found.mission.hardware if h.faulty]
+        self._edges: dict[Marking, list[Edge]] = {}
+        self._left: dict[tuple[Marking, Marking, str], frozenset[int]] = {}
+        self.initial = self.settle(self.net.initial)
+
+    def settle(self, marking: Marking, left: set[int] | None = None) -> Marking:
+        """The stable marking after internal transitions; adds the places that they consume from."""
+        while True:
+            enabled = self.net.enabled(marking)
+            if not enabled or self.net.transitions[enabled[0]].event is not None:
+                return marking
+            if left is not None:
+                left |= {p for p, _ in self.net.transitions[enabled[0]].consume}
+            marking = self.net.fire(marking, enabled[0])
+
+    def edges(self, marking: Marking) -> list[Edge]:
+        if marking not in self._edges:
+            self._edges[marking] = []
+            for t in self.net.enabled(marking):
+                event, left = str(self.net.transitions[t].event), set[int]()
+                after = self.settle(self.net.fire(marking, t), left)
+                left |= {p for p, _ in self.net.transitions[t].consume}
+                self._left[marking, after, event] = frozenset(left)
+                self._edges[marking].append((event, after))
+        return self._edges[marking]
+
+    def leaves(self, before: Marking, event: str, after: Marking, place: str) -> bool:
+        """Whether an event takes the token of a place, be it that another comes before all is stable."""
+        return self.place[place] in self._left[before, after, event]
+
+    def after(self, marking: Marking, events: Iterable[str]) -> Marking:
+        for event in events:
+            (marking,) = [m for e, m in self.edges(marking) if e == event]
+        return marking
+
+    def without(self, dead: Iterable[str]) -> Marking:
+        """The start after the failure of some hardware, of what is not out of service already."""
+        failing = sorted(set(dead) - self.out(self.initial))
+        return self.after(self.initial, [f"{h}_EV_OOS" for h in failing])
+
+    def reach(
+        self,
+        starts: Iterable[Marking],
+        without: Collection[str] = (),
+        keeping: str | None = None,
+    ) -> set[Marking]:
+        """Every marking that runs without some events lead to; a place, if given, keeps its token."""
+        seen = {m for m in starts if keeping is None or m[self.place[keeping]]}
+        stack = list(seen)
+        while stack:
+            before = stack.pop()
+            for event, m in self.edges(before):
+                left = keeping is not None and self.leaves(before, event, m, keeping)
+                if event not in without and m not in seen and not left:
+                    seen.add(m)
+                    stack.append(m)
+        return seen
+
+    def marks(self, place: str) -> Callable[[Marking], bool]:
+        number = self.place[place]
+        return lambda marking: bool(marking[number])
+
+    def out(self, marking: Marking) -> frozenset[str]:
+        return frozenset(h for h in self.hardware if marking[self.lost_place(h)])
+
+    def lost_place(self, hardware: str) -> int:
+        """The place of lost hardware. What crashes may be called as its activity: then names say the kind."""
+        prefixes = (f"{hardware}_", f"hardware:{hardware}:")
+        names = (prefix + part for part in ("gone", "OOS") for prefix in prefixes)
+        return next(self.place[name] for name in names if name in self.place)
+
+    def subsets(self) -> list[frozenset[str]]:
+        sizes = range(len(self.hardware) + 1)
+        return [frozenset(c) for size in sizes for c in combinations(self.hardware, size)]
+
+    # --- the questions ---------------------------------------------------------------------------------
+
+    def mission_survives(
+        self, marking: Marking, dead: frozenset[str], ends: Sequence[str] = ("MISSION_success",)
+    ) -> bool:
+        """Whether the mission may still come to one of some ends."""
+        ended = [self.marks(end) for end in ends]
+        reached = self.reach([marking], [f"{h}_EV_RD" for h in dead])
+        return any(end(m) for m in reached for end in ended)
+
+    def objective_survives(self, marking: Marking, name: str, dead: frozenset[str]) -> bool:
+        """Whether the present run may end in success: its end, or an interruption, is no part of it."""
+        run = self.reach([marking], [f"{h}_EV_RD" for h in dead], f"OBJ_{name}")
+        return any(event == f"OBJ_{name}_EV_OK" for m in run for event, _ in self.edges(m))
+
+    def forced(self, stop: Callable[[Marking], bool] | None = None) -> set[Marking]:
+        """Markings after runs without repairs in which objectives fail only where they are lost."""
+        seen, stack = {self.initial}, [self.initial]
+        while stack:
+            m = stack.pop()
+            if stop is not None and stop(m):
+                continue
+            for event, after in self.edges(m):
+                if event.startswith("OBJ_") and event.endswith(("_EV_FAIL", "_EV_TIMEOUT")):
+                    name = event.removeprefix("OBJ_").rpartition("_EV_")[0]
+                    if self.objective_survives(m, name, frozenset(self.hardware)):
+                        continue
+                if not event.endswith("_EV_RD") and after not in seen:
+                    seen.add(after)
+                    stack.append(after)
+        return seen
+
+    def ever_succeeds(self, marking: Marking, name: str, dead: frozenset[str]) -> bool:
+        run = self.reach([marking], [f"{h}_EV_RD" for h in dead])
+        return any(event == f"OBJ_{name}_EV_OK" for m in run for event, _ in self.edges(m))
+
+
+def minimal(sets: Iterable[frozenset[str]]) -> list[tuple[str, ...]]:
+    """The minimal ones, by size, then by names."""
+    known = set(sets)
+    least = [tuple(sorted(s)) for s in known if not any(t < s for t in known)]
+    return sorted(least, key=lambda names: (len(names), names))
+
+
+def fragile_missions(**bounds: int) -> st.SearchStrategy[Mission]:
+    """Missions most of which need much to succeed: few routes around what fails, no contention."""
+
+    @st.composite
+    def drawn(draw: st.DrawFn) -> Mission:
+        mission = draw(missions(None, disjoint_branches=True, protocols=False, timeouts=2, early=1, **bounds))
+        return replace(mission, blocks=_unrouted(draw, mission.blocks))
+
+    return drawn()
+
+
+@st.composite
+def coming_home(draw: st.DrawFn) -> Mission:
+    """Missions that need much to succeed, and come home, which aborts them, by most failures.
+
+    Args:
+        draw: Given by hypothesis.
+    """
+    mission = draw(fragile_missions(max_hardware=3, max_objectives=2, max_sections=4))
+    started = [a.name for a in mission.activities if not a.produces]
+    home = Objective(
+        name="home",
+        activities=(draw(st.sampled_from(started)),),
+        success="abort",
+        failure=draw(st.sampled_from(["fail", "abort"])),
+        retries=draw(st.sampled_from([0, 0, 1])),
+    )
+    leads = st.sampled_from(["home", "home", "abort", "fail"])
+    blocks = [replace(block, failure=draw(leads)) for block in mission.blocks]
+    blocks[-1] = replace(blocks[-1], success="succeed")
+    return replace(mission, blocks=(*blocks, home))
+
+
+def _unrouted(draw: st.DrawFn, blocks: tuple[Block, ...]) -> tuple[Block, ...]:
+    found = []
+    for block in blocks:
+        if isinstance(block, Holder):
+            block = replace(block, blocks=_unrouted(draw, block.blocks))
+        kept = block.failure if draw(st.integers(0, 3)) == 0 else None
+        found.append(replace(block, success=None, failure=kept))
+    return tuple(found)

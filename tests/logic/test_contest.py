@@ -1,0 +1,327 @@
+"""Property files of the contest: what they say, and what is answered of nets that have no end."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from unittest.mock import patch
+from xml.sax.saxutils import escape
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from mcpn.errors import InputError, LimitError, Source, UnboundedError
+from mcpn.logic.contest import Property, read_properties
+from mcpn.logic.evaluate import largest
+from mcpn.logic.questions import Questions
+from mcpn.logic.verdicts import answer_all
+from mcpn.nets.petri import NetBuilder, PetriNet
+from mcpn.spaces.arrays import ArraySpace
+from mcpn.spaces.diagrams import runners
+from mcpn.spaces.diagrams.bounded import reach_markings
+from mcpn.spaces.diagrams.runners import OneByOne
+from mcpn.spaces.engines import Asked
+from mcpn.spaces.names import Names
+from mcpn.testing.nets import FAMILIES
+from tests.draws import fewer
+from tests.logic.formulas import RELATIONS, Written, edges_of, formulas, read, satisfying
+from tests.nets.nets import graph_of, nets, state_machines, token_nets
+from tests.spaces.search.goals import all_markings
+
+PLAIN = (
+    token_nets()
+    | nets(max_places=5, max_transitions=6, max_weight=2, events=False)
+    | state_machines().map(lambda drawn: drawn[0])
+)
+ENGINES: tuple[Asked, ...] = ("auto", "explicit", "symbolic")
+TAGS = {"!": "negation", "&": "conjunction", "|": "disjunction", "->": "implication", "<->": "equivalence"}
+QUANTIFIERS = {"E": "exists-path", "A": "all-paths"}
+OPERATORS = {"X": "next", "F": "finally", "G": "globally"}
+
+
+def element(tag: str, *inside: str) -> str:
+    return f"<{tag}>{''.join(inside)}</{tag}>"
+
+
+def named(tag: str, names: Iterable[str]) -> list[str]:
+    return [element(tag, escape(name)) for name in names]
+
+
+def written(formula: Written) -> str:
+    """A formula in the contest's XML, which has one relation between sums."""
+    operator, *operands = formula
+    if operator in ("true", "false", "deadlock"):
+        return element(operator)
+    if operator == "stable":
+        return element("true")  # of nets without priorities
+    if operator == "place":
+        return written((">=", (0, *operands), (1,)))
+    if operator == "enabled":
+        return element("is-fireable", *named("transition", operands))
+    if operator in RELATIONS:
+        return related(operator, *operands)
+    inside = list(map(written, operands))
+    if operator in TAGS:
+        return element(TAGS[operator], *inside)
+    if operator[1] == "U":
+        before, reach = inside
+        path = element("until", element("before", before), element("reach", reach))
+    else:
+        path = element(OPERATORS[operator[1]], *inside)
+    return element(QUANTIFIERS[operator[0]], path)
+
+
+def related(relation: str, a: Written, b: Written) -> str:
+    at_most, at_least = (element("integer-le", total(*one), total(*other)) for one, other in ((a, b), (b, a)))
+    match relation:
+        case "<=":
+            return at_most
+        case ">=":
+            return at_least
+        case "<":
+            return element("negation", at_least)
+        case ">":
+            return element("negation", at_most)
+        case "=":
+            return element("conjunction", at_most, at_least)
+    return element("exclusive-disjunction", at_most, at_least)  # one is less
+
+
+def total(constant: int, *places: str) -> str:
+    counts = [element("tokens-count", name) for name in named("place", places)]
+    return element("integer-sum", element("integer-constant", str(constant)), *counts)
+
+
+def bound(places: Sequence[str]) -> str:
+    return element("place-bound", *named("place", places))
+
+
+def file_of(folder: Path, bodies: dict[str, str]) -> Path:
+    path = folder / "properties.xml"
+    asked = [element("property", element("id", n), element("formula", body)) for n, body in bodies.items()]
+    path.write_text("\n".join(['<property-set xmlns="http://mcc.lip6.fr/">', *asked, "</property-set>"]))
+    return path
+
+
+def answers(net: PetriNet, bodies: dict[str, str], engine: Asked) -> dict[str, str]:
+    with TemporaryDirectory() as folder:
+        properties = read_properties(file_of(Path(folder), bodies), Names(net))
+    assert [asked.name for asked in properties] == list(bodies)
+    found = list(answer_all(Questions(net, engine=engine), properties))
+    assert len(found) == len(bodies)
+    for verdict in found:
+        told = f"FORMULA {verdict.name} {verdict.value} TECHNIQUES {' '.join(verdict.techniques)}"
+        assert str(verdict) == told
+        assert verdict.techniques
+    return {verdict.name: verdict.value for verdict in found}
+
+
+@fewer(0.5)
+@given(PLAIN, st.data(), st.sampled_from(ENGINES))
+def test_files_are_answered_as_the_definitions_say(net: PetriNet, data: st.DataObject, engine: Asked) -> None:
+    assume(graph_of(net) is not None)
+    edges = edges_of(net)
+    drawn = formulas([p.name for p in net.places], [t.name for t in net.transitions], leaves=5)
+    asked = {f"f{i}": data.draw(drawn) for i in range(4)}
+    expected = {n: str(net.initial in satisfying(f, net, edges)).upper() for n, f in asked.items()}
+    assert answers(net, {n: written(f) for n, f in asked.items()}, engine) == expected
+
+
+@fewer(0.5)
+@given(nets(max_places=5, max_transitions=6, events=False), st.data())
+def test_what_was_listed_before_a_diagram_held_it_answers_the_same(
+    net: PetriNet, data: st.DataObject
+) -> None:
+    assume(graph_of(net) is not None and max(map(max, graph_of(net) or [(0,)]), default=0) <= 1)
+    edges = edges_of(net)
+    drawn = formulas([p.name for p in net.places], [t.name for t in net.transitions], leaves=5)
+
+    def exploring(net: PetriNet, *_: object) -> Iterator[OneByOne]:
+        yield OneByOne(net, "file", tuple(range(len(net.places))), 1 << 30, edges=True)
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(runners, "runners", exploring)
+        questions = Questions(net)
+        assert isinstance(questions.space, ArraySpace)
+        assert questions.choice.engine == "explicit"
+        listed = reach_markings(net, edges=True)
+    assert listed.listed is not None
+    assert {listed.encoding.marking(levels) for levels in listed.reachable} == set(graph_of(net) or ())
+    for formula in (data.draw(drawn) for _ in range(4)):
+        asked = read(formula, net)
+        assert questions.evaluation.holds(asked) == (net.initial in satisfying(formula, net, edges))
+        assert {
+            questions.space.marking(int(s)) for s in np.flatnonzero(questions.evaluation.states(asked).mask)
+        } == (satisfying(formula, net, edges))
+    sums = [Counter(data.draw(st.lists(st.sampled_from(range(len(net.places)))))) for _ in range(2)]
+    for weights in sums:
+        expected = max(sum(m[p] * n for p, n in weights.items()) for m in graph_of(net) or ())
+        assert largest(questions.space, weights) == expected
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("tokens", [1, 2, 3, 7])
+def test_the_most_tokens_of_some_places_at_the_same_time(engine: Asked, tokens: int) -> None:
+    """Tokens that walk round: never more than there are, in any places together."""
+    builder = NetBuilder("ring")
+    names = [builder.place(f"p{i}", initial=tokens if i == 0 else 0) for i in range(3)]
+    for i in range(3):
+        builder.transition(f"t{i}", consume=[names[i]], produce=[names[(i + 1) % 3]])
+    bodies = {
+        "one": bound(names[1:2]),
+        "two": bound(names[:2]),
+        "twice": bound([names[2]] * 2),
+        "none": bound([]),
+    }
+    expected = {"one": tokens, "two": tokens, "twice": 2 * tokens, "none": 0}
+    assert answers(builder.build(), bodies, engine) == {name: str(most) for name, most in expected.items()}
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_sums_are_compared_up_to_the_most_that_they_come_to(engine: Asked) -> None:
+    """Three tokens in two places: a sum of twice one of them and the other is from three to six."""
+    builder = NetBuilder("pair")
+    builder.place("a", initial=3)
+    builder.place("b")
+    builder.transition("to", consume=["a"], produce=["b"])
+    builder.transition("fro", consume=["b"], produce=["a"])
+    asked: dict[str, tuple[Written, bool]] = {}
+    for k in range(2, 8):
+        twice = (0, "a", "a", "b")
+        asked[f"AG at most {k}"] = ("AG", ("<=", twice, (k,))), k >= 6
+        asked[f"AG at least {k}"] = ("AG", (">=", twice, (k,))), k <= 3
+        asked[f"EF equal {k}"] = ("EF", ("=", twice, (k,))), 3 <= k <= 6
+        asked[f"EF more {k}"] = ("EF", (">", (0, "a", "a"), (0, *["b"] * k))), True
+        asked[f"AG differ {k}"] = ("AG", ("!=", (0, "a"), (k, "b"))), k != 3
+    expected = {name: str(value).upper() for name, (_, value) in asked.items()}
+    assert answers(builder.build(), {name: written(f) for name, (f, _) in asked.items()}, engine) == expected
+
+
+def growing() -> PetriNet:
+    """A place that grows without end while a switch is on; once it is off nothing fires."""
+    builder = NetBuilder("grows")
+    for place, initial in (("on", 1), ("off", 0), ("heap", 0)):
+        builder.place(place, initial=initial)
+    builder.transition("grow", read=["on"], produce=["heap"])
+    builder.transition("stop", consume=["on"], produce=["off"])
+    return builder.build()
+
+
+def test_an_unbounded_net_is_answered_as_far_as_few_markings_decide(tmp_path: Path) -> None:
+    def some(place: str, tokens: int = 1) -> Written:
+        return "<=", (tokens,), (0, place)
+
+    asked: dict[str, tuple[Written, bool]] = {
+        "heaped": (("EF", some("heap", 3)), True),
+        "dies": (("EF", ("deadlock",)), True),
+        "never both": (("AG", ("!", ("&", some("on"), some("off")))), True),
+        "next": (("EX", ("&", some("heap"), ("EX", some("off")))), True),
+        "something": (("AF", ("|", some("heap"), some("off"))), True),
+        "not at once": (("AX", some("heap")), False),
+    }
+    bodies = {name: written(formula) for name, (formula, _) in asked.items()}
+    expected = {name: str(value).upper() for name, (_, value) in asked.items()}
+    net = growing()
+    assert answers(net, bodies, "auto") == expected
+    properties = read_properties(file_of(tmp_path, bodies | {"most": bound(["heap"])}), Names(net))
+    found = answer_all(Questions(net), properties, ["OneSafe", "ReachabilityDeadlock"])
+    expected |= {"grows-OneSafe": "FALSE", "grows-ReachabilityDeadlock": "TRUE"}
+    assert {verdict.name: verdict.value for verdict in islice(found, len(expected))} == expected
+    with pytest.raises(UnboundedError):  # what is known comes before the error
+        next(found)
+    (live,) = answer_all(
+        Questions(net), (), ["Liveness"]
+    )  # a siphon without a marked trap: no space is asked
+    assert live.value == "FALSE"
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        (element("negation"), "<negation> holds 0 elements, expected 1"),
+        (element("implication", element("true")), "<implication> holds 1 elements, expected 2"),
+        (element("hope"), "found <hope>, expected a formula on states"),
+        (
+            element("exists-path", element("hope")),
+            "found <hope>, expected a formula on states",
+        ),
+        (element("is-fireable", element("place", "on")), "found <place>, expected <transition>"),
+        (
+            element("integer-le", element("integer-constant", "x"), element("integer-sum")),
+            "found 'x', expected an",
+        ),
+        (
+            element("integer-le", element("true"), element("integer-sum")),
+            "found <true>, expected <tokens-count>, <integer-constant> or <integer-sum>",
+        ),
+        (
+            element("exists-path", element("until", element("reach", "x"), element("before", "y"))),
+            "found <reach>, expected <before>",
+        ),
+        (element("is-fireable", element("transition", "fly")), "fly"),
+        (bound(["nowhere"]), "no place is named nowhere"),
+        (element("conjunction", element("is-fireable", element("transition", "fly"))), "wrong: "),
+    ],
+)
+def test_what_is_wrong_in_a_file_is_told_with_its_line(tmp_path: Path, body: str, words: str) -> None:
+    path = file_of(tmp_path, {"right": element("deadlock"), "wrong": body})
+    with pytest.raises(InputError) as caught:
+        read_properties(path, Names(growing()))
+    (problem,) = caught.value.problems
+    assert words in problem.message
+    assert problem.source is not None
+    assert problem.source.line == 3
+
+
+@pytest.mark.parametrize("missing", ["id", "formula"])
+def test_a_property_needs_a_name_and_a_formula(tmp_path: Path, missing: str) -> None:
+    parts = {"id": element("id", "x"), "formula": element("formula", element("deadlock"))}
+    del parts[missing]
+    path = tmp_path / "p.xml"
+    path.write_text(
+        f'<property-set xmlns="http://mcc.lip6.fr/">{element("property", *parts.values())}</property-set>'
+    )
+    with pytest.raises(InputError, match=f"a property without <{missing}>"):
+        read_properties(path, Names(growing()))
+    path.write_text("<property-set/>")
+    with pytest.raises(InputError, match="expected <property-set> of the namespace"):
+        read_properties(path, Names(growing()))
+
+
+def test_what_a_search_leaves_open_is_named_and_no_space_is_built() -> None:
+    net = FAMILIES["component_ring"].net(12)
+    asked = [
+        Property("pair", (0, 1), Source("ring")),
+        Property("stays", read(("EG", ("place", net.places[0].name)), net), Source("ring")),
+    ]
+    examinations = ["OneSafe", "QuasiLiveness", "StableMarking", "Liveness"]
+    given: dict[str, str] = {}
+
+    def search() -> None:
+        for verdict in answer_all(Questions(net, engine="search"), asked, examinations):
+            given[verdict.name.removeprefix("ring-12-")] = verdict.value
+
+    with (
+        patch("mcpn.spaces.kept.Spaces.space", side_effect=AssertionError),
+        patch("mcpn.spaces.kept.Spaces.go_on", side_effect=AssertionError),
+        pytest.raises(LimitError, match=r"engine search leaves open: ring-12-Liveness$"),
+    ):
+        search()
+    expected = {verdict.name: verdict.value for verdict in answer_all(Questions(net), asked)}
+    assert {name: given[name] for name in expected} == expected
+    assert given.keys() - expected.keys() == {"OneSafe", "QuasiLiveness", "StableMarking"}
+
+
+@given(PLAIN)
+def test_examinations_that_imply_each_other_are_answered_as_by_the_space(net: PetriNet) -> None:
+    assume(all_markings(net, 500) is not None)
+    examinations = ["Liveness", "QuasiLiveness", "StableMarking", "OneSafe", "ReachabilityDeadlock"]
+    expected = {v.name: v.value for v in answer_all(Questions(net, engine="explicit"), (), examinations)}
+    with patch("mcpn.spaces.kept.Spaces.go_on", return_value=False):  # what is known without the space first
+        searched = {v.name: v.value for v in answer_all(Questions(net), (), examinations)}
+    assert searched == expected

@@ -1,0 +1,96 @@
+"""CTL by markings as they are needed agrees with the definitions, whatever the budgets and the order."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from mcpn._kernel import Checker, Goals, TokenNet
+from mcpn.logic.formulas import EG, EU, EX
+from mcpn.logic.on_the_fly import OnTheFlyCheck
+from mcpn.nets.petri import NetBuilder, PetriNet
+from mcpn.spaces.search.goal import TRUE, AtMost
+from tests.draws import fewer
+from tests.logic.formulas import edges_of, formulas, read, satisfying
+from tests.nets.nets import graph_of, nets, state_machines, token_nets
+
+PLAIN = (
+    token_nets()
+    | nets(max_places=5, max_transitions=6, events=False)
+    | state_machines().map(lambda drawn: drawn[0])
+)
+
+
+@fewer(0.5)
+@given(PLAIN, st.data())
+def test_it_agrees_with_the_definitions(net: PetriNet, data: st.DataObject) -> None:
+    assume(graph_of(net) is not None)
+    edges = edges_of(net)
+    places, transitions = [p.name for p in net.places], [t.name for t in net.transitions]
+    drawn = data.draw(st.lists(formulas(places, transitions, leaves=8), min_size=1, max_size=4))
+    cores = [read(formula, net) for formula in drawn]
+    check = OnTheFlyCheck(net, cores)
+    # Budgets that are too small leave nothing behind that is not so; seeds change no answer.
+    rounds = data.draw(st.lists(st.integers(1, 40), max_size=6))
+    for number, steps in enumerate((*rounds, 10**6)):
+        for formula, core in zip(drawn, cores, strict=True):
+            found = check.decide(core, steps, seed=number)
+            assert found in (None, net.initial in satisfying(formula, net, edges))
+            assert found is not None or steps < 10**6
+    assert check.markings <= len(edges)
+    for formula, core in zip(drawn, cores, strict=True):
+        for inside in core.walk():
+            if isinstance(inside, EX | EU | EG):
+                assert check.decide(inside, 10**6) is not None
+        assert check.decide(core, 10**6) == (net.initial in satisfying(formula, net, edges))
+
+
+def _counter(limit: int) -> PetriNet:
+    """A place that grows without end where no other limits it; a token comes back any time."""
+    builder = NetBuilder("counter")
+    builder.place("up")
+    builder.place("room", initial=limit)
+    builder.transition("more", consume=["room"], produce=["up"])
+    builder.transition("endless", produce=["up"])
+    return builder.build()
+
+
+def test_endless_nets_are_answered_where_few_markings_decide() -> None:
+    net = _counter(3)
+    many, none = AtMost(((0, -1),), -40), AtMost(((0, 1),), 0)
+    reached, never = EU(TRUE, many), EG(none)
+    check = OnTheFlyCheck(net, [reached, never])
+    assert check.decide(reached, 10**5) is True  # places get wider twice on the way
+    assert check.decide(never, 10**5) is False
+    stays = EG(AtMost(((1, -1),), -3))  # some run never takes from the room, and is endless without a cycle
+    check = OnTheFlyCheck(net, [stays])
+    assert check.decide(stays, 10**4) is None
+
+
+def test_memory_is_a_limit() -> None:
+    net = _counter(0)
+    far = EU(TRUE, AtMost(((0, -1),), -(10**6)))
+    check = OnTheFlyCheck(net, [far], max_bytes=1 << 20)
+    assert check.decide(far, 10**7) is None
+    assert check.markings < 10**5
+    assert check.decide(far, 10**7) is None
+
+
+def test_the_kernel_checks_what_it_is_given() -> None:
+    net, goals = TokenNet(1, [([], [(0, 1)], False)], False), Goals(1, [("dead", [], [], 0)])
+    for operators, told in (
+        ([("goal", [1])], "no goal"),
+        ([("sometimes", [0])], "no such operator"),
+        ([("goal", [0]), ("until", [0])], "number of operands"),
+        ([("not", [0])], "names a later one"),
+    ):
+        with pytest.raises(ValueError, match=told):
+            Checker(net, [0], goals, operators, 1 << 20)
+    with pytest.raises(ValueError, match="each place"):
+        Checker(net, [0, 0], goals, [], 1 << 20)
+    checker = Checker(net, [0], goals, [("goal", [0])], 1 << 20)
+    with pytest.raises(ValueError, match="no such operator"):
+        checker.decide(1, 10)
+    assert checker.decide(0, 10) == "no"
+    assert checker.decide(0, 1) == "steps"

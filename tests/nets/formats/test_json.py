@@ -1,0 +1,148 @@
+"""The JSON of nets: exact round trips, and every expectation told with the way to the value."""
+
+from __future__ import annotations
+
+import copy
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mcpn.errors import InputError, Source
+from mcpn.nets.events import Event
+from mcpn.nets.formats.json import read_json, write_json
+from mcpn.nets.petri import NetBuilder, PetriNet, Provenance
+from tests.nets.nets import odd_nets
+
+HERE = Path("n.json")
+
+
+@given(net=odd_nets(line_breaks=True))
+def test_written_nets_are_read_back_equal(net: PetriNet) -> None:
+    assert read_json(HERE, write_json(net).encode()) == net
+
+
+def small() -> PetriNet:
+    builder = NetBuilder("n", priorities=True)
+    origin = Provenance("activity", "a", Source("robot.xml", 7))
+    builder.place("p", initial=1, provenance=origin)
+    builder.place("q", provenance=Provenance("mission", "m"))
+    builder.transition("t", consume={"p": 2}, read=["q"], event=Event.parse("EV"), provenance=origin)
+    builder.unit(["p", "q"])
+    return builder.build()
+
+
+def test_the_document_is_as_documented() -> None:
+    assert json.loads(write_json(small())) == {
+        "format": "mcpn-net",
+        "version": 1,
+        "name": "n",
+        "priorities": True,
+        "places": [
+            {
+                "name": "p",
+                "initial": 1,
+                "from": {"kind": "activity", "name": "a", "file": "robot.xml", "line": 7},
+            },
+            {
+                "name": "q",
+                "initial": 0,
+                "from": {"kind": "mission", "name": "m", "file": None, "line": None},
+            },
+        ],
+        "transitions": [
+            {
+                "name": "t",
+                "event": "EV",
+                "consume": {"p": 2},
+                "produce": {},
+                "read": {"q": 1},
+                "from": {"kind": "activity", "name": "a", "file": "robot.xml", "line": 7},
+            }
+        ],
+        "units": [["p", "q"]],
+    }
+
+
+def test_provenance_and_units_are_kept() -> None:
+    back = read_json(HERE, write_json(small()).encode())
+    assert back.units == ((0, 1),)
+    assert back.places[0].provenance == Provenance("activity", "a")
+    assert back.transitions[0].provenance is not None
+    assert back.transitions[0].provenance.source == Source("robot.xml", 7)
+    assert back.places[1].provenance is not None
+    assert back.places[1].provenance.source is None
+
+
+def broken(*way: str | int, value: Any) -> bytes:
+    document = json.loads(write_json(small()))
+    target = document
+    for step in way[:-1]:
+        target = target[step]
+    target[way[-1]] = value
+    return json.dumps(document).encode()
+
+
+BROKEN = {
+    "places[0].initial is -1": broken("places", 0, "initial", value=-1),
+    "places[1].initial is 1.5": broken("places", 1, "initial", value=1.5),
+    "places[1].initial is true": broken("places", 1, "initial", value=True),
+    "at most 18 digits": broken("places", 1, "initial", value=10**30),
+    "places[0].name is null": broken("places", 0, "name", value=None),
+    "places is an object, expected a list": broken("places", value={}),
+    "places[0] is 3, expected an object": broken("places", 0, value=3),
+    "transitions[0].consume.p is 0": broken("transitions", 0, "consume", value={"p": 0}),
+    "transitions[0].read is a list": broken("transitions", 0, "read", value=["p"]),
+    "transitions[0].event is 1": broken("transitions", 0, "event", value=1),
+    "transitions[0] has no 'event'": broken("transitions", 0, value={"name": "t"}),
+    "names the place z": broken("transitions", 0, "produce", value={"z": 1}),
+    "a unit names the place z": broken("units", 0, value=["z"]),
+    "place p is declared twice": broken("places", 1, "name", value="p"),
+    'priorities is "yes", expected true or false': broken("priorities", value="yes"),
+    "places[0].from.line is 0": broken("places", 0, "from", "line", value=0),
+    "places[0].from.kind is 1": broken("places", 0, "from", "kind", value=1),
+    '"version": 1': broken("version", value=2),
+    "'format'": b"{}",
+    "the key 'a' is given twice": b'{"a": 1, "a": 2}',
+    "expected an object": b"[]",
+    "n.json:2: not JSON": b'{\n"a": }',
+    "not JSON: 'utf-8'": b'"\xff"',
+    "not JSON: maximum recursion": b"[" * 100_000,
+    "not JSON: Exceeds the limit": b"9" * 10_000,
+}
+
+
+@pytest.mark.parametrize("message", BROKEN)
+def test_broken_documents_are_told(message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        read_json(HERE, BROKEN[message])
+    assert message in str(caught.value)
+    assert str(caught.value).startswith("n.json")
+
+
+@given(data=st.data())
+def test_no_document_is_a_traceback(data: st.DataObject) -> None:
+    document: Any = copy.deepcopy(json.loads(write_json(small())))
+    values = st.recursive(
+        st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=3),
+        lambda inner: st.lists(inner, max_size=2) | st.dictionaries(st.text(max_size=3), inner, max_size=2),
+        max_leaves=4,
+    )
+    target = document
+    while True:
+        keys = sorted(target) if isinstance(target, dict) else list(range(len(target)))
+        key = data.draw(st.sampled_from(keys))
+        if isinstance(target[key], dict | list) and target[key] and data.draw(st.booleans()):
+            target = target[key]
+            continue
+        target[key] = data.draw(values)
+        break
+    sources = [Source("n.json")]
+    try:
+        read_json(HERE, json.dumps(document).encode())
+    except InputError as error:
+        sources = [problem.source for problem in error.problems if problem.source]
+    assert [source.file for source in sources] == ["n.json"]

@@ -1,0 +1,69 @@
+"""Firing, priorities and building."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+
+from mcpn.errors import InputError
+from mcpn.nets.events import Event
+from mcpn.nets.petri import NetBuilder, PetriNet
+from tests.nets.nets import nets
+
+
+def test_internal_transitions_come_before_events() -> None:
+    builder = NetBuilder("n", priorities=True)
+    builder.place("p", initial=1)
+    builder.transition("internal", consume=["p"])
+    builder.transition("event", consume=["p"], event=Event.parse("EV"))
+    assert builder.build().enabled((1,)) == [0]
+    builder = NetBuilder("n", priorities=False)
+    builder.place("p", initial=1)
+    builder.transition("internal", consume=["p"])
+    builder.transition("event", consume=["p"], event=Event.parse("EV"))
+    assert builder.build().enabled((1,)) == [0, 1]
+
+
+def test_read_arcs_ask_and_leave() -> None:
+    builder = NetBuilder("n")
+    builder.place("p", initial=2)
+    builder.place("q")
+    builder.transition("t", read={"p": 2}, produce=["q"])
+    builder.transition("u", read={"p": 3})
+    net = builder.build()
+    assert net.enabled(net.initial) == [0]
+    assert net.fire(net.initial, 0) == (2, 1)
+
+
+def test_builders_refuse_what_makes_no_sense() -> None:
+    builder = NetBuilder("n")
+    builder.place("p")
+    with pytest.raises(InputError, match="place p is declared twice"):
+        builder.place("p")
+    builder.transition("t", consume=["q"])
+    with pytest.raises(InputError, match="transition t is declared twice"):
+        builder.transition("t")
+    with pytest.raises(InputError, match="transition t names the place q"):
+        builder.build()
+
+
+def safe_at_first(net: PetriNet) -> PetriNet:
+    """The net with at most one token in each place."""
+    return replace(net, places=tuple(replace(p, initial=min(p.initial, 1)) for p in net.places))
+
+
+@given(nets(max_weight=3).map(safe_at_first))
+def test_the_safe_view_fires_like_the_net_where_it_is_safe(net: PetriNet) -> None:
+    marked = {p for p, tokens in enumerate(net.initial) if tokens}
+    for number, safe in enumerate(net.safe_transitions):
+        enabled = not safe.blocked and marked >= {*safe.consume, *safe.read}
+        assert enabled == net.covers(net.initial, number)
+        if enabled:
+            after = net.fire(net.initial, number)
+            doubled = (marked - set(safe.consume)) & set(safe.produce) or set(safe.overflow)
+            assert bool(doubled) == (max(after) > 1)
+            if not doubled:
+                kept = (marked - set(safe.consume)) | set(safe.produce)
+                assert {p for p, tokens in enumerate(after) if tokens} == kept

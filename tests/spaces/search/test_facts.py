@@ -1,0 +1,66 @@
+"""What the state equation and walks tell of a net without its space, with ever so little work allowed."""
+
+from __future__ import annotations
+
+from unittest.mock import patch
+
+import pytest
+from hypothesis import assume, event, given
+from hypothesis import strategies as st
+
+from mcpn.nets.petri import NetBuilder, PetriNet
+from mcpn.spaces.search import facts
+from mcpn.spaces.search.facts import Facts
+from tests.spaces.search.goals import all_markings
+from tests.spaces.search.test_portfolio import PLAIN_NETS
+
+
+def test_a_bound_above_one_is_no_proof_of_safety() -> None:
+    """The proof for ``a`` bounds ``b`` by two tokens; ``b`` itself is asked no more."""
+    builder = NetBuilder("twice")
+    builder.place("a", initial=1)
+    builder.place("b")
+    builder.transition("t", consume=["a"], produce=["b", "b"])
+    builder.transition("u", consume=["b", "b"], produce=["a"])
+    net = builder.build()
+    with patch.object(facts, "MOST_WORK", Facts(net)._size):
+        assert Facts(net).safe()[0] is not True
+    assert Facts(net).safe()[0] is False
+
+
+def examined(net: PetriNet) -> dict[str, bool] | None:
+    """The examinations by every marking; ``None`` where there are many."""
+    markings = all_markings(net)
+    if markings is None:
+        return None
+    enabled = {m: set(net.enabled(m)) for m in markings}
+    leading = {t: {m for m in markings if t in enabled[m]} for t in range(len(net.transitions))}
+    for states in leading.values():
+        while more := {m for m in markings - states if any(net.fire(m, t) in states for t in enabled[m])}:
+            states |= more
+    return {
+        "OneSafe": max((max(m, default=0) for m in markings), default=0) <= 1,
+        "QuasiLiveness": set().union(*enabled.values()) == set(range(len(net.transitions))),
+        "StableMarking": any(len({m[p] for m in markings}) == 1 for p in range(len(net.places))),
+        "Liveness": all(states == markings for states in leading.values()),
+    }
+
+
+@given(PLAIN_NETS, st.integers(1, 6) | st.just(10_000))
+def test_what_is_told_is_true(net: PetriNet, calls: int) -> None:
+    known = examined(net)
+    assume(known is not None)
+    assert known is not None
+    with patch.object(facts, "MOST_WORK", calls * Facts(net)._size):
+        told = Facts(net)
+        for name, examination in told.examinations.items():
+            value, _ = examination()
+            event(f"{name}: {value}")
+            assert value in (None, known[name]), name
+
+
+@pytest.mark.parametrize("initial", [0, 1])
+def test_a_place_alone_is_safe(initial: int) -> None:
+    builder = NetBuilder("alone")
+    builder.place("p", initial=initial)
+    assert Facts(builder.build()).safe()[0] is True

@@ -1,0 +1,176 @@
+"""Walks and searches against every marking."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from mcpn.errors import LimitError
+from mcpn.nets.formats import read_net
+from mcpn.nets.petri import NetBuilder, PetriNet
+from mcpn.spaces.search.goal import DEADLOCK, And, AtMost, marked
+from mcpn.spaces.search.searches import Searches, replay, shortened
+from tests.nets.nets import counter, nets, state_machines
+from tests.spaces.search.goals import all_markings, goals, is_goal
+
+ANY_NETS = nets(max_weight=1) | nets(max_weight=2) | state_machines().map(lambda pair: pair[0])
+
+
+def respects_priorities(net: PetriNet, run: tuple[int, ...]) -> bool:
+    marking = net.initial
+    for t in run:
+        if t not in net.enabled(marking):
+            return False
+        marking = net.fire(marking, t)
+    return True
+
+
+@given(st.data())
+def test_search_finds_what_is_reachable_and_nothing_else(data: st.DataObject) -> None:
+    net = data.draw(ANY_NETS)
+    goal = data.draw(goals(net))
+    markings = all_markings(net)
+    assume(markings is not None)
+    assert markings is not None
+    expected = any(is_goal(goal, net, marking) for marking in markings)
+    for stubborn in (True, False):
+        found = Searches(net).seek(goal, max_states=100_000, stubborn=stubborn)
+        assert found.outcome == ("reached" if expected else "unreachable")
+        assert found.states <= len(markings)
+        if expected:
+            assert respects_priorities(net, found.run)
+            assert is_goal(goal, net, replay(net, found.run))
+
+
+@given(st.data())
+def test_walks_replay_and_end_in_the_goal(data: st.DataObject) -> None:
+    net = data.draw(ANY_NETS)
+    asked = data.draw(st.lists(goals(net), min_size=1, max_size=3))
+    counts = data.draw(st.just([]) | st.just([1] * len(net.transitions)))
+    found = Searches(net).walk(asked, steps=500, seed=data.draw(st.integers(0, 9)), counts=counts)
+    for index, run in found.items():
+        assert respects_priorities(net, run)
+        assert is_goal(asked[index], net, replay(net, run))
+    for index, goal in enumerate(asked):
+        if is_goal(goal, net, net.initial):
+            assert found[index] == ()
+
+
+@given(ANY_NETS)
+def test_unsafe_firings_that_a_walk_finds_are_unsafe(net: PetriNet) -> None:
+    error = Searches(net).walk_unsafe(steps=500)
+    if max(net.initial, default=0) > 1:
+        assert error is not None
+        assert not error.transition
+        assert net.initial[net.place_index[error.place]] > 1
+        return
+    markings = all_markings(net)
+    if error is None:
+        if markings is not None and len(markings) < 5:
+            assert all(max(marking) < 2 for marking in markings)
+        return
+    run = [net.transition_index[name] for name in error.run]
+    before = replay(net, run)
+    assert respects_priorities(net, (*run, net.transition_index[error.transition]))
+    assert net.marked(before) == error.marking
+    after = net.fire(before, net.transition_index[error.transition])
+    assert after[net.place_index[error.place]] > 1
+
+
+@given(ANY_NETS, st.lists(st.integers(0, 5), max_size=30))
+def test_a_shortened_run_ends_in_the_same_marking(net: PetriNet, choices: list[int]) -> None:
+    run: list[int] = []
+    marking, passed = net.initial, {net.initial}
+    for choice in choices:
+        enabled = net.enabled(marking)
+        if not enabled:
+            break
+        run.append(enabled[choice % len(enabled)])
+        marking = net.fire(marking, run[-1])
+        passed.add(marking)
+    short = shortened(net, run)
+    assert replay(net, short) == marking
+    assert len(short) < len(passed)
+
+
+def test_limits_are_told() -> None:
+    net = counter(12)
+    goal = And(*(marked(net.place_index[f"one{bit}"]) for bit in range(12)))
+    assert Searches(net).seek(goal, max_states=100).outcome == "states"
+    assert Searches(net).seek(goal, max_states=10**6, max_bytes=10_000).outcome == "bytes"
+    found = Searches(net).seek(goal, max_states=10**6)
+    assert (found.outcome, len(found.run)) == ("reached", 4095)
+
+
+@pytest.mark.parametrize("signs", [(1, 1), (1, -1), (-1, -1)])
+def test_weights_up_to_the_limit_are_searched_and_those_beyond_told(signs: tuple[int, int]) -> None:
+    builder = NetBuilder("two tokens")
+    builder.place("p", initial=1)
+    builder.place("q", initial=1)
+    builder.place("left")
+    builder.transition("leave", consume=["p", "q"], produce=["left"])
+    net = builder.build()
+    one, other = signs
+
+    def least(weights: tuple[int, int]) -> AtMost:
+        """Holds where the sum is as small as it becomes: with both tokens, or without."""
+        return AtMost(tuple(enumerate(weights)), min(sum(weights), 0))
+
+    at_limit = least((one * (2**29 - 1), other))
+    assert Searches(net).seek(at_limit, max_states=10).outcome == "reached"
+    assert 0 in Searches(net).walk([at_limit], steps=10)
+    for beyond in ((one * 2**29, other), (one * 2**28, other * 2**29), (one, other * 10**30)):
+        with pytest.raises(LimitError, match=str(sum(map(abs, beyond)))):
+            Searches(net).seek(least(beyond), max_states=10)
+        with pytest.raises(LimitError, match=str(2**29)):
+            Searches(net).walk([at_limit, And(marked(2), least(beyond))], steps=10)
+
+
+def test_a_place_that_grows_for_ever_is_given_up() -> None:
+    builder = NetBuilder("source")
+    builder.place("p")
+    builder.place("never")
+    builder.transition("t", produce={"p": 2**30})
+    found = Searches(builder.build()).seek(AtMost(((1, -1),), -1), max_states=10**6, stubborn=False)
+    assert found.outcome == "tokens"
+
+
+def test_stubborn_sets_leave_out_interleavings() -> None:
+    builder = NetBuilder("side by side")
+    for i in range(10):
+        builder.place(f"a{i}", initial=1)
+        builder.place(f"b{i}")
+        builder.transition(f"t{i}", consume=[f"a{i}"], produce=[f"b{i}"])
+    builder.place("stays", initial=1)
+    builder.transition("loop", read=["stays"])
+    net = builder.build()
+    found = Searches(net).seek(DEADLOCK, max_states=10_000)
+    assert found.outcome == "unreachable"
+    assert found.states <= 11
+    assert Searches(net).seek(DEADLOCK, max_states=10_000, stubborn=False).states == 1024
+
+
+def test_the_deadlocks_of_the_contest(mcc: Path) -> None:
+    with (mcc / "oracles.tsv").open(newline="") as file:
+        rows = list(csv.DictReader(file, delimiter="\t"))
+    decided = 0
+    for row in rows:
+        if row["deadlock_exists"] not in ("TRUE", "FALSE") or int(row["transitions"]) > 1000:
+            continue
+        net = read_net(mcc / row["model"] / "model.pnml")
+        found = Searches(net).seek(DEADLOCK, max_states=3000)
+        if found.outcome in ("reached", "unreachable"):
+            decided += 1
+            assert (found.outcome == "reached") == (row["deadlock_exists"] == "TRUE"), row["model"]
+            if found.run:
+                assert net.enabled(replay(net, found.run)) == []
+    assert decided > 25
+
+
+def test_a_goal_that_names_no_place_is_refused() -> None:
+    with pytest.raises(ValueError, match="place"):
+        Searches(counter(2)).seek(AtMost(((9, 1),), 0), max_states=10)

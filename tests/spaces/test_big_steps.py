@@ -1,0 +1,241 @@
+"""Big steps against the listing of stable states: the same states, edges, closures, on nets and missions."""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from hypothesis import event, given
+from hypothesis import strategies as st
+
+from mcpn._kernel import BigSteps, Store, Zdd, choices
+from mcpn.drawing.compose import compose
+from mcpn.mission.model import Mission, Objective, Parallel
+from mcpn.nets.petri import PetriNet
+from mcpn.spaces.diagrams.encoding import Encoding
+from mcpn.spaces.diagrams.order import Order, clustered
+from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY, SymbolicSpace
+from mcpn.spaces.markings.explicit import KernelNet
+from mcpn.spaces.stable import big_steps
+from mcpn.spaces.stable.big_steps import BigStepSpace, reach_in_big_steps
+from mcpn.spaces.stable.completion import settled
+from mcpn.testing import missions
+from mcpn.testing.stacks import stacked_missions
+from tests.draws import composed, fewer
+from tests.nets.nets import nets
+from tests.small import activity, hw, mission, robot
+
+MOST = 2_000
+"""Stable states that are listed."""
+
+ALONE = mission(robot(hw("h"), activity("a", ("h",), ())), Objective(name="o", activities=("a",)))
+
+Listed = tuple[list[tuple[int, ...]], set[tuple[int, int, int]]]
+
+
+def listed(net: PetriNet) -> Listed | None:
+    """Stable markings as marked places, and edges, all interleavings explored; ``None`` with trouble."""
+    prepared = KernelNet(net)
+    found = settled(prepared, orders="every", max_states=MOST)
+    if found.trouble is not None:
+        return None
+    rows, offsets, targets, labels = (
+        found.take_markings(), found.take_offsets(), found.take_targets(), found.take_labels()
+    )  # fmt: skip
+    states = [tuple(p for p in range(len(net.places)) if int(row[p // 64]) >> p % 64 & 1) for row in rows]
+    edges = {
+        (state, prepared.transitions[int(labels[edge])], int(targets[edge]))
+        for state in range(len(states))
+        for edge in range(int(offsets[state]), int(offsets[state + 1]))
+    }
+    return states, edges
+
+
+def stepped(
+    net: PetriNet, few: int = big_steps.FEW_STEPS, order: Order | None = None
+) -> tuple[BigStepSpace, dict[int, bytes]] | None:
+    """The same by big steps; of events that have more than a few, by what they make of sets of states."""
+    encoding = Encoding(net, order or tuple(range(len(net.places))), DEFAULT_MEMORY)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(big_steps, "FEW_STEPS", few)
+        found = reach_in_big_steps(KernelNet(net), encoding)
+    if found is None:
+        return None
+    states, steps = found
+    space = SymbolicSpace(encoding, states, states, "file", encoding.places, encoding.store.peak_nodes)
+    return BigStepSpace(space, {**steps}, {}), steps
+
+
+def places_of(space: BigStepSpace, states: Zdd) -> set[tuple[int, ...]]:
+    """Some states as their marked places."""
+    marked = (enumerate(space.marking(state)) for state in states)
+    return {tuple(p for p, tokens in marking if tokens) for marking in marked}
+
+
+FEW = st.sampled_from((0, 1, 2, big_steps.FEW_STEPS))
+"""Big steps of an event that are found one by one before it is run from whole sets."""
+
+
+def agree(net: PetriNet, few: int, order: Order | None = None) -> None:
+    """Big steps are as the listing has it, and where it comes to trouble they are refused."""
+    one, other = listed(net), stepped(net, few, order)
+    event("no outcome, or two" if one is None else f"states: {min(len(one[0]), 20) // 5 * 5} or more")
+    assert (one is None) == (other is None)
+    if one is None or other is None:
+        return
+    (states, edges), (space, steps) = one, other
+    assert places_of(space, space.everything) == {*states}
+    assert {*steps} == {t for _, t, _ in edges}
+    for t in (None, *steps):
+        asked = None if t is None else [t]
+        for number, state in enumerate(states):
+            here = space.encoding.set_of([int(p in state) for p in range(len(net.places))])
+            after = {states[b] for a, u, b in edges if a == number and u == (u if t is None else t)}
+            assert places_of(space, space.after(here, asked)) == after
+            before = {states[a] for a, u, b in edges if b == number and u == (u if t is None else t)}
+            assert places_of(space, space.before(here, asked)) == before
+            if number >= 20:
+                break
+
+
+@given(nets(), FEW)
+def test_big_steps_of_nets(net: PetriNet, few: int) -> None:
+    agree(replace(net, priorities=True), few)
+
+
+@fewer(0.3)
+@given(missions() | missions(events=2, sections=4) | stacked_missions(), FEW, st.booleans())
+def test_big_steps_of_missions(of: Mission, few: int, by_clusters: bool) -> None:
+    net = composed(of).net
+    if settled(KernelNet(net), orders="one", max_states=50_000).states < 400:
+        agree(net, few, clustered(net) if by_clusters else None)
+
+
+@fewer(0.3)
+@given(missions() | stacked_missions(), FEW, st.data())
+def test_closures_are_those_of_one_step_after_the_other(of: Mission, few: int, data: st.DataObject) -> None:
+    found = stepped(composed(of).net, few)
+    if found is None:
+        return
+    space, steps = found
+    events = [*steps]
+    asked = data.draw(st.none() | st.lists(st.sampled_from(events), unique=True)) if events else None
+    conditions = [
+        p for p in range(len(space.net.places)) if space.marked([p]) not in (space.nothing, space.everything)
+    ]
+    drawn = [
+        space.marked([data.draw(st.sampled_from(conditions))]) if conditions else space.everything
+        for _ in range(3)
+    ]
+    goal, along, guard = drawn
+    guards = data.draw(st.none() | st.just(dict.fromkeys(events[:2], guard)))
+
+    def closed(begin: Zdd, step: Any, within: Zdd) -> Zdd:
+        states = begin
+        while (more := states | (step(states, asked, guards) & within)) != states:
+            states = more
+        return states
+
+    assert space.reaching(goal, along, asked, guards) == closed(goal, space.before, along)
+    assert space.reached(goal, along, asked, guards) == closed(goal & along, space.after, along)
+
+
+def test_few_big_steps_tell_of_many_states() -> None:
+    """Three branches with hardware of their own: what befalls one is a big step whatever the others do."""
+    names = ("a", "b", "c")
+    branches = tuple(Objective(name=f"o{name}", activities=(name,)) for name in names)
+    activities = (activity(name, (f"h{name}",), ()) for name in names)
+    of = mission(robot(hw("ha", "hb", "hc"), *activities), Parallel(name="p", blocks=branches))
+    one, other = listed(compose(of).net), stepped(compose(of).net)
+    assert one is not None
+    assert other is not None
+    assert sum(map(rows_in, other[1].values())) * 4 < len(one[1])
+
+
+def test_branches_that_share_a_producer_are_a_sum() -> None:
+    """Run from whole sets, an event that concerns all branches is a function that grows as they do."""
+
+    def sizes(count: int) -> tuple[int, int]:
+        branches = tuple(Objective(name=f"o{i}", activities=(f"work{i}",)) for i in range(count))
+        works = (activity(f"work{i}", ("position", f"h{i}"), ("position",)) for i in range(count))
+        localise = activity("localise", ("gps",), ("imu",), produces=("position",))
+        of = mission(
+            robot(hw("gps", "imu", *(f"h{i}" for i in range(count))), localise, *works),
+            Parallel(name="p", blocks=branches),
+        )
+        net = compose(of).net
+        found = stepped(net, 0, clustered(net))
+        assert found is not None
+        return found[0].everything.count(), max(map(len, found[1].values()))
+
+    (few, short), (many, long) = sizes(2), sizes(5)
+    assert few == 260  # as `mcpn alternatives --engine explicit` lists them
+    assert many == 90_524
+    assert long < short * 10
+
+
+def rows_in(steps: bytes) -> int:
+    """How many big steps stand in some bytes."""
+    numbers, count, at = struct.unpack(f"={len(steps) // 4}I", steps), 0, 0
+    while at < len(numbers):
+        at += 1 + numbers[at]
+        count += 1
+    return count
+
+
+def test_the_bound_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    net = compose(ALONE).net
+    assert stepped(net)
+    monkeypatch.setattr(big_steps, "MOST_SINGLY", 1)
+    assert stepped(net) is None
+
+
+def test_what_is_asked_wrongly_is_refused() -> None:
+    net = compose(ALONE).net
+    prepared = KernelNet(net)
+    places = [*range(len(net.places))]
+    store = Store(len(places))
+    for wrong in ([*places[:-1], len(places)], [*places[:-1], -2]):
+        with pytest.raises(ValueError, match="no such place"):
+            BigSteps(prepared.kernel, prepared.initial, wrong, [], 1 << 30, 100)
+    with pytest.raises(ValueError, match="no such level"):
+        BigSteps(prepared.kernel, prepared.initial, places, [(0, len(places))], 1 << 30, 100)
+    kernel = BigSteps(prepared.kernel, prepared.initial, places, [], 1 << 30, 100)
+    with pytest.raises(ValueError, match="other levels"):
+        kernel.start(Store(len(places) + 1))
+    start = kernel.start(store)
+    assert start is not None
+    with pytest.raises(ValueError, match="no such event"):
+        kernel.cover(start, 0, 10)  # an internal transition
+    label = next(i for i, t in enumerate(prepared.transitions) if not net.transitions[t].internal)
+    with pytest.raises(ValueError, match="no such event"):
+        kernel.after(start, 0)
+    with pytest.raises(ValueError, match="no such event"):
+        kernel.function(start, 0)
+    assert kernel.cover(start, label, 0) == (b"", 0, False)
+    with pytest.raises(ValueError, match="without a level"):
+        BigSteps(prepared.kernel, prepared.initial, [*places[:-1], -1], [], 1 << 30, 100)
+    for bad in (
+        b"123",
+        struct.pack("=2I", 2, 1),
+        struct.pack("=2I", 1, len(places) * 4),
+        struct.pack("=3I", 2, 5, 4),
+        struct.pack("=I", 2**32 - 1),
+        struct.pack("=2I", 2**32 - 1, 0),  # a function without a part
+        struct.pack("=3I", 2**32 - 1, 4, 0),
+        struct.pack("=6I", 2**32 - 1, 4, len(places), 2, 0, 0),
+        struct.pack("=6I", 2**32 - 1, 4, 0, 4, 0, 0),
+        struct.pack("=6I", 2**32 - 1, 4, 0, 2, 1, 0),  # a part behind itself
+        struct.pack("=10I", 2**32 - 1, 8, 1, 2, 0, 0, 1, 2, 1, 0),  # on one level twice
+        struct.pack("=10I", 2**32 - 1, 8, 1, 2, 0, 0, 0, 3, 0, 1),  # alternatives on two levels
+    ):
+        with pytest.raises(ValueError, match=r"big steps|levels"):
+            choices(store, bad, "ahead", [])
+    with pytest.raises(ValueError, match="no way"):
+        choices(store, b"", "ahead", [])
+    with pytest.raises(ValueError, match="ahead, back or where"):
+        choices(store, struct.pack("=2I", 1, 4), "sideways", [])
+    with pytest.raises(ValueError, match="named twice"):
+        choices(store, struct.pack("=2I", 1, 4), "ahead", [1])

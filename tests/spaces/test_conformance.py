@@ -1,0 +1,112 @@
+"""One suite over every engine: the same sizes, whoever counts."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import example, given
+
+from mcpn.drawing.compose import compose
+from mcpn.errors import LimitError, UnsafeError
+from mcpn.mission.model import Mission
+from mcpn.nets.formats import read_net
+from mcpn.nets.petri import PetriNet, Place
+from mcpn.spaces.sizes import summarise
+from mcpn.spaces.summary import ENGINES, SpaceSummary
+from mcpn.testing import missions
+from tests.draws import fewer
+from tests.nets.nets import nets, reachable
+from tests.shares import returns_early
+from tests.spaces.test_explicit import ring, switches
+
+# What each engine reaches in a few seconds, by places and by states.
+REACH = {"explicit": (10**9, 130_000), "symbolic": (10**9, 10**50), "pyeda": (60, 100_000)}
+
+
+def sizes(summary: SpaceSummary) -> SpaceSummary:
+    """A summary without what may differ between engines."""
+    return replace(summary, nodes=None, peak_nodes=None, order=None, engine="", seconds=0)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@fewer(0.25)
+@given(net=nets(max_weight=2))
+@example(net=PetriNet("nothing_fires", (Place("p0", 0),), ()))
+@example(net=PetriNet("nothing_fires", (Place("p0", 0),), (), priorities=True))
+def test_nets_have_the_sizes_of_the_plain_rule(engine: str, net: PetriNet) -> None:
+    markings, edges, safe = reachable(net)
+    if not safe and engine != "pyeda" and not net.priorities:
+        return  # tests/spaces/test_bounded.py
+    if not safe:
+        with pytest.raises(UnsafeError):
+            summarise(net, engine)
+        return
+    found = summarise(net, engine)
+    assert (found.states, found.edges) == (len(markings), edges)
+    assert found.dead_states == sum(not net.enabled(m) for m in markings)
+    assert found.max_tokens == max(sum(m) for m in markings)
+    if net.priorities:
+        unstable = [m for m in markings if any(net.transitions[t].internal for t in net.enabled(m))]
+        assert found.stable_states == len(markings) - len(unstable)
+    else:
+        assert found.stable_states is None
+
+
+@fewer(0.25)
+@given(missions())
+def test_missions_have_the_same_sizes_by_both_large_engines(mission: Mission) -> None:
+    net = compose(mission).net
+    try:
+        explicit = summarise(net, "explicit", max_states=20_000)
+    except LimitError as error:
+        returns_early(type(error).__name__)
+        return
+    assert sizes(summarise(net, "symbolic")) == sizes(explicit)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_closed_forms(engine: str) -> None:
+    found = summarise(switches(4), engine)
+    assert (found.states, found.edges, found.dead_states, found.max_tokens) == (2**4, 4 * 2**4, 0, 4)
+    found = summarise(ring(7), engine)
+    assert (found.states, found.edges, found.dead_states, found.max_tokens) == (7, 7, 0, 1)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_the_contest_s_answers(engine: str, mcc: Path, mcc_oracles: dict[str, dict[str, str]]) -> None:
+    most_places, most_states = REACH[engine]
+    checked = 0
+    for model, row in mcc_oracles.items():
+        if row["safe"] != "1-safe" or int(row["places"]) > most_places or int(row["states"]) > most_states:
+            continue
+        if model in SLOW:
+            continue
+        found = summarise(read_net(mcc / model / "model.pnml"), engine)
+        assert found.states == int(row["states"]), model
+        assert found.edges == int(row["edges"]), model
+        assert bool(found.dead_states) == (row["deadlock_exists"] == "TRUE"), model
+        assert found.max_tokens == int(row["max_tokens_per_marking"]), model
+        checked += 1
+    assert checked >= {"explicit": 20, "symbolic": 30, "pyeda": 15}[engine]
+
+
+# Left to experiments/mcc.py, which gives each net a minute.
+SLOW = {
+    "Solitaire-PT-SqrNC5x5",
+    "Dekker-PT-050",
+    "Peterson-PT-3",
+    "NQueens-PT-08",
+    "LamportFastMutEx-PT-4",
+    "Eratosthenes-PT-100",
+}
+
+
+def test_the_reference_engine_refuses_the_contest_s_unsafe_nets(
+    mcc: Path, mcc_oracles: dict[str, dict[str, str]]
+) -> None:
+    for model, row in mcc_oracles.items():
+        if row["safe"] != "1-safe" and int(row["places"]) <= 24:
+            with pytest.raises(UnsafeError):
+                summarise(read_net(mcc / model / "model.pnml"), "pyeda")

@@ -1,0 +1,123 @@
+"""Nets with many tokens: counts, bounds, and runs that show that there is none."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+
+from mcpn.errors import LimitError, UnboundedError
+from mcpn.nets.events import Event
+from mcpn.nets.petri import NetBuilder, PetriNet
+from mcpn.spaces.markings.counted import count_tokens, explore_tokens
+from mcpn.spaces.markings.tokens import OMEGA, boundedness
+from tests.nets.nets import nets
+from tests.shares import returns_early
+
+
+def producer_consumer(*, events: bool = False) -> PetriNet:
+    """The unbounded one of the textbooks: the buffer has no size."""
+    builder = NetBuilder("producer-consumer", priorities=events)
+    for place, tokens in (("ready", 1), ("made", 0), ("buffer", 0), ("hungry", 1), ("full", 0)):
+        builder.place(place, initial=tokens)
+    for name, before, after in (
+        ("make", ["ready"], ["made"]),
+        ("put", ["made"], ["ready", "buffer"]),
+        ("get", ["buffer", "hungry"], ["full"]),
+        ("eat", ["full"], ["hungry"]),
+    ):
+        builder.transition(name, consume=before, produce=after, event=Event.parse(name) if events else None)
+    return builder.build()
+
+
+def replay(net: PetriNet, names: tuple[str, ...], marking: tuple[int, ...]) -> tuple[int, ...]:
+    for name in names:
+        t = net.transition_index[name]
+        assert t in net.enabled(marking)
+        marking = net.fire(marking, t)
+    return marking
+
+
+def check_pump(net: PetriNet, run: tuple[str, ...], pump: tuple[str, ...]) -> None:
+    at = replay(net, run, net.initial)
+    for _ in range(10):
+        after = replay(net, pump, at)
+        assert after != at
+        assert all(a >= b for a, b in zip(after, at, strict=True))
+        at = after
+
+
+def test_an_unbounded_buffer_is_found_with_the_run_that_fills_it() -> None:
+    net = producer_consumer()
+    found = boundedness(net)
+    assert found.bounded is False
+    assert found.bounds is not None
+    assert [net.places[p].name for p, bound in enumerate(found.bounds) if bound == OMEGA] == ["buffer"]
+    assert [bound for bound in found.bounds if bound != OMEGA] == [1, 1, 1, 1]
+    check_pump(net, found.run, found.pump)
+    with pytest.raises(UnboundedError, match="buffer can hold any number"):
+        explore_tokens(net)
+
+
+def test_with_priorities_it_may_be_left_open() -> None:
+    found = boundedness(producer_consumer(events=True), max_states=500)
+    assert found.bounded is None
+    assert found.bounds is None
+    assert "priorities" in found.reason
+
+
+@pytest.mark.parametrize(("rank", "needed", "bounded"), [(0, 3, True), (1, 3, False), (2, 3, False)])
+def test_a_run_repeats_unless_what_it_fills_lets_a_lower_rank_fire(
+    rank: int, needed: int, bounded: bool
+) -> None:
+    """A heap grows until so much of it is there that a transition of a lower rank, if it has one, ends it."""
+    builder = NetBuilder("heap", priorities=True)
+    builder.place("on", initial=1)
+    builder.place("heap")
+    builder.place("missing")
+    builder.transition("grow", read=["on"], produce=["heap"], rank=1)
+    builder.transition("end", consume=["on"], read={"heap": needed}, rank=rank)
+    builder.transition("never", consume=["on", "missing"], read={"heap": needed})
+    net = builder.build()
+    found = boundedness(net, max_states=100)
+    assert found.bounded is bounded
+    if bounded:
+        assert found.bounds == count_tokens(net).bounds == (1, needed, 0)
+        assert count_tokens(net).states == needed + 2
+    else:
+        check_pump(net, found.run, found.pump)
+
+
+@given(nets(max_weight=2, max_places=4, max_transitions=4))
+def test_bounds_are_those_of_exploration(net: PetriNet) -> None:
+    try:
+        found = boundedness(net, max_states=2_000)
+    except LimitError as error:
+        returns_early(type(error).__name__)
+        return
+    if found.bounded:
+        assert count_tokens(net).bounds == found.bounds
+        assert found.bound == max(count_tokens(net).bounds)
+    elif found.bounded is False:
+        check_pump(net, found.run, found.pump)
+        with pytest.raises((LimitError, UnboundedError)):
+            explore_tokens(net, max_states=3_000)
+
+
+def test_where_the_limit_is_hit_bounds_are_left_out_but_not_what_is_known() -> None:
+    builder = NetBuilder("heaps")
+    for place in "abcd":
+        builder.place(place)
+        builder.transition(f"fill {place}", produce=[place])
+        builder.transition(f"empty {place}", consume=[place])
+    net = builder.build()
+    seen = set[tuple[int, ...] | None]()
+    for limit in range(1, 120):
+        try:
+            found = boundedness(net, max_states=limit)
+        except LimitError:
+            assert not seen  # once a run that repeats is found, the answer stands
+            continue
+        assert found.bounded is False
+        check_pump(net, found.run, found.pump)
+        seen.add(found.bounds)
+    assert seen == {None, (OMEGA,) * 4}
