@@ -75,7 +75,8 @@ class Known:
         return tuple(marking)
 
     @cached_property
-    def _bounds(self) -> Sequence[float]:
+    def bounds(self) -> Sequence[float]:
+        """Most tokens of each place, as far as invariants say."""
         from mcpn.nets.structure import place_bounds
 
         # The space of a net with priorities is there only if it is 1-safe: its bounds are not worth knowing.
@@ -87,7 +88,7 @@ class Known:
             return formula
         if formula not in self._simple:
             always = (lambda _: None) if self._facts is None else self._facts.always
-            self._simple[formula] = simplified(formula, self.net, self._bounds, always)
+            self._simple[formula] = simplified(formula, self.net, self.bounds, always)
         return self._simple[formula]
 
     def rest(self, formula: Formula, marking: Marking | None = None) -> Formula:

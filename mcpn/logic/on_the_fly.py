@@ -26,10 +26,18 @@ class OnTheFlyCheck:
     Args:
         net: A net without priorities, whose numbers fit (:attr:`Searches.fits`).
         formulas: Those to decide.
+        searches: Walks on the net, where there are some already.
         max_bytes: What the markings and the values of operators at them may take.
     """
 
-    def __init__(self, net: PetriNet, formulas: Iterable[Formula], *, max_bytes: int = MAX_BYTES) -> None:
+    def __init__(
+        self,
+        net: PetriNet,
+        formulas: Iterable[Formula],
+        searches: Searches | None = None,
+        *,
+        max_bytes: int = MAX_BYTES,
+    ) -> None:
         assert not net.priorities, "atoms are conditions on tokens alone"
         self._numbers: dict[Formula, int] = {}
         self._given_up: set[int] = set()
@@ -53,7 +61,7 @@ class OnTheFlyCheck:
             add(formula)
         encoded, roots = encode(goals, len(net.places))
         nodes = [(kind, [roots[i] for i in parts] if kind == "goal" else parts) for kind, parts in operators]
-        self._kernel = Checker(Searches(net).kernel, net.initial, encoded, nodes, max_bytes)
+        self._kernel = Checker((searches or Searches(net)).kernel, net.initial, encoded, nodes, max_bytes)
 
     def decide(self, formula: Formula, max_steps: int, seed: int = 0) -> bool | None:
         """Whether a formula holds, or ``None`` where a limit was hit.

@@ -15,6 +15,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import chain, count
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from mcpn.logic.on_the_fly import OnTheFlyCheck
     from mcpn.spaces.search.facts import Facts
     from mcpn.spaces.search.portfolio import Round
+    from mcpn.spaces.search.searches import Searches
 
 # What searches is loaded when something is searched.
 
@@ -158,7 +160,7 @@ class _Answers:
         self.on_the_fly: OnTheFlyCheck | None = None
         self.paths: PathParts | None = None
         self.facts: Facts | None = None
-        self.rounds = self.searches = 0
+        self.rounds = self.path_rounds = 0
 
     def all(self) -> Iterator[ContestAnswer]:
         """Asks one way after the other; where there is a space, in turns with markings as they are needed."""
@@ -234,6 +236,13 @@ class _Answers:
                 return witness, choice
         return explain(questions.evaluation, formula, questions.names), questions.choice
 
+    @cached_property
+    def searches(self) -> Searches:
+        """Walks and searches on the net, which all ways share."""
+        from mcpn.spaces.search.searches import Searches
+
+        return Searches(self.net)
+
     # --- what waits ---
 
     def answer(self, name: str, value: int, *ways: str) -> Iterator[ContestAnswer]:
@@ -291,9 +300,7 @@ class _Answers:
         """Answers whether the net is 1-safe, where the initial marking or a walk shows that it is not."""
         if ONE_SAFE not in self.waiting.values():
             return
-        from mcpn.spaces.search.searches import Searches
-
-        searches = Searches(self.net)
+        searches = self.searches
         if max(self.net.initial, default=0) > 1:
             yield from self.learn(ONE_SAFE, False, INITIAL_STATE)
         elif self.questions.engine == "auto" and searches.fits and searches.walk_unsafe(steps=WALK_STEPS):
@@ -336,7 +343,7 @@ class _Answers:
         from mcpn.spaces.search.facts import Facts
         from mcpn.spaces.search.portfolio import STATE_EQUATION
 
-        facts = self.facts = Facts(self.net)
+        facts = self.facts = Facts(self.net, self.known.bounds, self.searches)
         sums = [asked for asked in dict.fromkeys(self.waiting.values()) if isinstance(asked, tuple)]
         for places, bound, ways in facts.sums(sums):
             yield from self.learn(places, bound, *ways)
@@ -361,7 +368,7 @@ class _Answers:
 
         budgets = [self.limited(budget) for budget in ([SHORT] if short else ROUNDS)]
         parts, brief = list(goals), self.questions.brief
-        for index, found in Portfolio(self.net).decide(
+        for index, found in Portfolio(self.net, self.searches).decide(
             list(goals.values()), budgets, go_on=lambda: not brief()
         ):
             if found.run is not None:
@@ -390,11 +397,11 @@ class _Answers:
             return
         if self.on_the_fly is None:
             from mcpn.logic.on_the_fly import OnTheFlyCheck
-            from mcpn.spaces.search.searches import Searches
 
-            if not Searches(self.net).fits:
+            if not self.searches.fits:
                 return
-            self.on_the_fly = OnTheFlyCheck(self.net, [part for part in self.parts() if not says_paths(part)])
+            asked = [part for part in self.parts() if not says_paths(part)]
+            self.on_the_fly = OnTheFlyCheck(self.net, asked, self.searches)
         came = self.raced()
         for part in parts:
             if came():
@@ -418,8 +425,8 @@ class _Answers:
         if self.paths is None:
             from mcpn.logic.ltl.parts import PathParts
 
-            self.paths = PathParts(self.net)
-        self.searches += 1
+            self.paths = PathParts(self.net, self.searches)
+        self.path_rounds += 1
         came = self.raced()
         for part in parts:
             if came():
@@ -427,7 +434,7 @@ class _Answers:
             path = on_one_path(part, self.net)
             if path is None:
                 continue
-            found = self.paths.decide(path, steps, self.searches, enrich=enrich)
+            found = self.paths.decide(path, steps, self.path_rounds, enrich=enrich)
             if found is None or found.outcome not in ("found", "none"):
                 continue
             if found.outcome == "found":

@@ -158,6 +158,12 @@ class PetriNet(Drawn):
         return {transition.name: index for index, transition in enumerate(self.transitions)}
 
     @cached_property
+    def largest(self) -> int:
+        """The largest number in the net: the weight of an arc, or the initial tokens of a place."""
+        sides = (side for t in self.transitions for side in (t.consume, t.produce, t.read))
+        return max(max((w for side in sides for _, w in side), default=0), max(self.initial, default=0))
+
+    @cached_property
     def ranks(self) -> tuple[int, ...]:
         """The rank of each transition, :data:`EVENTS` for events."""
         return tuple(t.rank if t.internal else EVENTS for t in self.transitions)

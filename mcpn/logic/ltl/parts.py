@@ -35,6 +35,7 @@ from mcpn.spaces.search.goal import (
     wanted,
 )
 from mcpn.spaces.search.portfolio import ROUNDS, Portfolio
+from mcpn.spaces.search.searches import Searches
 
 RESTARTS = (*[64] * 8, *[8] * 4, 1)
 """By random order of the search, the divisor of its steps: a search that begins badly may never end."""
@@ -98,10 +99,11 @@ class PathParts:
 
     Args:
         net: The net.
+        searches: Walks on it, where there are some already.
     """
 
-    def __init__(self, net: PetriNet) -> None:
-        self._net = net
+    def __init__(self, net: PetriNet, searches: Searches | None = None) -> None:
+        self._net, self._own = net, searches or Searches(net)
         self._searches: dict[Formula, _Asked | None] = {}
         self._constants: dict[Goal, Formula | None] = {}
         self._enriched = set[Formula]()
@@ -148,7 +150,7 @@ class PathParts:
                 if (smaller := self._reduced(path)) is not None:
                     reduction, path = smaller
                     net = reduction.net
-            search = PathSearch(net, translated(path))
+            search = PathSearch(net, translated(path), None if reduction else self._own)
         except LimitError:
             return None
         return _Asked(self._net, search, reduction) if search.fits else None
@@ -169,7 +171,8 @@ class PathParts:
             self._inevitable[condition] = False
             goal = as_goal(condition, self._net)
             if goal is not None and not holds(goal, self._net, self._net.initial):
-                search = PathSearch(self._net, translated(normal(Release(FALSE, Not(condition)))))
+                never = translated(normal(Release(FALSE, Not(condition))))
+                search = PathSearch(self._net, never, self._own)
                 self._inevitable[condition] = search.fits and search.search(FEW_STEPS, 0).outcome == "none"
         return self._inevitable[condition]
 
@@ -204,7 +207,7 @@ class PathParts:
                     asked[goal] = None
         goals = list(asked)
         self._constants.update(dict.fromkeys(goals))
-        for index, found in Portfolio(self._net).decide(goals, ROUNDS[:2]):
+        for index, found in Portfolio(self._net, self._own).decide(goals, ROUNDS[:2]):
             if not found.reachable:
                 self._constants[goals[index]] = FALSE
 

@@ -41,13 +41,14 @@ class PathSearch:
     Args:
         net: The net.
         automaton: Its literals are conditions on markings, or steps.
+        searches: Walks on the net, where there are some already.
 
     Attributes:
         fits: Whether the kernel can follow both.
     """
 
-    def __init__(self, net: PetriNet, automaton: Automaton) -> None:
-        self._net, self._searches = net, Searches(net)
+    def __init__(self, net: PetriNet, automaton: Automaton, searches: Searches | None = None) -> None:
+        self._net, self._searches = net, searches or Searches(net)
         self._goals: dict[Formula, Goal] = {}
         self.fits = self._searches.fits and automaton.marks <= MOST_MARKS
         for literal in dict.fromkeys(f for of in automaton.edges for edge in of for f in edge.reads):

@@ -63,12 +63,13 @@ class _PnmlReader:
         ends = {key: key for key in (*self.places, *self.transitions)}
         self.follow_references(ends)
         builder = NetBuilder(self.name(net), priorities=self.priorities)
-        for element in self.places.values():
-            name = self.name(element)
+        names = {}
+        for key, element in self.places.items():
+            name = names[key] = self.name(element)
             if builder.has_place(name):
                 self.fail(element, f"two places are named {name}")
             builder.place(name, initial=self.number(element, "initialMarking", 0))
-        sides = self.sides(ends)
+        sides = self.sides(ends, names)
         named: set[str] = set()
         for key, element in self.transitions.items():
             name, event = self.name(element), self.ours(element, "event")
@@ -82,7 +83,7 @@ class _PnmlReader:
                 self.fail(element, f"expected a rank from 0 to {EVENTS - 1}")
             builder.transition(name, consume=consume, produce=produce, read=read, event=typed, rank=rank)
         for unit in self.units:
-            builder.unit(self.name(self.places[key]) for key in unit if key in self.places)
+            builder.unit(names[key] for key in unit if key in names)
         return builder.build()
 
     def page(self, element: etree._Element) -> None:
@@ -151,7 +152,9 @@ class _PnmlReader:
             if ends[key] not in kind:
                 self.fail(element, f"<{_tag(element)}> {key} leads to {ends[key]}, which is of another kind")
 
-    def sides(self, ends: dict[str, str]) -> dict[str, tuple[dict[str, int], dict[str, int], dict[str, int]]]:
+    def sides(
+        self, ends: dict[str, str], names: dict[str, str]
+    ) -> dict[str, tuple[dict[str, int], dict[str, int], dict[str, int]]]:
         """What each transition consumes, produces and reads, by its id and the places' names."""
         arcs: dict[str, tuple[dict[str, int], dict[str, int], dict[str, int]]] = {
             t: ({}, {}, {}) for t in self.transitions
@@ -178,7 +181,7 @@ class _PnmlReader:
                 if not into:
                     continue
                 side = arcs[transition][2]
-            name = self.name(self.places[place])
+            name = names[place]
             side[name] = side.get(name, 0) + weight
         for pair, difference in halves.items():
             if difference:
@@ -225,7 +228,7 @@ def read_pnml(path: Path) -> PetriNet:
 
 
 def _tag(element: etree._Element) -> str:
-    return etree.QName(element).localname
+    return str(element.tag).rpartition("}")[2]
 
 
 # --- writing -------------------------------------------------------------------------------------------

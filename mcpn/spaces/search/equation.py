@@ -13,10 +13,12 @@ alternative that no finite bound is known for is left out, which only lets more 
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
+from itertools import chain
 from math import ceil, floor, inf, isinf
 from typing import Literal, TypeAlias
 
@@ -34,6 +36,8 @@ ITERATIONS = 20_000
 """Of the simplex method, for each solution."""
 NODES = 100
 TRAPS = 30
+MOST_SHRUNK = 200
+"""Traps of more places are taken as they are."""
 
 Kind: TypeAlias = Literal["unreachable", "possible", "unknown"]
 Sums: TypeAlias = tuple[dict[int, int], float, float]
@@ -116,8 +120,8 @@ class StateEquation:
     @cached_property
     def fits(self) -> bool:
         """Whether the net is within what the solver is given."""
-        arcs = [w for t in self.net.transitions for side in (t.consume, t.produce, t.read) for _, w in side]
-        return max((*arcs, *self.net.initial), default=0) <= LARGEST and len(arcs) <= MOST_ENTRIES
+        arcs = sum(len(t.consume) + len(t.produce) + len(t.read) for t in self.net.transitions)
+        return self.net.largest <= LARGEST and arcs <= MOST_ENTRIES
 
     @cached_property
     def _plain(self) -> _Program:
@@ -136,19 +140,19 @@ class StateEquation:
         if not self.fits or max(map(abs, weights.values()), default=0) > LARGEST:
             return Ceiling(None)
         program, best = self._plain, Ceiling(None)
+        last: Solved | None = None
         sum_of_places = {program.first_place + place: weight for place, weight in weights.items()}
         while True:
             solved = program.solve(sum_of_places)
-            if solved.kind != "solved":
-                return best
-            found = program.proved(solved.duals, sum_of_places)
+            found = program.proved(solved.duals, sum_of_places) if solved.kind == "solved" else None
             if found is None:
-                return best
+                break
             bound, proof = found
-            best = Ceiling(floor(bound), program.counts(solved), len(program.traps), proof)
+            last, best = solved, Ceiling(floor(bound), (), len(program.traps), proof)
             if len(program.traps) >= TRAPS or not (trap := self._trap(program.empty(solved))):
-                return best
+                break
             program.mark(trap)
+        return best if last is None else replace(best, counts=program.counts(last))
 
     def shared(self, ceiling: Ceiling) -> dict[int, int]:
         """Bounds of single places that a proof gives besides, where no weight of its sum is negative."""
@@ -215,28 +219,29 @@ class StateEquation:
 
     def _trap(self, within: Iterable[int]) -> frozenset[int]:
         """An initially marked trap within some places, shrunk greedily; empty where there is none."""
-        trap = self._largest_trap(within)
-        if not any(self.net.initial[p] for p in trap):
-            return frozenset()
-        for place in sorted(trap):
+        trap = self._marked_trap(within)
+        for place in sorted(trap) if len(trap) <= MOST_SHRUNK else ():
             if place in trap:
-                smaller = self._largest_trap(trap - {place})
-                if any(self.net.initial[p] for p in smaller):
-                    trap = smaller
+                trap = self._marked_trap(trap - {place}) or trap
         return trap
 
-    def _largest_trap(self, within: Iterable[int]) -> frozenset[int]:
-        """The largest set of some places such that what takes from it also puts in it."""
+    def _marked_trap(self, within: Iterable[int]) -> frozenset[int]:
+        """The largest set of some places such that what takes from it also puts in it, if it is marked."""
         trap = set(within)
-        queue = list(trap)
-        while queue:
-            place = queue.pop()
-            if place not in trap:
-                continue
-            if any(trap.isdisjoint(self._puts[t]) for t in self._takers[place]):
+        held = {p for p in trap if self.net.initial[p]}
+        if not held:
+            return frozenset()
+        puts = Counter(chain.from_iterable(map(self._feeders.__getitem__, trap)))
+        leaks = list(set(chain.from_iterable(map(self._takers.__getitem__, trap))) - puts.keys())
+        while leaks and held:
+            for place in self._needs[leaks.pop()] & trap:
                 trap.discard(place)
-                queue += (p for t in self._feeders[place] for p in self._needs[t] if p in trap)
-        return frozenset(trap)
+                held.discard(place)
+                for t in self._feeders[place]:
+                    puts[t] -= 1
+                    if not puts[t]:
+                        leaks.append(t)
+        return frozenset(trap) if held else frozenset()
 
     @cached_property
     def _needs(self) -> list[frozenset[int]]:

@@ -47,6 +47,8 @@ class Facts:
 
     Args:
         net: The net.
+        bounds: Most tokens of each place, as far as is known already.
+        searches: Walks on the net, where there are some already.
 
     Attributes:
         fires: Transitions that are known to fire in some reachable marking.
@@ -54,15 +56,16 @@ class Facts:
         ceilings: By sum of places the most that it may come to, as far as is known.
     """
 
-    def __init__(self, net: PetriNet) -> None:
+    def __init__(self, net: PetriNet, bounds: Sequence[float] = (), searches: Searches | None = None) -> None:
         assert not net.priorities, "with priorities, less fires than the arcs say"
         self.net = net
         self.equation = StateEquation(net)
-        self.searches = Searches(net)
+        self.searches = searches or Searches(net)
         self.fires: set[int] = set()
         self.dead: set[int] = set()
         self.ceilings: dict[tuple[int, ...], int] = {}
         self._traps = False
+        self._bounds = dict(enumerate(bounds))
         self._round = self._asked = 0
 
     # --- bounds ---
@@ -190,7 +193,7 @@ class Facts:
     def _crowded(self, most: float) -> tuple[list[int], bool]:
         """Places not proved to hold so few tokens, and whether the others are proved to."""
         crowded: list[int] = []
-        known: dict[int, float] = {}
+        known = self._bounds
         every = range(len(self.net.places))
         for place in self._affordable(p for p in every if known.get(p, inf) == inf or known[p] > most):
             found = self.equation.most({place: 1})

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 from mcpn.nets.petri import PetriNet
 from mcpn.nets.reduce.reduction import Reduction, reduce_for_deadlock, reduce_for_goal
@@ -69,15 +68,11 @@ class Portfolio:
     Args:
         net: Any net. One with priorities is neither reduced nor searched by stubborn sets; the state equation
             speaks of it too, since priorities only forbid.
+        searches: Walks and searches on it, where there are some already.
     """
 
-    def __init__(self, net: PetriNet) -> None:
-        self.net = net
-
-    @cached_property
-    def searches(self) -> Searches:
-        """Walks and searches on the net itself."""
-        return Searches(self.net)
+    def __init__(self, net: PetriNet, searches: Searches | None = None) -> None:
+        self.net, self.searches = net, searches or Searches(net)
 
     def decide(
         self,

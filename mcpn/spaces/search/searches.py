@@ -57,9 +57,7 @@ class Searches:
     @property
     def fits(self) -> bool:
         """Whether the net's numbers are within what the kernel follows."""
-        arcs = (arc for t in self.net.transitions for side in (t.consume, t.produce, t.read) for arc in side)
-        weights = (weight for _, weight in arcs)
-        return max(max(self.net.initial, default=0), max(weights, default=0)) < MOST_TOKENS
+        return self.net.largest < MOST_TOKENS
 
     @cached_property
     def kernel(self) -> TokenNet:
