@@ -1,17 +1,32 @@
-"""Smaller formulas that hold in the same states, or in the same initial state.
+"""Smaller formulas that hold in the same states, or in the same initial state, and bounds of formulas.
 
-The rules are those of CTL on maximal paths, all of which count: not for use with fairness.
+The rules are those of CTL on maximal paths, all of which count: not for use with fairness. Source of those on
+operators in operators: F. Bønneland, J. Dyhr, P. Jensen, M. Johannsen, J. Srba, *Simplification of CTL
+formulae for efficient model checking of Petri nets*, Petri Nets 2018.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
 from mcpn.logic.formulas import EG, EU, EX
 from mcpn.nets.petri import PetriNet
 from mcpn.nets.structure import needs
-from mcpn.spaces.search.goal import DEADLOCK, FALSE, TRUE, And, AtMost, Fires, Formula, Not, Or, joined
+from mcpn.spaces.search.goal import (
+    DEADLOCK,
+    FALSE,
+    TRUE,
+    And,
+    AtMost,
+    Deadlock,
+    Fires,
+    Formula,
+    Not,
+    Or,
+    Stable,
+    joined,
+)
 
 
 def simplified(
@@ -26,7 +41,8 @@ def simplified(
         formula: The formula.
         net: The net whose transitions it names.
         bounds: Most tokens of each place of the net in any reachable marking; infinity where not known.
-        always: The value of an atom where it is the same in every reachable marking; else ``None``.
+        always: The value of a condition on markings where it is the same in every reachable one; else
+            ``None``.
 
     Returns:
         The formula without constants inside, double negations and operators that change nothing; comparisons
@@ -42,7 +58,7 @@ def simplified(
     def rewritten(part: Formula) -> Formula:
         match part:
             case And() | Or():
-                return joined(part)
+                return _without_constants(joined(part), always)
             case EX((And(()),)):
                 return Not(DEADLOCK)
             case EX((Or(()),)):
@@ -51,13 +67,15 @@ def simplified(
                 return _until(left, right)
             case EG((And(()) | Or(()) | EG() | Not((EU((And(()), _)),)) as inside,)):
                 return inside  # AG f holds on the whole way if it holds at first
+            case EG((And(operands),)) if kept := [f for f in operands if _says_always(f)]:
+                return rewritten(And(*kept, rewritten(EG(*_joined_but(kept, operands)))))
             case AtMost(weights, bound):
                 if sum(weight * bounds[place] for place, weight in weights if weight > 0) <= bound:
                     return TRUE
                 if sum(weight * bounds[place] for place, weight in weights if weight < 0) > bound:
                     return FALSE
             case Fires(transitions):
-                possible = tuple(t for t in transitions if may_fire(t))
+                possible = tuple(t for t in transitions if may_fire(t) and always(Fires((t,))) is not False)
                 part = Fires(possible) if possible else FALSE
         value = always(part) if isinstance(part, AtMost | Fires) else None
         return part if value is None else TRUE if value else FALSE
@@ -71,10 +89,98 @@ def simplified(
 def _until(left: Formula, right: Formula) -> Formula:
     if right in (TRUE, FALSE) or left in (FALSE, right):
         return right
-    # E[f U E[f U g]] is E[f U g], and EF E[h U g] is EF g; also as one of several alternatives.
+    if _says_eventually(right):
+        return right  # E[f U EF g] is EF g
+    if isinstance(right, Or) and left != TRUE and any(map(_says_eventually, right.operands)):
+        later = [f for f in right.operands if _says_eventually(f)]
+        now = joined(Or(*(f for f in right.operands if f not in later)))
+        return joined(Or(*later, _until(left, now)))
+    # E[f U E[f U g]] is E[f U g], and EF E[h U g] and EF AF g are EF g; also as one of several alternatives.
     parts = right.operands if isinstance(right, Or) else (right,)
-    inner = [f.operands[1] if isinstance(f, EU) and left in (TRUE, f.operands[0]) else f for f in parts]
+    inner: list[Formula] = []
+    for part in parts:
+        match part:
+            case EU((along, goal)) if left in (TRUE, along):
+                inner.append(goal)
+            case Not((EG((stays,)),)) if left == TRUE:
+                inner.append(~stays)
+            case _:
+                inner.append(part)
     return EU(left, right) if tuple(inner) == parts else _until(left, joined(Or(*inner)))
+
+
+def _says_eventually(formula: Formula) -> bool:
+    """Whether it is ``EF f``: true in a state if in a later one."""
+    return isinstance(formula, EU) and formula.operands[0] == TRUE
+
+
+def _says_always(formula: Formula) -> bool:
+    """Whether it is ``AG f``: true in all later states if in one."""
+    return isinstance(formula, Not) and _says_eventually(formula.operands[0])
+
+
+def _joined_but(kept: Sequence[Formula], operands: Sequence[Formula]) -> tuple[Formula, ...]:
+    return (joined(And(*(f for f in operands if f not in kept))),)
+
+
+def _without_constants(formula: Formula, always: Callable[[Formula], bool | None]) -> Formula:
+    """Puts a constant for the conditions on markings that are joined, if together they are one."""
+    if not isinstance(formula, And | Or):
+        return formula
+    of_state = [f for f in formula.operands if says_one_state(f)]
+    if len(of_state) < 2:
+        return formula
+    value = always(type(formula)(*of_state))
+    if value is None:
+        return formula
+    rest = (f for f in formula.operands if f not in of_state)
+    return joined(type(formula)(TRUE if value else FALSE, *rest))
+
+
+def says_one_state(formula: Formula) -> bool:
+    """Whether a formula is a condition on markings, or on what may fire in one, and no constant."""
+    atoms = (AtMost, Fires, Deadlock, Stable, Not, And, Or)
+    return formula not in (TRUE, FALSE) and all(isinstance(f, atoms) for f in formula.walk())
+
+
+def conditions(formula: Formula) -> Iterator[Formula]:
+    """The parts that say one state, those inside them as well; several joined with others also together."""
+    for part in formula.walk():
+        if says_one_state(part):
+            yield part
+        elif isinstance(part, And | Or):
+            of_state = list(filter(says_one_state, part.operands))
+            if len(of_state) > 1:
+                yield type(part)(*of_state)
+
+
+def weaker(formula: Formula, wanted: bool = True) -> Formula:
+    """A condition on markings that holds wherever a formula does, or its negation as wanted.
+
+    ``E[f U g]`` needs ``f`` or ``g`` now, ``EG f`` needs ``f``; where ``E[f U g]`` is false, so is ``g``.
+    """
+    match formula:
+        case Not((operand,)):
+            return weaker(operand, not wanted)
+        case And(operands) | Or(operands):
+            kind = And if isinstance(formula, And) == wanted else Or
+            return joined(kind(*(weaker(operand, wanted) for operand in operands)))
+        case EX():
+            return Not(DEADLOCK) if wanted else TRUE
+        case EU((along, goal)):
+            if not wanted:
+                return weaker(goal, wanted=False)
+            return joined(Or(weaker(along), now)) if (now := weaker(goal)) != FALSE else FALSE
+        case EG((operand,)):
+            return weaker(operand) if wanted else TRUE
+        case _ if says_one_state(formula) or formula in (TRUE, FALSE):
+            return formula if wanted else ~formula
+    return TRUE
+
+
+def bounds_of(part: Formula) -> tuple[Formula, Formula]:
+    """A weaker and a stronger part of one operator, whose operands are conditions on markings."""
+    return part.mapped(weaker), part.mapped(lambda inside: ~weaker(inside, wanted=False))
 
 
 def at_first(formula: Formula, known: Callable[[Formula], bool | None]) -> Formula:

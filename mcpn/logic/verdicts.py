@@ -22,10 +22,10 @@ from typing import TYPE_CHECKING, TypeAlias
 from mcpn._kernel import Store
 from mcpn.errors import InputError, LimitError, McpnError
 from mcpn.logic.evaluate import largest
-from mcpn.logic.formulas import EX, on_one_path, says_paths
+from mcpn.logic.formulas import EG, EU, EX, on_one_path, says_paths
 from mcpn.logic.known import SOME_DEADLOCK, Known
 from mcpn.logic.questions import Answer, Questions
-from mcpn.logic.simplify import at_first, parts_at_first
+from mcpn.logic.simplify import at_first, bounds_of, conditions, parts_at_first
 from mcpn.logic.witness import NoRun, Witness, explain
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.spaces.engines import Asked, Choice, NoSpace
@@ -160,6 +160,8 @@ class _Answers:
         self.on_the_fly: OnTheFlyCheck | None = None
         self.paths: PathParts | None = None
         self.facts: Facts | None = None
+        self._weighed: set[Formula] = set()
+        self.bounding: dict[Formula, list[tuple[Formula, bool]]] = {}
         self.rounds = self.path_rounds = 0
 
     def all(self) -> Iterator[ContestAnswer]:
@@ -277,6 +279,9 @@ class _Answers:
             self.known.values[part] = bool(value)
             for other, follows in self.implied(part, value):
                 yield from self.learn(other, follows, *ways)
+            for bounded, when in self.bounding.pop(part, ()):
+                if value == when and bounded not in self.known.values:
+                    yield from self.learn(bounded, value, *ways)
         for name, asked in list(self.waiting.items()):
             if name not in self.waiting:
                 continue
@@ -336,6 +341,20 @@ class _Answers:
                 if value is not None:
                     yield from self.answer(name, value, _technique(self.questions.choice.engine))
 
+    def bounded(self) -> Iterator[ContestAnswer]:
+        """Finds weaker and stronger parts that speak of one operator: what is not so weakly is not so."""
+        for part in [] if self.typed or self.net.priorities else self.parts():
+            if self.known.goal(part) is None and part not in self._weighed and not says_paths(part):
+                self._weighed.add(part)
+                for bound, when in zip(bounds_of(part), (False, True), strict=True):
+                    simple = self.known.rest(bound)
+                    if simple in (TRUE, FALSE):
+                        if (simple == TRUE) == when:
+                            yield from self.learn(part, when, REWRITING)
+                            break
+                    elif isinstance(simple, EU | EG | EX) and simple != part:
+                        self.bounding.setdefault(simple, []).append((part, when))
+
     def by_equation(self) -> Iterator[ContestAnswer]:
         """Answers bounds and examinations by the state equation and by walks that come to what it allows."""
         if self.net.priorities or not self.waiting:
@@ -352,6 +371,8 @@ class _Answers:
                 value, ways = decide()
                 if value is not None:
                     yield from self.learn(name, value, *ways)
+        formulas = [asked for asked in self.waiting.values() if isinstance(asked, Formula)]
+        facts.know(chain.from_iterable(map(conditions, map(self.known.simple, formulas))))
         self.known.believe(facts)
         yield from self.rewritten(STATE_EQUATION)
 
@@ -361,19 +382,21 @@ class _Answers:
         Args:
             short: Whether there is no more than one search, for a short run.
         """
-        goals = {part: goal for part in self.parts() if (goal := self.known.goal(part)) is not None}
+        yield from self.bounded()
+        parts = [*self.parts(), *self.bounding]
+        goals = {part: goal for part in parts if (goal := self.known.goal(part)) is not None}
         if not goals:
             return
         from mcpn.spaces.search.portfolio import ROUNDS, SHORT, Portfolio
 
         budgets = [self.limited(budget) for budget in ([SHORT] if short else ROUNDS)]
-        parts, brief = list(goals), self.questions.brief
+        searched, brief = list(goals), self.questions.brief
         for index, found in Portfolio(self.net, self.searches).decide(
             list(goals.values()), budgets, go_on=lambda: not brief()
         ):
             if found.run is not None:
-                self.known.runs[parts[index]] = found.run
-            yield from self.learn(parts[index], found.reachable, *found.techniques)
+                self.known.runs[searched[index]] = found.run
+            yield from self.learn(searched[index], found.reachable, *found.techniques)
 
     def limited(self, budget: Round) -> Round:
         """A budget within the user's limit on markings that are listed."""
@@ -419,7 +442,9 @@ class _Answers:
             steps: How many.
             enrich: Whether to ask first what holds always, or never.
         """
+        yield from self.bounded()
         parts = [part for part in self.parts() if says_paths(part)]
+        parts += [part for part in self.bounding if self.known.goal(part) is None]
         if not parts or not self.questions.searchable or self.net.priorities:
             return
         if self.paths is None:

@@ -55,7 +55,7 @@ class LinearProgram:
         **options: float | str,
     ) -> None:
         import numpy as np
-        from highspy import Highs, HighsLp, MatrixFormat
+        from highspy import HighsLp, MatrixFormat
 
         program = HighsLp()
         program.num_col_, program.num_row_ = len(cost), len(rows)
@@ -70,11 +70,27 @@ class LinearProgram:
         program.a_matrix_.value_ = np.array(
             [w for weights, _, _ in rows for w in weights.values()], np.float64
         )
+        self._begin(program, options)
+
+    def _begin(self, program: Any, options: Mapping[str, float | str]) -> None:
+        from highspy import Highs
+
         # The class below Highs has no callbacks: as it makes them, Highs 1.16 prints its name.
         self._solver = Highs.__mro__[1]()
+        self._options = options
         for option, value in {"output_flag": False, "threads": 1, **options}.items():
             self._solver.setOptionValue(option, value)
         self._solver.passModel(program)
+
+    def extended(self, bounds: Sequence[tuple[float, float]], rows: Iterable[Row]) -> LinearProgram:
+        """A program with more variables, of these bounds, and more rows, which is solved on its own."""
+        other = object.__new__(LinearProgram)
+        other._begin(self._solver.getLp(), self._options)
+        for low, high in bounds:
+            other._solver.addVar(low, high)
+        for row in rows:
+            other.require(row)
+        return other
 
     def price(self, costs: Mapping[int, float]) -> None:
         """Changes the cost of some variables."""

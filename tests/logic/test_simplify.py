@@ -10,13 +10,14 @@ from mcpn.logic.contest import Property
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.formulas import EG, EU, EX
 from mcpn.logic.questions import Questions
-from mcpn.logic.simplify import simplified
+from mcpn.logic.simplify import bounds_of, conditions, simplified, weaker
 from mcpn.logic.verdicts import answer_all
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet
 from mcpn.nets.structure import place_bounds
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.markings.explicit import explore
-from mcpn.spaces.search.goal import FALSE, TRUE, And, Deadlock, Not, Or
+from mcpn.spaces.search.facts import Facts
+from mcpn.spaces.search.goal import FALSE, TRUE, And, AtMost, Deadlock, Not, Or, as_goal, holds
 from tests.draws import fewer
 from tests.logic.formulas import Written, edges_of, formulas, read, satisfying
 from tests.nets.nets import nets, reachable, state_machines
@@ -51,6 +52,40 @@ def test_simplified_formulas_hold_in_the_same_states(net: PetriNet, data: st.Dat
 
 
 @fewer(0.5)
+@given(NETS, st.data())
+def test_bounds_of_a_formula_hold_in_more_states_and_in_fewer(net: PetriNet, data: st.DataObject) -> None:
+    assume(reachable(net)[2])
+    evaluation = Evaluation(ArraySpace(explore(net)))
+    for _ in range(4):
+        core = read(drawn(data, net, leaves=8), net)
+        for part in (f for f in core.walk() if isinstance(f, EX | EU | EG)):
+            here = evaluation.states(part)
+            assert not here - evaluation.states(weaker(part))
+            assert not evaluation.states(~weaker(part, wanted=False)) - here
+            above, below = bounds_of(part)
+            assert not here - evaluation.states(above)
+            assert not evaluation.states(below) - here
+            assert not any(isinstance(f, EX | EU | EG) for f in weaker(part).walk())
+
+
+@fewer(0.5)
+@given(PLAIN, st.data())
+def test_conditions_that_are_said_to_be_constant_are(net: PetriNet, data: st.DataObject) -> None:
+    assume(reachable(net)[2])
+    markings = edges_of(net)
+    cores = [read(drawn(data, net, leaves=8), net) for _ in range(4)]
+    asked = {condition for core in cores for condition in conditions(core)}
+    facts = Facts(net)
+    facts.know_transitions()
+    facts.know(asked)
+    for condition in asked:
+        goal = as_goal(condition, net)
+        assert goal is not None
+        values = {holds(goal, net, marking) for marking in markings}
+        assert facts.always(condition) is None or values == {facts.always(condition)}
+
+
+@fewer(0.5)
 @given(PLAIN, st.data())
 def test_files_are_answered_as_the_definitions_say(net: PetriNet, data: st.DataObject) -> None:
     assume(reachable(net)[2])
@@ -63,7 +98,7 @@ def test_files_are_answered_as_the_definitions_say(net: PetriNet, data: st.DataO
 
 
 def test_idempotent_and_dual_operators() -> None:
-    f, g = Deadlock(), EX(Deadlock())
+    f, g, h = Deadlock(), EX(Deadlock()), AtMost(((0, 1),), 0)
     for written, wanted in (
         (EU(TRUE, EU(TRUE, f)), EU(TRUE, f)),
         (EU(TRUE, EU(g, f)), EU(TRUE, f)),
@@ -71,10 +106,14 @@ def test_idempotent_and_dual_operators() -> None:
         (EU(g, Or(f, EU(g, f))), EU(g, f)),
         (EG(EG(f)), EG(f)),
         (EG(Not(EU(TRUE, f))), Not(EU(TRUE, f))),
+        (EU(TRUE, Not(EG(f))), EU(TRUE, Not(f))),
+        (EU(f, EU(TRUE, g)), EU(TRUE, g)),
+        (EU(f, Or(g, EU(TRUE, h))), Or(EU(TRUE, h), EU(f, g))),
+        (EG(And(f, Not(EU(TRUE, g)))), And(Not(EU(TRUE, g)), EG(f))),
         (Not(Not(f)), f),
         (And(f, f, TRUE), f),
         (Or(f, Not(f)), TRUE),
         (EG(TRUE), TRUE),
         (EX(FALSE), FALSE),
     ):
-        assert simplified(written, NetBuilder("empty").build(), []) == wanted
+        assert simplified(written, NetBuilder("empty").build(), [float("inf")]) == wanted

@@ -106,16 +106,17 @@ class StateEquation:
 
     Args:
         net: The net.
+        bounds: Most tokens of each place, where they are known already; else by the invariants.
     """
 
-    def __init__(self, net: PetriNet) -> None:
-        self.net = net
+    def __init__(self, net: PetriNet, bounds: Sequence[float] = ()) -> None:
+        self.net, self._bounds = net, bounds
         self._traps: list[frozenset[int]] = []
 
     @cached_property
-    def bounds(self) -> list[float]:
+    def bounds(self) -> Sequence[float]:
         """Most tokens of each place, as far as invariants say."""
-        return place_bounds(self.net)
+        return self._bounds or place_bounds(self.net)
 
     @cached_property
     def fits(self) -> bool:
@@ -126,7 +127,7 @@ class StateEquation:
     @cached_property
     def _plain(self) -> _Program:
         """The equation and the traps found, without a goal and without bounds."""
-        return _Program(self.net, [inf] * len(self.net.places), self._traps)
+        return _Program(self.net, self._traps)
 
     def most(self, weights: Mapping[int, int]) -> Ceiling:
         """The most that a weighted sum of tokens may come to.
@@ -184,7 +185,7 @@ class StateEquation:
             program = self._plain
             cases = [{program.first_place + place: pair for place, pair in box.items()}]
         else:
-            program, cases = _Program(self.net, self.bounds, self._traps), [{}]
+            program, cases = _Program(self.net, self._traps, self.bounds, self._plain), [{}]
             if not program.require(goal):
                 return Solution("unknown")
         proofs: list[Proof] = []
@@ -295,20 +296,31 @@ def _box(goal: Goal) -> dict[int, tuple[float, float]] | None:
 class _Program:
     """Rows of a linear program: numbers of firings, tokens, and choices between alternatives."""
 
-    def __init__(self, net: PetriNet, bounds: Sequence[float], traps: list[frozenset[int]]) -> None:
-        self.net, self.bounds, self.traps = net, bounds, traps
+    def __init__(
+        self,
+        net: PetriNet,
+        traps: list[frozenset[int]],
+        bounds: Sequence[float] = (),
+        plain: _Program | None = None,
+    ) -> None:
+        self.net, self.traps, self._plain = net, traps, plain
+        self.bounds = bounds = bounds or [inf] * len(net.places)
         self.first_place = len(net.transitions)
         self.first_choice = self.first_place + len(net.places)
         self.lower = [0.0] * self.first_choice
         self.upper = [inf] * self.first_place + list(bounds)
-        self.rows: list[Sums] = []
-        for place, (row, tokens) in enumerate(zip(incidence(net), net.initial, strict=True)):
-            self.rows.append(({**row, self.first_place + place: -1}, -tokens, -tokens))
-        for trap in traps:
-            self.at_least(dict.fromkeys(trap, 1), 1)
-        self._changed: set[int] = set()
         self._firings = dict.fromkeys(range(self.first_place), 1.0)
-        self._priced: dict[int, float] = {}
+        if plain:
+            self.rows: list[Sums] = list(plain.rows)
+            self._priced: dict[int, float] = plain._priced
+            self._changed = set(range(self.first_place, self.first_choice))
+        else:
+            self.rows = []
+            for place, (row, tokens) in enumerate(zip(incidence(net), net.initial, strict=True)):
+                self.rows.append(({**row, self.first_place + place: -1}, -tokens, -tokens))
+            self._priced, self._changed = {}, set()
+            for trap in traps:
+                self.at_least(dict.fromkeys(trap, 1), 1)
 
     def at_least(self, weights: dict[int, int], least: int, choice: int | None = None) -> None:
         """A weighted sum of places is at least so much, where an alternative is chosen if one is given."""
@@ -382,6 +394,9 @@ class _Program:
 
     @cached_property
     def _solver(self) -> LinearProgram:
+        if self._plain:
+            choices = zip(self.lower[self.first_choice :], self.upper[self.first_choice :], strict=True)
+            return self._plain._solver.extended(list(choices), self.rows[len(self._plain.rows) :])
         return LinearProgram(
             [0.0] * len(self.upper),
             self.rows,

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
 from itertools import islice
 from math import inf
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
 
 from mcpn.errors import LimitError
 from mcpn.nets.petri import PetriNet
@@ -20,7 +20,7 @@ from mcpn.nets.repeatable import repeatable
 from mcpn.nets.siphons import classes, commoner
 from mcpn.nets.structure import incidence, needs
 from mcpn.spaces.search.equation import Ceiling, StateEquation
-from mcpn.spaces.search.goal import AtMost, Fires, Formula, Goal, fireable, holds, marked
+from mcpn.spaces.search.goal import AtMost, Fires, Formula, Goal, as_goal, asks_dead, fireable, holds, marked
 from mcpn.spaces.search.portfolio import INITIAL_STATE, RANDOM_WALK, STATE_EQUATION, TRAPS
 from mcpn.spaces.search.searches import Searches
 
@@ -40,6 +40,7 @@ MOST_ARCS = 5_000
 """Where a net has more, its siphons are not looked for."""
 
 Ways: TypeAlias = tuple[str, ...]
+Asked = TypeVar("Asked")
 
 
 class Facts:
@@ -59,14 +60,15 @@ class Facts:
     def __init__(self, net: PetriNet, bounds: Sequence[float] = (), searches: Searches | None = None) -> None:
         assert not net.priorities, "with priorities, less fires than the arcs say"
         self.net = net
-        self.equation = StateEquation(net)
+        self.equation = StateEquation(net, bounds)
         self.searches = searches or Searches(net)
         self.fires: set[int] = set()
         self.dead: set[int] = set()
         self.ceilings: dict[tuple[int, ...], int] = {}
         self._traps = False
         self._bounds = dict(enumerate(bounds))
-        self._round = self._asked = 0
+        self._constant: dict[Formula, bool | None] = {}
+        self._round = 0
 
     # --- bounds ---
 
@@ -206,7 +208,7 @@ class Facts:
                 crowded.append(place)
         return crowded, all(p in crowded or (p in known and known[p] <= most) for p in every)
 
-    def _affordable(self, asked: Iterable[int]) -> Iterator[int]:
+    def _affordable(self, asked: Iterable[Asked]) -> Iterator[Asked]:
         """Those of which the equation is asked one by one: fewer, the larger the net is."""
         return islice(asked, MOST_WORK // self._size)
 
@@ -214,18 +216,42 @@ class Facts:
     def _size(self) -> int:
         return WORK_OF_CALL + sum(len(t.consume) + len(t.produce) for t in self.net.transitions)
 
-    def always(self, atom: Formula) -> bool | None:
-        """The value of an atom that is the same in every reachable marking; ``None`` where not known."""
-        match atom:
-            case Fires(transitions) if self.dead.issuperset(transitions):
-                return False
-            case AtMost(weights, bound) if self._asked * self._size < MOST_WORK:
-                self._asked += 1
-                if (most := self.equation.most(dict(weights)).bound) is not None and most <= bound:
-                    return True
-                least = self.equation.most({place: -weight for place, weight in weights}).bound
-                return False if least is not None and -least > bound else None
-        return None
+    def know(self, conditions: Iterable[Formula]) -> None:
+        """Finds out which conditions have one value in all markings, as far as walks and the equation tell.
+
+        Args:
+            conditions: Those that :meth:`always` will be asked about.
+        """
+        changed: dict[Formula, Goal] = {}
+        for condition in dict.fromkeys(conditions):
+            goal = as_goal(condition, self.net)
+            if goal is None or asks_dead(goal) or condition in self._constant:
+                continue
+            if holds(goal, self.net, self.net.initial):
+                goal = as_goal(condition, self.net, wanted=False)
+            assert goal is not None, "its negation speaks of tokens, too"
+            changed[condition], self._constant[condition] = goal, None
+        goals = list(changed.values())
+        met = self._met(goals, STEPS * min(len(goals), MOST_TOGETHER))
+        left = [condition for index, condition in enumerate(changed) if index not in met]
+        for condition in self._affordable(left):
+            if self._refuted(changed[condition]):
+                goal = as_goal(condition, self.net)
+                assert goal is not None, "it was one before"
+                self._constant[condition] = holds(goal, self.net, self.net.initial)
+
+    def _refuted(self, goal: Goal) -> bool:
+        """Whether the equation shows that no marking of a goal is reachable."""
+        if isinstance(goal, AtMost):
+            most = self.equation.most({place: -weight for place, weight in goal.weights}).bound
+            return most is not None and most < -goal.bound
+        return self.equation.solve(goal).kind == "unreachable"
+
+    def always(self, condition: Formula) -> bool | None:
+        """The value of a condition that is the same in every reachable marking; ``None`` where not known."""
+        if isinstance(condition, Fires) and self.dead.issuperset(condition.transitions):
+            return False
+        return self._constant.get(condition)
 
     def live(self) -> tuple[bool | None, Ways]:
         """Whether every transition can always fire again, as far as arcs and the equation tell, and how."""

@@ -53,6 +53,8 @@ class Round:
     equation: bool = False
 
 
+MOST_REDUCED = 200_000
+"""Arcs of nets that are reduced for one goal each, in all; the goals beyond share one reduction."""
 ALONE = 3
 """How many times as many markings a lone goal has before the equation, whose solver takes as long to load."""
 STEPS_OF_TRANSITION = 20
@@ -99,6 +101,8 @@ class Portfolio:
         if not self.searches.fits:
             return
         tasks: dict[int, _Task] = {}
+        shared: Reduction | None = None
+        arcs = 0
         for number, budget in enumerate(rounds):
             if not waiting or (number and not go_on()):
                 return
@@ -113,8 +117,13 @@ class Portfolio:
                 )
             waiting = [index for position, index in enumerate(waiting) if position not in walked]
             left = []
+            if number == 0 and len(waiting) > 1:
+                shared = _shared(self.net, [goals[index] for index in waiting])
             for index in waiting:
-                task = tasks.get(index) or tasks.setdefault(index, _Task(self.net, goals[index]))
+                task = tasks.get(index)
+                if task is None:
+                    task = tasks[index] = _Task(self.net, goals[index], shared, alone=arcs <= MOST_REDUCED)
+                    arcs += task.arcs
                 finding = task.search(budget, seed=number, alone=len(goals) == 1)
                 if finding is None:
                     left.append(index)
@@ -129,20 +138,36 @@ class _Task:
     Args:
         net: The net.
         goal: What is looked for.
+        shared: The net reduced for several goals, where there is such.
+        alone: Whether it may be reduced for this one alone as well.
+
+    Attributes:
+        arcs: Of the net that has been reduced for this goal alone.
     """
 
-    def __init__(self, net: PetriNet, goal: Goal) -> None:
+    def __init__(self, net: PetriNet, goal: Goal, shared: Reduction | None, *, alone: bool) -> None:
         self.net, self.goal = net, goal
-        self.reduction = _reduced(net, goal)
-        smaller = net if self.reduction is None else self.reduction.net
+        self.inner, smaller = goal, net
+        self.reductions: list[Reduction] = []
+        self.arcs = 0
+        if shared and not asks_dead(goal):
+            smaller = self._put(shared)
+        if alone and (own := _reduced(smaller, self.inner)):
+            self.arcs = sum(len(t.consume) + len(t.produce) for t in smaller.transitions)
+            smaller = self._put(own)
         self.searches = Searches(smaller)
-        self.inner = goal if self.reduction is None else renamed(goal, self.reduction.place_index.__getitem__)
-        self.techniques = () if self.reduction is None else (REDUCTION,)
+        self.techniques = (REDUCTION,) if self.reductions else ()
         self.ways = (EXPLICIT,) if net.priorities else (EXPLICIT, STUBBORN_SETS)
+
+    def _put(self, reduction: Reduction) -> PetriNet:
+        self.reductions.append(reduction)
+        if self.inner != DEADLOCK:
+            self.inner = renamed(self.inner, reduction.place_index.__getitem__)
+        return reduction.net
 
     def search(self, budget: Round, seed: int, alone: bool) -> SearchResult | None:
         """Walks and searches, within a budget; nothing where neither decides."""
-        if self.reduction is not None:
+        if self.reductions:
             if not self.searches.fits:
                 return None
             walked = self.searches.walk([self.inner], steps=budget.steps, seed=seed)
@@ -170,13 +195,29 @@ class _Task:
         return None
 
     def _reached(self, run: Run, *ways: str) -> SearchResult:
-        if self.reduction is not None:
-            run = shortened(self.net, self.reduction.lift(run))
+        if self.reductions:
+            for reduction in reversed(self.reductions):
+                run = reduction.lift(run)
+            run = shortened(self.net, run)
             if self.goal == DEADLOCK:
                 run = shortened(self.net, _gone_on(self.net, run))
         run = _direct(self.net, run, self.goal)
         assert leads_to(self.net, run, self.goal), "a run to a goal replays"
         return SearchResult(True, run, (*self.techniques, *ways))
+
+
+def _shared(net: PetriNet, goals: Sequence[Goal]) -> Reduction | None:
+    """The net reduced for all of some goals; ``None`` where that is not smaller."""
+    ways: dict[int, set[int]] = {}
+    for goal in goals:
+        for place, signs in () if asks_dead(goal) else wanted(goal).items():
+            ways.setdefault(place, set()).update(signs)
+    if net.priorities or not ways:
+        return None
+    reduction = reduce_for_goal(net, ways)
+    smaller = reduction.net
+    sizes = len(smaller.places) < len(net.places), len(smaller.transitions) < len(net.transitions)
+    return reduction if any(sizes) else None
 
 
 def _reduced(net: PetriNet, goal: Goal) -> Reduction | None:
