@@ -1,1 +1,1 @@
-"""State spaces of nets: markings graphs and alternatives graphs, listed, as diagrams; searches without a space."""
+"""State spaces of nets: markings and alternatives graphs, listed, as diagrams; searches without a space."""
