@@ -1,9 +1,8 @@
 """Where a mission comes to an event without one outcome: the second premise of composition.
 
 The symbolic proof (:mod:`mcpn.spaces.stable.confluence`) is tried on the local net of each type, from every
-state of its hardware. Where it leaves conflicts open, those in markings that the mission passes are judged by
-local confluence (:mod:`mcpn.spaces.stable.local_confluence`). Where internal evolution may have no end, a
-marking is looked for from which it has none.
+state of its hardware. Where it leaves conflicts open, what is behind the markings that the mission passes is
+explored, once for markings that evolve alike (:mod:`mcpn.spaces.stable.representatives`).
 """
 
 from __future__ import annotations
@@ -23,9 +22,8 @@ from mcpn.nets.petri import Marking
 from mcpn.spaces.diagrams.encoding import distinct
 from mcpn.spaces.diagrams.evolution import behind, leading, passing
 from mcpn.spaces.stable.completion import fault_after
-from mcpn.spaces.stable.confluence import endless_runs, prove_confluent
+from mcpn.spaces.stable.confluence import prove_confluent
 from mcpn.spaces.stable.falsification import fault_by
-from mcpn.spaces.stable.local_confluence import EndlessRun, parting_among
 from mcpn.spaces.stable.representatives import without_one_end
 from mcpn.steps import Doing, step
 
@@ -41,25 +39,14 @@ def refuse_nonconfluent(composite: CompositeSpace, explored: Mapping[SectionType
     for type_, known in sorted(explored.items(), key=lambda pair: pair[1].space.reachable.nodes()):
         stages = [stage for stage in composite.sections.values() if stage.type is type_]
         step(Doing.PROVING_SECTION, section=stages[0].name)
-        conflicts = known.conflicts
-        if known.ends and not conflicts:
+        if known.ends and not known.conflicts:
             continue
-        encoding, begun, marking = type_.encoding, composite.empty, None
+        encoding, begun = type_.encoding, composite.empty
         for stage in stages:
             begun |= _begun(composite, stage)
-        transient = behind(encoding, begun)[0]
-        if len(encoding.net.internal_ranks) > 1:
-            marking, endless = without_one_end(encoding, begun), False
-        else:
-            try:
-                parted = parting_among(encoding, begun, conflicts)
-                marking, endless = (None, not known.ends) if parted is None else (parted[0], False)
-            except EndlessRun:
-                endless = True
-        if endless and (levels := endless_runs(encoding, transient).pick()) is not None:
-            marking = encoding.marking(levels)
+        marking = without_one_end(encoding, begun)
         if marking is not None:
-            _raise_before(composite, stages, transient, marking)
+            _raise_before(composite, stages, behind(encoding, begun)[0], marking)
 
 
 def _begun(composite: CompositeSpace, stage: Stage) -> Zdd:

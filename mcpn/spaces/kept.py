@@ -251,7 +251,7 @@ class Spaces:
             from mcpn.spaces.stable.confluence import prove_confluent
 
             space = markings.space
-            proved = prove_confluent(self.net, max_states=by.limit, space=space) if proof else ""
+            proved = prove_confluent(self.net, space) if proof else ""
             return DiagramAlternatives(space), proved
 
         listed_early = by.why is not None and not self.net.priorities

@@ -28,7 +28,7 @@ from mcpn.spaces.stable.alternatives import AlternativesGraph, by_reduction, dir
 from mcpn.spaces.stable.commutation import open_conflicts
 from mcpn.spaces.stable.completion import PROOF_BY_MARKINGS, fault_after
 from mcpn.spaces.stable.confluence import (
-    PROOF_BY_JOINING,
+    PROOF_BY_PATTERNS,
     PROOF_OF_ENDS,
     proof_of_conflicts,
     prove_confluent,
@@ -97,7 +97,7 @@ def test_a_conflict_that_no_marking_enables_is_no_obstacle() -> None:
 
 
 @given(nets(max_places=6, max_transitions=9) | nets(max_places=6, max_transitions=9).map(made_safe))
-def test_joining_decides_what_a_list_of_all_markings_decides(drawn: PetriNet) -> None:
+def test_the_proof_decides_what_a_list_of_all_markings_decides(drawn: PetriNet) -> None:
     net = PetriNet(drawn.name, drawn.places, drawn.transitions, priorities=True)
     if not reachable(net)[2]:
         returns_early("not 1-safe")
@@ -116,14 +116,14 @@ def test_joining_decides_what_a_list_of_all_markings_decides(drawn: PetriNet) ->
         assert expected is not None
         ends_differ(net, near)
     try:
-        proof = proof_of_conflicts(reach(net))
+        proof_of_conflicts(reach(net))
     except (ConfluenceError, DivergenceError) as error:
         assert expected is not None
         ends_differ(net, error)
         event("parts")
     else:
-        assert (proof is None) == (expected is not None)
-        event("rejoins" if proof else "may have no end")
+        assert expected is None
+        event("rejoins")
 
 
 @settings(max_examples=max(settings().max_examples, 300))  # small nets: a hundredth of a second each
@@ -132,7 +132,7 @@ def test_joining_decides_what_a_list_of_all_markings_decides(drawn: PetriNet) ->
     st.integers(0, 2**32),
 )
 def test_conflicts_are_judged_alike_in_every_order(drawn: PetriNet, seed: int) -> None:
-    """The proof, with joins or patterns, against every marking; places and transitions in several orders."""
+    """The proof against every marking; places and transitions in several orders."""
     order, ends = random.Random(seed), list[bool]()
     try:
         by_reduction(explore(drawn))
@@ -291,11 +291,11 @@ def test_a_conflict_that_rejoins_by_ways_of_any_length_is_joined() -> None:
     builder.transition("from_y", consume=["y"], produce=["end"])
     graph = direct_with_proof(builder.build())
     assert (graph.states, graph.edges, graph.proof) == (2, 1, PROOF_BY_MARKINGS)
-    assert prove_confluent(builder.build()) == PROOF_BY_JOINING
+    assert prove_confluent(builder.build()) == PROOF_BY_PATTERNS
     builder.transition("straight", consume=["b"], produce=["end"])
     graph = direct_with_proof(builder.build())
     assert (graph.states, graph.edges, graph.proof) == (2, 1, PROOF_BY_MARKINGS)
-    assert prove_confluent(builder.build()) == PROOF_BY_JOINING
+    assert prove_confluent(builder.build()) == PROOF_BY_PATTERNS
     builder.transition("back", consume=["x"], produce=["b"])
     with pytest.raises(DivergenceError):
         direct_with_proof(builder.build())

@@ -4,10 +4,8 @@ Which module is which step of the argument (``papers/mcpn.md``, section 3):
 
 1. Where two enabled internal transitions commute, the order of the two does not matter:
    :mod:`~mcpn.spaces.stable.commutation` finds the conflicts that leave this open (Propositions 1 and 2).
-2. Where every such conflict leads to a common marking again, internal evolution is locally confluent, and
-   with termination confluent (Newman's lemma): :mod:`~mcpn.spaces.stable.local_confluence`. Where internal
-   transitions have several ranks, :mod:`~mcpn.spaces.stable.representatives` explores what 1 leaves open, one
-   marking for all that evolve alike.
+2. Where conflicts are left open, :mod:`~mcpn.spaces.stable.representatives` explores what is behind each
+   event, one marking for all that evolve alike.
 3. :mod:`~mcpn.spaces.stable.confluence` is the symbolic proof: 1, then 2, on the diagram of all reachable
    markings.
 4. :mod:`~mcpn.spaces.stable.completion` runs events to completion without that diagram, in enough orders of

@@ -8,51 +8,32 @@ Where transitions have several ranks, the steps that must commute have ranks, to
 
 Pairs of transitions whose arcs cannot conflict need no query. For each other pair, queries on the diagram of
 reachable markings decide whether it commutes everywhere (:mod:`mcpn.spaces.stable.commutation`). Pairs that
-need not commute are judged by local confluence, where all have one rank
-(:mod:`mcpn.spaces.stable.local_confluence`); else what is behind them is explored
-(:mod:`mcpn.spaces.stable.representatives`).
+need not commute are judged by exploring what is behind them (:mod:`mcpn.spaces.stable.representatives`).
 """
 
 from __future__ import annotations
 
-from mcpn._kernel import Zdd
 from mcpn.errors import SemanticsError
 from mcpn.nets.petri import Marking, PetriNet
-from mcpn.spaces.diagrams.encoding import Encoding, distinct
-from mcpn.spaces.diagrams.evolution import passing
+from mcpn.spaces.diagrams.encoding import distinct
 from mcpn.spaces.diagrams.spaces import DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import SymbolicSpace, reach
-from mcpn.spaces.markings.explicit import KernelNet
-from mcpn.spaces.markings.firing import mask_of
 from mcpn.spaces.stable.commutation import open_conflicts
-from mcpn.spaces.stable.completion import (
-    MAX_STABLE_STATES,
-    PROOF_BY_MARKINGS,
-    confluence_error,
-    fault_after,
-    judged,
-)
+from mcpn.spaces.stable.completion import fault_after
 from mcpn.spaces.stable.falsification import nearest_fault
-from mcpn.spaces.stable.local_confluence import EndlessRun, Joining, Parting, parting_among
 from mcpn.spaces.stable.representatives import without_one_end
 
 PROOF_OF_ENDS = "symbolic: internal transitions conflict in no reachable marking; each leads to a stable one"
-PROOF_BY_JOINING = (
-    "symbolic: wherever internal transitions conflict, both ways lead to the same marking again"
-)
 PROOF_BY_PATTERNS = (
     "symbolic: behind each event every interleaving explored, once for markings that evolve alike"
 )
 
 
-def prove_confluent(
-    net: PetriNet, *, max_states: int = MAX_STABLE_STATES, space: SymbolicSpace | None = None
-) -> str:
+def prove_confluent(net: PetriNet, space: SymbolicSpace | None = None) -> str:
     """Proves that internal evolution of a net is confluent and ends, without building its graph if it can.
 
     Args:
         net: A net with priorities.
-        max_states: How many stable states there may be, where it must be decided marking by marking.
         space: Its reachable markings, where they are known.
 
     Returns:
@@ -71,57 +52,28 @@ def prove_confluent(
     space = space or reach(net)
     if not space.endless and next(open_conflicts(space.encoding, space.reachable), None) is None:
         return PROOF_OF_ENDS
-    proof = proof_of_conflicts(space)
-    if proof is None:
-        judged(KernelNet(net), max_states)
-        return PROOF_BY_MARKINGS
-    return proof
+    proof_of_conflicts(space)
+    return PROOF_BY_PATTERNS
 
 
-def proof_of_conflicts(space: SymbolicSpace) -> str | None:
-    """Proves that conflicts between internal transitions do not decide the outcome, where that is so.
+def proof_of_conflicts(space: SymbolicSpace) -> None:
+    """Proves that conflicts between internal transitions do not decide the outcome, and that all runs end.
 
     Args:
         space: The reachable markings of a net with priorities.
 
-    Returns:
-        The proof in words; ``None`` where it takes the markings one by one to decide.
-
     Raises:
         ConfluenceError: Two runs behind one event end in different stable markings.
         DivergenceError: An internal run need not end.
+        LimitError: There is too much to explore behind one marking.
     """
     net = space.encoding.net
     assert space.stable is not None, "asked of nets with priorities"
     encoding = space.encoding
     events = [e for t, e in encoding.events.items() if not net.transitions[t].internal]
-    begun = encoding.initial() | space.stable.images(distinct(events))
-    if len(net.internal_ranks) > 1:
-        marking = without_one_end(encoding, begun)
-        if marking is None:
-            return PROOF_BY_PATTERNS
+    marking = without_one_end(encoding, encoding.initial() | space.stable.images(distinct(events)))
+    if marking is not None:
         raise nearest_fault(net) or _error_behind(space, marking)
-    if space.endless:
-        return None
-    try:
-        parted = parting_among(encoding, begun, list(open_conflicts(encoding, space.reachable)))
-    except EndlessRun:
-        return None
-    if parted is not None:
-        raise nearest_fault(net) or _error_at(space, *parted)
-    return PROOF_BY_JOINING
-
-
-def endless_runs(encoding: Encoding, markings: Zdd) -> Zdd:
-    """The markings of a set from which some internal run through it goes on for ever: a greatest fixpoint."""
-    left, before = markings, None
-    while left != before:
-        before = left
-        allowed, sources = passing(encoding, left), encoding.store.empty()
-        for events, where in zip(encoding.undoing_ranks, allowed, strict=True):
-            sources |= left.images(events, within=where)
-        left = sources
-    return left
 
 
 def _error_behind(space: SymbolicSpace, marking: Marking) -> SemanticsError:
@@ -140,12 +92,3 @@ def _run_to(space: SymbolicSpace, marking: Marking) -> list[int]:
     run = markings.run(begin, space.encoding.set_of(marking))
     assert run is not None, "the marking is reachable"
     return [edge.transition for edge in run]
-
-
-def _error_at(space: SymbolicSpace, marking: Marking, parting: Parting) -> SemanticsError:
-    """The error for runs that part in a marking."""
-    net = space.encoding.net
-    before = _run_to(space, marking)
-    before, _, parting = Joining(net).deciding(before, mask_of(marking), parting)
-    runs = [[*before, *way] for way in (parting.first, parting.second)]
-    return confluence_error(net, [[net.transitions[t].name for t in run] for run in runs])

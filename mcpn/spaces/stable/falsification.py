@@ -1,8 +1,8 @@
 """The nearest event without one outcome: what a designer is shown of a mission that is not confluent.
 
 Stable markings are visited by as few events as can be, failures and repairs counting twice; behind each event
-some interleavings are followed, those in which rivals come to want the same, and conflicts are tried both
-ways. What is found so is a fact with two runs that show it. That nothing is found proves nothing.
+enough interleavings are explored to judge all. What is found so is a fact with two runs that show it. That
+nothing is found proves nothing.
 """
 
 from __future__ import annotations
@@ -14,9 +14,8 @@ from mcpn.errors import LimitError, SemanticsError, UnsafeError
 from mcpn.nets.events import What
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.markings.explicit import KernelNet
-from mcpn.spaces.markings.firing import mask_of, unsafe_after
-from mcpn.spaces.stable.completion import LEAST_TRANSIENT, Walk, confluence_error, divergence_error, settled
-from mcpn.spaces.stable.local_confluence import EndlessRun, Joining, Parting
+from mcpn.spaces.markings.firing import MaskedNet, mask_of, unsafe_after
+from mcpn.spaces.stable.completion import LEAST_TRANSIENT, Walk, settled
 
 FIRINGS = 50_000
 """Firings, and markings behind events, after which the search gives up; about a second."""
@@ -26,9 +25,6 @@ FIRST_FIRINGS = 3_000
 
 PREPARING = 40
 """Firings that are as much work as the kernel's preparation for one exploration behind an event."""
-
-WAYS = 30
-"""Markings behind one event from which every order is tried."""
 
 MOST_NEAR = 100
 """Stable ends behind one event that are looked for, with ``completion.LEAST_TRANSIENT`` markings."""
@@ -86,50 +82,30 @@ def fault_by(net: PetriNet, events: Iterable[int]) -> SemanticsError | None:
 class _Search:
     def __init__(self, net: PetriNet, firings: int) -> None:
         self.net = net
-        self.joining = Joining(net)
-        self.masked = self.joining.masked
+        self.masked, self.internal = MaskedNet(net), KernelNet(net, events=False)
         self.firings = firings
-        self.ranked = KernelNet(net, events=False) if len(net.internal_ranks) > 1 else None
+        """How many more may be looked at."""
         self.end = 0
         self.prefix: list[int] = []
 
     def settle(self, marking: int, prefix: list[int]) -> SemanticsError | None:
         """Runs to completion: sets :attr:`end` and :attr:`prefix`, or returns the error that is come upon."""
-        if self.ranked is not None:
-            return self.settle_by_rank(self.ranked, marking, prefix)
-        try:
-            run, self.end, parting = self.joining.parting_behind(marking, WAYS)
-        except EndlessRun as endless:
-            return divergence_error(self.names([*prefix, *endless.run]))
-        self.prefix = [*prefix, *run]
-        return None if parting is None else self.parted(self.prefix, parting)
-
-    def settle_by_rank(self, internal: KernelNet, marking: int, prefix: list[int]) -> SemanticsError | None:
-        """As :meth:`settle`, where internal transitions have ranks: by enough interleavings to judge all."""
-        self.joining.firings += PREPARING
+        self.firings -= PREPARING
         walk = Walk(self.net)
         walk.marking[:] = [marking >> p & 1 for p in range(len(self.net.places))]
         walk.run[:] = prefix
         try:
-            exploration = settled(internal, walk.marking, orders="enough", max_states=MOST_NEAR)
+            exploration = settled(self.internal, walk.marking, orders="enough", max_states=MOST_NEAR)
         except LimitError:  # too much behind this event to be near
-            self.joining.firings += LEAST_TRANSIENT
+            self.firings -= LEAST_TRANSIENT
         else:
-            self.joining.firings += exploration.transient
+            self.firings -= exploration.transient
             if exploration.trouble is not None:
-                return walk.fault(internal, exploration)
+                return walk.fault(self.internal, exploration)
         walk.settle()
-        self.joining.firings += len(walk.run) - len(prefix)
+        self.firings -= len(walk.run) - len(prefix)
         self.prefix, self.end = walk.run, mask_of(walk.marking)
         return None
-
-    def parted(self, prefix: list[int], parting: Parting) -> SemanticsError:
-        return confluence_error(
-            self.net, [self.names([*prefix, *run]) for run in (parting.first, parting.second)]
-        )
-
-    def names(self, run: Iterable[int]) -> list[str]:
-        return [self.net.transitions[t].name for t in run]
 
     def nearest(self) -> SemanticsError | None:
         error = self.settle(self.masked.initial(), [])
@@ -139,7 +115,7 @@ class _Search:
         visited: list[tuple[int, list[int]]] = [(self.end, self.prefix)]
         known = {self.end}
         heappush(queue, (0, 0))
-        while queue and self.joining.firings < self.firings:
+        while queue and self.firings > 0:
             cost, number = heappop(queue)
             marking, prefix = visited[number]
             for t in self._events(marking):
