@@ -43,6 +43,19 @@ def parse_bytes(path: Path, data: bytes, encoding: str | None = None) -> etree._
     Raises:
         InputError: As :func:`parse_xml`.
     """
+    return _parsed(path, data, encoding, whole=False)
+
+
+def parse_whole(text: str) -> etree._ElementTree:
+    """The tree of a text with its comments and processing instructions, for who writes it again.
+
+    Raises:
+        InputError: As :func:`parse_xml`.
+    """
+    return _parsed(Path("text"), text.encode(), "utf-8", whole=True).getroottree()
+
+
+def _parsed(path: Path, data: bytes, encoding: str | None, *, whole: bool) -> etree._Element:
     # huge_tree stays off: libxml2 then refuses elements nested more than 256 deep.
     parser = etree.XMLParser(
         encoding=encoding,
@@ -50,8 +63,8 @@ def parse_bytes(path: Path, data: bytes, encoding: str | None = None) -> etree._
         no_network=True,
         load_dtd=False,
         huge_tree=False,
-        remove_comments=True,
-        remove_pis=True,
+        remove_comments=not whole,
+        remove_pis=not whole,
     )
     try:
         root = etree.fromstring(data, parser)

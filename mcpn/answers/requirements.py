@@ -8,7 +8,7 @@ from typing import Any
 
 from mcpn.answers.names import MissionNames, progress
 from mcpn.drawing.compose import MissionNet
-from mcpn.errors import InputError, LimitError
+from mcpn.errors import InputError, LimitError, Problem
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.syntax import parse
 from mcpn.logic.vacuity import idle_parts
@@ -104,9 +104,9 @@ def asked_of(mission_net: MissionNet) -> list[AskedRequirement]:
     """The requirements of a mission, understood before anything is explored.
 
     Raises:
-        InputError: A formula cannot be read, or names what is not there; with the line of its requirement.
+        InputError: Formulas cannot be read, or name what is not there; each with its requirement's line.
     """
-    asked = []
+    asked, problems = list[AskedRequirement](), dict[Problem, None]()
     for name, (within, each) in requirements_of(mission_net.mission).items():
         names = MissionNames(mission_net, within)
         try:
@@ -115,7 +115,9 @@ def asked_of(mission_net: MissionNet) -> list[AskedRequirement]:
             source, message = each.source, str(error)
             if isinstance(error, InputError) and error.problems[0].source is not None:
                 source, message = error.problems[0].source, error.problems[0].message
-            raise InputError.at(source, f"requirement {name}: {message}") from None
+            problems[Problem(source, f"requirement {name}: {message}")] = None
+    if problems:
+        raise InputError(list(problems))
     return asked
 
 

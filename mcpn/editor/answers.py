@@ -11,15 +11,23 @@ from pathlib import Path
 from lsprotocol import types as lsp
 from pygls.workspace import TextDocument
 
+from mcpn.editor.layout import Outlined, formatted, outline
+from mcpn.editor.meaning import resolved
 from mcpn.editor.project import Project
-from mcpn.editor.scan import ScannedElement
-from mcpn.editor.symbols import EXITS, Symbol, attribute_of, scope_of, symbols
+from mcpn.editor.scan import ScannedAttribute, ScannedElement
+from mcpn.editor.symbols import Symbol, attribute_of, scope_of, symbols
+from mcpn.editor.targets import targets
+from mcpn.editor.words import words
 from mcpn.errors import Problem
 from mcpn.mission.language.datatypes import BOOLEAN, NAME
 from mcpn.mission.language.forms import ROOTS, Tag, language
+from mcpn.mission.language.references import EXITS
 
-_OPEN_VALUE = re.compile(r"(?<![\w.-])([A-Za-z_][\w.-]*)\s*=\s*[\"'][^\"']*\Z")
-"""An attribute whose value is not closed yet."""
+_OPEN_VALUE = re.compile(r"(?<![\w.-])([A-Za-z_][\w.-]*)\s*=\s*(?:\"([^\"]*)|'([^']*))\Z")
+"""An attribute whose value is not closed yet, and the value so far."""
+_COLUMN = re.compile(r"(?:(\w+) of <(\w+)>: )?formula, column ([0-9]+)")
+"""Where a formula is wrong, by a message: the attribute, if another than ``formula``, and the column."""
+_ENTITY = re.compile(r"&[#\w]+;|.", re.DOTALL)
 
 SOURCE = "mcpn"
 Findings = Callable[[str], str]
@@ -41,12 +49,12 @@ class Answers:
     def symbols(self, file: Path) -> list[Symbol]:
         """The names in all files that name the same things as a file."""
         files = self.project.together(file)
-        return [symbol for f in files for symbol in symbols(str(f), self.project.scan(f).elements)]
+        return resolved([s for f in files for s in symbols(str(f), self.project.scan(f).elements)])
 
     def at(self, file: Path, position: lsp.Position) -> Symbol | None:
         """The name at a place."""
         offset = self.document(file).offset_at_position(position)
-        here = symbols(str(file), self.project.scan(file).elements)
+        here = (s for s in self.symbols(file) if Path(s.file) == file)
         return next((s for s in here if s.begin <= offset <= s.end), None)
 
     def meant(self, file: Path, position: lsp.Position) -> list[Symbol]:
@@ -71,15 +79,76 @@ class Answers:
 
         return lsp.Range(position(begin), position(end))
 
-    def renamed(self, file: Path, position: lsp.Position, name: str) -> lsp.WorkspaceEdit | None:
-        """The edits that give another name to what is named at a place; ``None`` where that is no name."""
-        if not NAME.matches(name) or name in EXITS:
-            return None
+    def renamed(self, file: Path, position: lsp.Position, name: str) -> lsp.WorkspaceEdit:
+        """The edits that give another name to what is named at a place.
+
+        Raises:
+            ValueError: There is no name, the new one is none or is taken, or the mission would not be valid
+                with it; with a sentence that says so.
+        """
+        symbol = self.at(file, position)
+        if symbol is None or symbol.kind == "value":
+            raise ValueError("there is no name here that can be changed")
+        if not NAME.matches(name) or (symbol.kind == "block" and name in EXITS):
+            raise ValueError(f"{name} is no name: expected {NAME.expected}")
+        every = self.symbols(file)
+        meant = [s for s in every if symbol.means(s)]
+        places = {(s.kind, s.scope) for s in meant if s.declares}
+        if not places:
+            raise ValueError(f"{symbol.name} is not declared in the files of this mission")
+        if len(places) > 1:
+            raise ValueError(f"several protocols have {symbol.name}: say here which one is meant")
+        taken = next(
+            (s for s in every if s.declares and s.name == name and (s.kind, s.scope) in places), None
+        )
+        if taken is not None and name != symbol.name:
+            line = self.range(Path(taken.file), taken.begin, taken.end).start.line + 1
+            raise ValueError(f"{name} is taken: see {Path(taken.file).name}, line {line}")
+        self._tried(file, meant, name)
         edits: dict[str, list[lsp.TextEdit]] = {}
-        for symbol in self.meant(file, position):
-            at = self.place(symbol)
+        for each in meant:
+            at = self.place(each)
             edits.setdefault(at.uri, []).append(lsp.TextEdit(at.range, name))
-        return lsp.WorkspaceEdit(changes=edits) if edits else None
+        return lsp.WorkspaceEdit(changes=edits)
+
+    def _tried(self, file: Path, meant: Iterable[Symbol], name: str) -> None:
+        """Does without the new name if a mission that is valid would not be so with it."""
+        if self.project.problems(file)[0]:
+            return
+        texts = dict(self.project.unsaved)
+        for each in sorted(meant, key=lambda s: -s.begin):
+            at = Path(each.file)
+            text = texts.get(at) or self.project.text(at) or ""
+            texts[at] = text[: each.begin] + name + text[each.end :]
+        errors, _ = Project(texts).problems(file)
+        if errors:
+            raise ValueError(f"with the name {name} the mission is wrong: {errors[0].message}")
+
+    # --- the text as a whole ---
+
+    def outline(self, file: Path) -> list[lsp.DocumentSymbol]:
+        """The named elements of a file, each in that around it."""
+        scan = self.project.scan(file)
+
+        def shown(each: Outlined) -> lsp.DocumentSymbol:
+            element = each.element
+            (name,) = (a for a in element.attributes if a.name == "name")
+            return lsp.DocumentSymbol(
+                name.value,
+                _OUTLINE.get(element.tag, lsp.SymbolKind.Field),
+                self.range(file, element.begin, each.end),
+                self.range(file, name.begin, name.end),
+                detail=element.tag,
+                children=[shown(inner) for inner in each.inside],
+            )
+
+        return [shown(each) for each in outline(scan.text, scan.elements)]
+
+    def formatted(self, file: Path) -> list[lsp.TextEdit]:
+        """The edit that lays a file out; none where it is no XML, or is laid out already."""
+        text = self.project.scan(file).text
+        laid = formatted(text)
+        return [] if laid in (None, text) else [lsp.TextEdit(self.range(file, 0, len(text)), laid or "")]
 
     # --- words ---
 
@@ -120,22 +189,29 @@ class Answers:
                 for name, field in fields.items()
                 if name not in element.texts
             ]
-        return list(self._values(file, element, quoted[1]))
+        return list(self._values(file, element, quoted[1], quoted[2] or quoted[3] or ""))
 
-    def _values(self, file: Path, element: ScannedElement, attribute: str) -> Iterator[lsp.CompletionItem]:
+    def _values(
+        self, file: Path, element: ScannedElement, attribute: str, before: str
+    ) -> Iterator[lsp.CompletionItem]:
         field = attribute_of(element, attribute)
         if field is None or field.type is None:
             return
         kind = field.datatype.refers
-        scope = scope_of(kind, element)
-        declared = (s for s in self.symbols(file) if s.declares and (s.kind, s.scope) == (kind, scope))
-        for symbol in {s.name: s for s in declared}.values():
-            description = symbol.element.texts.get("description", "")
-            yield _item(symbol.name, description, lsp.CompletionItemKind.Reference)
-        words = EXITS if kind == "block" else ("true", "false") if field.type == BOOLEAN else ()
+        if kind == "block":
+            elements = self.project.scan(file).elements
+            for name in targets(element, attribute, elements):
+                known = lsp.CompletionItemKind.Value if name in EXITS else lsp.CompletionItemKind.Reference
+                yield _item(name, field.meaning, known)
+            return
+        for word in words(kind, before, scope_of(kind, element), self.symbols(file)):
+            named = lsp.CompletionItemKind.Reference if word.names else lsp.CompletionItemKind.Keyword
+            snippet = word.text + word.behind if word.behind else None
+            yield _item(word.text, word.meaning, named, snippet)
+        truths = ("true", "false") if field.type == BOOLEAN else ()
         choices = re.fullmatch(r"\\s\*\(([a-z_|]+)\)\\s\*", field.datatype.pattern or "")
-        for word in words or (choices[1].split("|") if choices else ()):
-            yield _item(word, field.meaning, lsp.CompletionItemKind.Value)
+        for text in truths or (choices[1].split("|") if choices else ()):
+            yield _item(text, field.meaning, lsp.CompletionItemKind.Value)
 
     # --- problems ---
 
@@ -165,7 +241,8 @@ class Answers:
         """The names that nothing has, in all files that name the same things as a file."""
         every = self.symbols(file)
         declared = {(s.kind, s.name, scope) for s in every if s.declares for scope in (s.scope, None)}
-        return [s for s in every if not s.declares and (s.kind, s.name, s.scope) not in declared]
+        used = (s for s in every if not s.declares and s.kind != "value")
+        return [s for s in used if (s.kind, s.name, s.scope) not in declared]
 
     def _of_problem(self, file: Path, problem: Problem, unknown: Iterable[Symbol]) -> lsp.Range:
         """The name that a problem speaks of in its line, else the start tag there, else the line."""
@@ -173,6 +250,10 @@ class Answers:
         begin = scan.lines[min(line, len(scan.lines)) - 1]
         end = scan.lines[line] if line < len(scan.lines) else len(scan.text)
         here = scan.between(begin, end)
+        if (column := _COLUMN.search(problem.message)) is not None:
+            for attribute in (a for e in here if column[2] in (None, e.tag) for a in e.attributes):
+                if attribute.name == (column[1] or "formula"):
+                    return self.range(file, *_at_column(attribute, int(column[3])))
         words = set(re.findall(r"[\w.]+", problem.message))
         for symbol in unknown:
             if Path(symbol.file) == file and begin <= symbol.begin < end and symbol.name in words:
@@ -206,6 +287,35 @@ class Answers:
                     )
                 )
         return found
+
+
+_OUTLINE = {
+    "mission": lsp.SymbolKind.Module,
+    "robot": lsp.SymbolKind.Module,
+    "protocols": lsp.SymbolKind.Module,
+    "protocol": lsp.SymbolKind.Class,
+    "objective": lsp.SymbolKind.Method,
+    "parallel": lsp.SymbolKind.Method,
+    "use": lsp.SymbolKind.Method,
+    "each": lsp.SymbolKind.Method,
+    "activity": lsp.SymbolKind.Function,
+    "event": lsp.SymbolKind.Event,
+    "fact": lsp.SymbolKind.Enum,
+    "requirement": lsp.SymbolKind.Boolean,
+    "parameter": lsp.SymbolKind.Constant,
+}
+"""Symbols that editors show for elements; fields for others."""
+
+
+def _at_column(attribute: ScannedAttribute, column: int) -> tuple[int, int]:
+    """The word in the column of a formula, which counts what XML writes as ``&gt;`` as one character."""
+    places = [found.start() for found in _ENTITY.finditer(attribute.value)]
+    begin = places[column - 1] if column <= len(places) else len(attribute.value)
+    word = re.compile(r"[\w.]+|\S|").match(attribute.value, begin)
+    end = begin + len(word[0]) if word else begin
+    if end == begin:  # what is missing at the end is shown at the last character
+        begin = max(begin - 1, 0)
+    return attribute.begin + begin, attribute.begin + end
 
 
 def _with_exits(kind: str, known: Iterable[str]) -> list[str]:

@@ -4,18 +4,25 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 
+from mcpn.answers.requirements import asked_of
+from mcpn.drawing.compose import MissionNet, compose
 from mcpn.editor.scan import Scan, scan
 from mcpn.errors import InputError, LimitError, Problem
 from mcpn.files import read_bounded
 from mcpn.mission.flatten import flatten
 from mcpn.mission.language.drafts import MissionDraft
 from mcpn.mission.model import Import, Mission
+from mcpn.mission.robot import Robot
 from mcpn.mission.static.usage import Usage
 from mcpn.mission.static.warnings import static_warnings
+from mcpn.mission.world.conditions import facts_of, objective_done
 from mcpn.mission.xml import MAX_FILE_BYTES, misfits_of, read_mission
 
+MOST_TYPED = 3_000
+"""Elements of a mission, beyond which its net is composed anew only when nothing is typed."""
 MOST_FILES = 200
 """In how many files beside an open one, or above it, missions are looked for that import it."""
 
@@ -28,6 +35,8 @@ class Memory:
         self.drafts = defaultdict[Path, MissionDraft](MissionDraft)
         self.warnings: dict[Path, list[Problem]] = {}
         """By mission what was suspicious when that was last looked for."""
+        self.nets: dict[Path, tuple[Mission, MissionNet]] = {}
+        """By mission without its requirements the net that was composed of it."""
 
 
 class Project:
@@ -90,6 +99,7 @@ class Project:
         for mission in missions:
             try:
                 valid = read_mission(mission, unsaved=self.unsaved, draft=self.memory.drafts[mission])
+                errors |= dict.fromkeys(self._misread(mission, valid, at_once=at_once))
                 if not at_once:
                     self.memory.warnings[mission] = static_warnings(Usage(valid, flatten(valid)))
                 warnings |= dict.fromkeys(self.memory.warnings.get(mission, ()))
@@ -101,6 +111,25 @@ class Project:
             errors |= dict.fromkeys(misfits_of(file, unsaved=self.unsaved))
         return list(errors), list(warnings)
 
+    def _misread(self, file: Path, mission: Mission, *, at_once: bool) -> list[Problem]:
+        """What is wrong with the formulas of a valid mission's requirements."""
+        if not (mission.requirements or any(p.requirements for p in mission.protocols)):
+            return []
+        known = self.memory.nets.get(file)
+        if known is not None and known[0] == _asked_nothing(mission):
+            # What formulas alone have changed is another mission around the same net.
+            net = replace(known[1], mission=mission)
+        elif at_once and sum(len(self.scan(f).elements) for f in self.files(file)) > MOST_TYPED:
+            return []
+        else:
+            net = compose(mission)
+            self.memory.nets[file] = _asked_nothing(mission), net
+        try:
+            asked_of(net)
+        except InputError as error:
+            return list(error.problems)
+        return []
+
     def together(self, file: Path) -> Iterator[Path]:
         """The files that name the same things as a file: those of its missions, or itself alone."""
         files = [f for mission in self.missions(file) for f in self.files(mission)]
@@ -108,3 +137,11 @@ class Project:
 
     def _root(self, file: Path) -> str:
         return next((element.tag for element in scan((self.text(file) or "")[:10_000])), "")
+
+
+def _asked_nothing(mission: Mission) -> Mission:
+    """A mission without its requirements, but with what they say is done, which its net keeps."""
+    kept = tuple(fact for name, fact in facts_of(mission).items() if objective_done(name) is not None)
+    robot = Robot(name="done", facts=kept)
+    protocols = tuple(replace(protocol, requirements=()) for protocol in mission.protocols)
+    return replace(mission, requirements=(), protocols=protocols, robots=(*mission.robots, robot))

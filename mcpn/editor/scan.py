@@ -11,7 +11,7 @@ from typing import Any
 from mcpn.mission.xml import MAX_DEPTH
 
 _NAME = r"[A-Za-z_][\w.-]*"
-_TOKEN = re.compile(
+TOKEN = re.compile(
     r"<!--.*?(?:-->|\Z)|<\?.*?(?:\?>|\Z)|<!\[CDATA\[.*?(?:\]\]>|\Z)"
     rf"|<(?P<close>/)?(?P<tag>{_NAME})?(?P<inside>(?:\"[^\"<]*\"|'[^'<]*'|[^<>\"']+)*)(?P<end>>)?",
     re.DOTALL,
@@ -98,7 +98,7 @@ def _scan(
 ) -> tuple[list[ScannedElement], ScannedElement | None]:
     """The elements in a part of a text, and the one that is open at its end."""
     found = list[ScannedElement]()
-    for token in _TOKEN.finditer(text, begin, end):
+    for token in TOKEN.finditer(text, begin, end):
         if token["inside"] is None:  # a comment, or what is no element
             continue
         tag = token["tag"] or ""
@@ -217,7 +217,7 @@ def _commented(text: str, offset: int) -> bool:
 
 def _tags(text: str) -> list[tuple[str | None, str | None, bool, bool]]:
     """Start and end tags of a text, without what stands in them."""
-    tokens = (token for token in _TOKEN.finditer(text) if token["inside"] is not None)
+    tokens = (token for token in TOKEN.finditer(text) if token["inside"] is not None)
     return [(t["close"], t["tag"], bool(t["end"]), t["inside"].rstrip().endswith("/")) for t in tokens]
 
 

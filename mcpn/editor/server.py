@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, BinaryIO, cast
 
 from lsprotocol import types as lsp
+from pygls.exceptions import JsonRpcException
 from pygls.lsp.server import LanguageServer
 from pygls.uris import to_fs_path
 from pygls.workspace import TextDocument
@@ -175,7 +176,8 @@ def server() -> MissionServer:
             ls.explore(file)
 
     @made.feature(
-        lsp.TEXT_DOCUMENT_COMPLETION, lsp.CompletionOptions(trigger_characters=["<", " ", '"', "'"])
+        lsp.TEXT_DOCUMENT_COMPLETION,
+        lsp.CompletionOptions(trigger_characters=["<", " ", '"', "'", "(", "=", "."]),
     )
     def completion(ls: MissionServer, params: lsp.CompletionParams) -> list[lsp.CompletionItem]:
         file = file_of(params.text_document.uri)
@@ -206,7 +208,22 @@ def server() -> MissionServer:
     @made.feature(lsp.TEXT_DOCUMENT_RENAME)
     def rename(ls: MissionServer, params: lsp.RenameParams) -> lsp.WorkspaceEdit | None:
         file = file_of(params.text_document.uri)
-        return None if file is None else ls.answers().renamed(file, params.position, params.new_name)
+        if file is None:
+            return None
+        try:
+            return ls.answers().renamed(file, params.position, params.new_name)
+        except ValueError as error:
+            raise JsonRpcException(str(error), lsp.LSPErrorCodes.RequestFailed) from None
+
+    @made.feature(lsp.TEXT_DOCUMENT_DOCUMENT_SYMBOL)
+    def outlined(ls: MissionServer, params: lsp.DocumentSymbolParams) -> list[lsp.DocumentSymbol]:
+        file = file_of(params.text_document.uri)
+        return [] if file is None else ls.answers().outline(file)
+
+    @made.feature(lsp.TEXT_DOCUMENT_FORMATTING)
+    def formatting(ls: MissionServer, params: lsp.DocumentFormattingParams) -> list[lsp.TextEdit]:
+        file = file_of(params.text_document.uri)
+        return [] if file is None else ls.answers().formatted(file)
 
     @made.feature(lsp.TEXT_DOCUMENT_CODE_ACTION, lsp.CodeActionOptions([lsp.CodeActionKind.QuickFix]))
     def mends(ls: MissionServer, params: lsp.CodeActionParams) -> list[lsp.CodeAction]:

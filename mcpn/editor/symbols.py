@@ -2,28 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
 
-from mcpn.editor.scan import ScannedAttribute, ScannedElement
+from mcpn.editor.scan import ScannedElement
 from mcpn.mission.language.forms import Field, form_of, language
-from mcpn.mission.model import ABORT, FAIL, SUCCEED, Protocol
+from mcpn.mission.language.references import references
+from mcpn.mission.model import Protocol
 from mcpn.mission.robot import Activity, Element
-
-EXITS = (SUCCEED, FAIL, ABORT)
-_NAME = re.compile(r"[A-Za-z_]\w*")
-_SAID = re.compile(r"\b([a-z]+)\(\s*([A-Za-z_][\w.]*)")
-_OBJECTIVE = re.compile(r"OBJ_(?P<name>[A-Za-z_][\w.]*)_EV_(?:OK|FAIL|TIMEOUT)")
-_KINDS = {
-    **dict.fromkeys(("objective", "pending", "block", "done"), "block"),
-    **dict.fromkeys(("activity", "waiting", "refused", "alternative"), "activity"),
-    **dict.fromkeys(("oos", "available"), "resource"),
-    **dict.fromkeys(("event", "happens"), "event"),
-    "fact": "fact",
-}
-"""By word of formulas about a name, what it names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,9 +18,11 @@ class Symbol:
     """A name in its place.
 
     Args:
-        kind: What it names: ``resource``, ``activity``, ``block``, ``protocol``, ``event``, ``alternative``.
+        kind: What it names: ``resource``, ``activity``, ``block``, ``protocol``, ``event``, ``alternative``,
+            ``fact``. As it is read, before it is known what is declared, also what
+            :func:`mcpn.mission.language.references.references` says of formulas and conditions.
         scope: Where it is unique: the name of the protocol of a block, the activity of an alternative; empty
-            where that is the mission. ``None`` in formulas, which may name what stands in any protocol.
+            where that is the mission. ``None`` where several protocols have what it may name.
         name: The name.
         file: The file.
         place: Where it begins in its element.
@@ -90,9 +79,13 @@ def _attributes(tag: str, number: int) -> dict[str, Field]:
     return {**known.attributes, **{a.tag: a for a in form_of(known.forms[number]).attributes}}
 
 
+_OF_TEXTS = ("block", "objective", "block path", "happening")
+"""Kinds of names that are looked for in the text of a protocol first."""
+
+
 def scope_of(kind: str, element: ScannedElement) -> str:
     """Where a name of an element is unique."""
-    around = {"block": (Protocol.TAG,), "alternative": (Activity.TAG,)}.get(kind, ())
+    around = {"alternative": (Activity.TAG,)}.get(kind, (Protocol.TAG,) if kind in _OF_TEXTS else ())
     return next((e.texts.get("name", "") for e in element.around if e.tag in around), "")
 
 
@@ -110,22 +103,7 @@ def _of(file: str, element: ScannedElement) -> Iterator[Symbol]:
         if declares and attribute.value:
             scope = scope_of(declares, element)
             yield Symbol(declares, scope, attribute.value, file, attribute.place, True, element)
-        elif field.type is not None and (kind := field.datatype.refers):
-            for word in _NAME.finditer(attribute.value):
-                if kind != "block" or word[0] not in EXITS:
-                    place = attribute.place + word.start()
-                    yield Symbol(kind, scope_of(kind, element), word[0], file, place, False, element)
-        elif attribute.name == "formula":
-            yield from _in_formula(file, element, attribute)
-
-
-def _in_formula(file: str, element: ScannedElement, attribute: ScannedAttribute) -> Iterator[Symbol]:
-    """Names that a formula says; of qualified ones the last, which stands in some protocol."""
-    for said in _SAID.finditer(attribute.value):
-        kind, begin, name = _KINDS.get(said[1]), said.start(2), said[2]
-        if (of := _OBJECTIVE.match(name)) is not None:
-            kind, begin, name = "block", begin + of.start("name"), of["name"]
-        if kind is not None:
-            last = name.rpartition(".")[2]
-            place = attribute.place + begin + len(name) - len(last)
-            yield Symbol(kind, None, last, file, place, False, element)
+        elif field.type is not None and field.datatype.refers:
+            for kind, name, place, of in references(field.datatype.refers, attribute.value):
+                scope = of if kind in ("alternative", "value") else scope_of(kind, element)
+                yield Symbol(kind, scope, name, file, attribute.place + place, False, element)

@@ -46,10 +46,10 @@ def renamed(mission: Mission, rename: Callable[[str, str], str]) -> Mission:
         if isinstance(element, Element) and element.NAMED:
             as_around = isinstance(element, Alternative) and element.name == around.name
             made["name"] = rename(around.NAMED if as_around else element.NAMED, element.name)
+        if isinstance(element, Mission | Protocol):
+            element = replace(element, requirements=())
         for content in form.contents:
             made[content.name] = tuple(changed(member, element) for member in getattr(element, content.name))
-        if isinstance(element, Mission | Protocol):
-            made["requirements"] = ()
         return replace(element, **made)
 
     whole: Mission = changed(mission, None)

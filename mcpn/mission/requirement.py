@@ -12,6 +12,7 @@ from typing import Annotated, TypeAlias
 
 from mcpn.mission.language.datatypes import (
     ENTRIES,
+    FORMULA,
     LOCATIONS,
     ORDER,
     REACTION,
@@ -37,14 +38,17 @@ class _Pattern(Described):
 class _Scoped(_Pattern):
     """A pattern of Dwyer, Avrunin and Corbett, in one of their five scopes."""
 
-    after: Annotated[str | None, "A formula: from the first moment on at which it holds."] = None
+    after: Annotated[str | None, FORMULA, "A formula: from the first moment on at which it holds."] = None
     before: Annotated[
         str | None,
+        FORMULA,
         "A formula: up to the first moment at which it holds, if there is one; with after: from each moment "
         "of the one to the next moment of the other, if there is one.",
     ] = None
     until: Annotated[
-        str | None, "A formula, with after: as between, and for ever where this one never holds."
+        str | None,
+        FORMULA,
+        "A formula, with after: as between, and for ever where this one never holds.",
     ] = None
 
     @property
@@ -58,7 +62,7 @@ class Absence(_Scoped):
     """It never holds."""
 
     TAG = "absence"
-    of: Annotated[str, "The formula that never holds."]
+    of: Annotated[str, FORMULA, "The formula that never holds."]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,7 +70,7 @@ class Universality(_Scoped):
     """It always holds."""
 
     TAG = "universality"
-    of: Annotated[str, "The formula that always holds."]
+    of: Annotated[str, FORMULA, "The formula that always holds."]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,7 +78,7 @@ class Existence(_Scoped):
     """It holds at some moment."""
 
     TAG = "existence"
-    of: Annotated[str, "The formula that holds at some moment."]
+    of: Annotated[str, FORMULA, "The formula that holds at some moment."]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,7 +86,7 @@ class BoundedExistence(_Scoped):
     """It comes to hold so many times at most."""
 
     TAG = "bounded_existence"
-    of: Annotated[str, "The formula whose stretches are counted."]
+    of: Annotated[str, FORMULA, "The formula whose stretches are counted."]
     most: Annotated[int, ENTRIES, "How many times at most it comes to hold."] = 2
 
 
@@ -91,12 +95,12 @@ class Precedence(_Scoped):
     """It holds only after something else has held, or together with it."""
 
     TAG = "precedence"
-    of: Annotated[str, "The formula that needs the other first."]
+    of: Annotated[str, FORMULA, "The formula that needs the other first."]
     followed_by: Annotated[
-        str | None, "A formula: only of, and later this one, together need the other first."
+        str | None, FORMULA, "A formula: only of, and later this one, together need the other first."
     ] = None
-    by: Annotated[str, "The formula that holds first."]
-    then: Annotated[str | None, "A formula: by, and later this one, hold first."] = None
+    by: Annotated[str, FORMULA, "The formula that holds first."]
+    then: Annotated[str | None, FORMULA, "A formula: by, and later this one, hold first."] = None
 
     @property
     def misuse(self) -> str:
@@ -111,11 +115,15 @@ class Response(_Scoped):
     """Whenever one thing holds, another holds then or later."""
 
     TAG = "response"
-    to: Annotated[str, "The formula that calls for the response."]
-    followed_by: Annotated[str | None, "A formula: to, and later this one, together call for it."] = None
-    gives: Annotated[str, "The formula that responds."]
-    then: Annotated[str | None, "A formula: gives, and later this one, respond."] = None
-    without: Annotated[str | None, "A formula, with then: it does not hold from gives up to then."] = None
+    to: Annotated[str, FORMULA, "The formula that calls for the response."]
+    followed_by: Annotated[
+        str | None, FORMULA, "A formula: to, and later this one, together call for it."
+    ] = None
+    gives: Annotated[str, FORMULA, "The formula that responds."]
+    then: Annotated[str | None, FORMULA, "A formula: gives, and later this one, respond."] = None
+    without: Annotated[
+        str | None, FORMULA, "A formula, with then: it does not hold from gives up to then."
+    ] = None
 
     @property
     def misuse(self) -> str:
@@ -167,8 +175,8 @@ class Avoidance(_Pattern):
 
     TAG = "avoidance"
     objectives: Avoided
-    until: Annotated[str | None, "A formula, which comes to hold: up to then."] = None
-    after: Annotated[str | None, "A formula: from when it holds."] = None
+    until: Annotated[str | None, FORMULA, "A formula, which comes to hold: up to then."] = None
+    after: Annotated[str | None, FORMULA, "A formula: from when it holds."] = None
 
     @property
     def misuse(self) -> str:
@@ -201,8 +209,8 @@ class Reaction(_Pattern):
     """Whenever one thing holds, the robot reacts."""
 
     TAG = "reaction"
-    to: Annotated[str, "The formula that calls for the reaction."]
-    gives: Annotated[str, "The formula that is the reaction."]
+    to: Annotated[str, FORMULA, "The formula that calls for the reaction."]
+    gives: Annotated[str, FORMULA, "The formula that is the reaction."]
     when: Annotated[
         str,
         REACTION,
@@ -217,7 +225,7 @@ class Wait(_Pattern):
 
     TAG = "wait"
     objectives: Locations
-    until: Annotated[str, "The formula that ends the wait, and comes to hold."]
+    until: Annotated[str, FORMULA, "The formula that ends the wait, and comes to hold."]
 
     @property
     def misuse(self) -> str:
@@ -257,7 +265,7 @@ class Requirement(Element):
 
     TAG = "requirement"
     formula: Annotated[
-        str | None, "On stable states, in CTL or LTL (ask): G (oos(sonar) -> F objective(surface))."
+        str | None, FORMULA, "On stable states, in CTL or LTL (ask): G (oos(sonar) -> F objective(surface))."
     ] = None
     expected: Annotated[str, TRUTH, "fails: the formula must not hold."] = "holds"
     severity: Annotated[str, SEVERITY, "advice: it is told, and does not fail the check."] = "required"

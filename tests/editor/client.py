@@ -41,6 +41,14 @@ class Client:
         assert "error" not in message, message
         return message["result"]
 
+    def refused(self, method: str, **params: Any) -> str:
+        """The message of a request that is refused."""
+        self.number += 1
+        self.send(id=self.number, method=method, params=params)
+        while (message := self.receive()).get("id") != self.number or "method" in message:
+            pass
+        return str(message["error"]["message"])
+
     def receive(self) -> dict[str, Any]:
         """The next message; diagnostics are kept."""
         assert self.process.stdout is not None

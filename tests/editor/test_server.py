@@ -95,10 +95,93 @@ def test_names_across_files(client: Client, folder: Path) -> None:
         "textDocument/rename", **place(robot, robot.read_text(), f'name="{name}"', 8), newName="propeller"
     )
     assert sum(map(len, edit["changes"].values())) == len(uses)
-    assert (
-        client.ask("textDocument/rename", **place(protocols, text, "objective name", 13), newName="1 x")
-        is None
+    at = place(protocols, text, "objective name", 17)
+    assert "is no name" in client.refused("textDocument/rename", **at, newName="1 x")
+    assert "is taken" in client.refused(
+        "textDocument/rename", **place(protocols, text, "<objective", 17), newName="diving"
     )
+
+
+FORMULAS = """<mission name="m" xmlns="urn:mcpn:mission:1">
+<robot name="r">
+<hardware name="sonar"/><hardware name="motor"/><event name="leak"/><fact name="door" values="closed open"/>
+<activity name="swim" requires="door=open"><alternative name="fast" consumes="motor"/>
+<alternative name="slow"/></activity>
+<activity name="look" consumes="sonar" faulty="true"/>
+</robot>
+<protocols><protocol name="p"><objective name="inside" activities="swim"/></protocol></protocols>
+<requirement name="one" formula="G (happens(leak) -&gt; F !oos(sonar))"/>
+<requirement name="two"><response to="fact(door)=open" gives="alternative(swim)=slow"/></requirement>
+<objective name="out" success="home"><on event="leak" goto="home"/>
+<objective name="dive" activities="swim look"/><use name="visit" protocol="p"/></objective>
+<parallel name="both"><objective name="left" activities="swim" abort="fail"/>
+<objective name="right" activities="look"/></parallel>
+<objective name="home" activities="swim" success="succeed"><route when="door=open done(dive)" goto="out"/>
+</objective>
+</mission>
+"""
+
+
+def test_a_wrong_name_in_a_formula_is_underlined_at_once(client: Client, tmp_path: Path) -> None:
+    path = (tmp_path / "mission.xml").resolve()
+    client.open(path, FORMULAS)
+    for right, wrong in (("oos(sonar", "oos(sonr"), ("alternative(swim)=slow", "alternative(swim)=slw")):
+        client.diagnostics.clear()
+        text = FORMULAS.replace(right, wrong)
+        client.tell(
+            "textDocument/didChange",
+            textDocument={"uri": path.as_uri(), "version": 2},
+            contentChanges=[{"text": text}],
+        )
+        client.ask("textDocument/hover", **place(path, text, "<hardware", 3))
+        (problem,) = [d for d in client.diagnostics[path.as_uri()] if d["severity"] == 1]
+        assert said(text, problem["range"]) == wrong.split("(")[1] if "=" not in wrong else "slw"
+
+
+@pytest.mark.parametrize(
+    ("part", "within", "has", "hasnt"),
+    [
+        ("happens(leak", 8, {"leak", "sonar_EV_OOS", "OBJ_dive_EV_OK", "look_EV_OOS"}, {"sonar", "dive"}),
+        ("oos(sonar", 4, {"sonar", "motor", "look"}, {"leak", "swim"}),
+        ("G (happens", 0, {"objective", "oos", "success", "AG"}, {"sonar"}),
+        ("fact(door)=open", 11, {"closed", "open"}, {"door"}),
+        ("swim)=slow", 6, {"fast", "slow"}, {"swim"}),
+        ('requires="door', 10, {"door", "done"}, {"open", "leak"}),
+        ('requires="door=open', 15, {"open", "closed"}, {"door"}),
+        ("done(dive", 5, {"dive", "home", "left"}, {"both", "door"}),
+        (
+            'leak" goto="home',
+            12,
+            {"out", "both", "home", "succeed", "fail", "abort"},
+            {"dive", "left", "inside"},
+        ),
+        ('abort="fail', 7, {"succeed", "fail", "abort"}, {"left", "right", "home"}),
+    ],
+)
+def test_completion_inside_values(
+    client: Client, tmp_path: Path, part: str, within: int, has: set[str], hasnt: set[str]
+) -> None:
+    path = (tmp_path / "mission.xml").resolve()
+    client.open(path, FORMULAS)
+    offered = {
+        i["label"] for i in client.ask("textDocument/completion", **place(path, FORMULAS, part, within))
+    }
+    assert has <= offered
+    assert not hasnt & offered
+
+
+def test_outline_and_formatting(client: Client, tmp_path: Path) -> None:
+    path = (tmp_path / "mission.xml").resolve()
+    client.open(path, FORMULAS)
+    (whole,) = client.ask("textDocument/documentSymbol", textDocument={"uri": path.as_uri()})
+    assert whole["name"] == "m"
+    assert [inner["name"] for inner in whole["children"]] == ["r", "p", "one", "two", "out", "both", "home"]
+    options = {"tabSize": 2, "insertSpaces": True}
+    (edit,) = client.ask("textDocument/formatting", textDocument={"uri": path.as_uri()}, options=options)
+    assert edit["newText"].splitlines()[2] == '    <hardware name="sonar"/>'
+    changed = {"uri": path.as_uri(), "version": 2}
+    client.tell("textDocument/didChange", textDocument=changed, contentChanges=[{"text": edit["newText"]}])
+    assert client.ask("textDocument/formatting", textDocument={"uri": path.as_uri()}, options=options) == []
 
 
 def test_words_of_the_language(client: Client, folder: Path) -> None:

@@ -27,7 +27,8 @@ class Datatype:
         allows: Whether a value is allowed.
         allowed: What an error expects in the place of a value that is not allowed.
         refers: The kind of element that the value names: ``resource``, ``activity``, ``block``,
-            ``protocol``, ``event``, ``fact``, or ``condition``.
+            ``protocol``, ``event``, ``fact``, ``objective``, or ``condition`` and ``formula``, which name
+            several (:mod:`mcpn.mission.language.references`).
     """
 
     name: str
@@ -60,6 +61,8 @@ def _split(text: str) -> tuple[str, ...]:
 _LETTER, _CHARACTER = "[A-Za-z_]", "[A-Za-z0-9_]"
 
 TEXT = Datatype("text", "text")
+FORMULA = TEXT.to("formula")
+"""Of temporal logic; it is parsed when the mission has its net, whose places it may name."""
 NAME = Datatype(
     "name",
     "name",
@@ -81,6 +84,7 @@ LOCATIONS = Datatype(
     "names of objectives, separated by spaces",
     _split,
     " ".join,
+    refers="objective",
 )
 """Objectives by their names in formulas, which uses of protocols qualify."""
 VALUES = Datatype(

@@ -1,0 +1,124 @@
+"""References: the names of other elements in texts of attributes, each with its place in the text.
+
+One declaration for all that follows names: what a datatype refers to is said beside the datatype, what words
+of formulas and conditions refer to is said here. What a name means, where that depends on what is declared
+(``oos(x)`` may be of hardware or of an activity that crashes), is left to the reader.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from mcpn.mission.model import ABORT, FAIL, SUCCEED
+
+EXITS = (SUCCEED, FAIL, ABORT)
+"""Routes that name no block."""
+
+WORDS = {
+    **dict.fromkeys(("objective", "pending", "done"), "objective"),
+    "block": "block path",
+    **dict.fromkeys(("activity", "waiting", "refused", "alternative"), "activity"),
+    **dict.fromkeys(("oos", "available"), "loss"),
+    **dict.fromkeys(("event", "happens"), "happening"),
+    "fact": "fact",
+}
+"""By word of formulas about an element, what it names: a kind of element, or
+
+- ``objective``: an elementary objective, or copies of it, which blocks around may qualify,
+- ``block path``: the same of any block,
+- ``loss``: a resource, or an activity or alternative that crashes,
+- ``happening``: an event, declared or of an element.
+"""
+VALUED = {"alternative": "alternative", "waiting": "alternative", "fact": "value"}
+"""By word of formulas that a value may follow, what the value is."""
+
+_NAME = re.compile(r"[A-Za-z_]\w*")
+_PATH = re.compile(r"[A-Za-z_][\w.]*")
+_SAID = re.compile(
+    r"(?<![\w.\"])(?P<word>" + "|".join(WORDS) + r")\s*\(\s*\"?(?P<name>[A-Za-z_][\w.]*)\"?\s*\)"
+    r"(?:\s*=\s*\"?(?P<value>\w+))?"
+)
+_ENDING = re.compile(r"OBJ_(?P<name>[\w.]+)_EV_(?:OK|FAIL|TIMEOUT)")
+_CHANGING = re.compile(r"(?P<name>[\w.]+)_EV_(?:OOS|RD|DEATH|DETECTED)")
+
+
+class Reference(NamedTuple):
+    """A name in a text.
+
+    Args:
+        kind: What it names: a kind of element, or one of those of :data:`WORDS`.
+        name: The name.
+        place: Where it begins in the text.
+        of: The activity of an alternative, or the fact of a value.
+    """
+
+    kind: str
+    name: str
+    place: int
+    of: str = ""
+
+
+def references(refers: str, text: str) -> Iterator[Reference]:
+    """The names in the text of an attribute.
+
+    Args:
+        refers: What its datatype refers to: a kind of element, ``condition``, ``formula`` or ``objective``.
+        text: The text.
+
+    Examples:
+        >>> [(each.kind, each.name) for each in references("condition", "!holding done(survey) door=open")]
+        [('fact', 'holding'), ('objective', 'survey'), ('fact', 'door'), ('value', 'open')]
+        >>> [(each.kind, each.name, each.of) for each in references("formula", "AG !alternative(a)=b")]
+        [('activity', 'a', ''), ('alternative', 'b', 'a')]
+    """
+    if refers == "formula":
+        yield from _in_formula(text)
+    elif refers == "condition":
+        yield from _in_condition(text)
+    elif refers:
+        for word in (_PATH if refers == "objective" else _NAME).finditer(text):
+            if refers != "block" or word[0] not in EXITS:
+                yield Reference(refers, word[0], word.start())
+
+
+def _in_formula(text: str) -> Iterator[Reference]:
+    for said in _SAID.finditer(text):
+        word, name, begin = said["word"], said["name"], said.start("name")
+        kind, of = WORDS[word], ""
+        if word == "alternative" and said["value"] is None and "." in name:
+            of, _, name = name.rpartition(".")
+            yield Reference("activity", of, begin)
+            kind, begin = "alternative", begin + len(of) + 1
+        yield Reference(kind, name, begin, of)
+        if said["value"] is not None and word in VALUED:
+            yield Reference(VALUED[word], said["value"], said.start("value"), name)
+
+
+def _in_condition(text: str) -> Iterator[Reference]:
+    for said in re.finditer(
+        r"!?(?:done\((?P<done>[^()\s]*)\)|(?P<fact>[^\s=!()]+))(?:=(?P<value>\w+))?", text
+    ):
+        if said["done"]:
+            yield Reference("objective", said["done"], said.start("done"))
+        elif said["fact"]:
+            yield Reference("fact", said["fact"], said.start("fact"))
+            if said["value"]:
+                yield Reference("value", said["value"], said.start("value"), said["fact"])
+
+
+def happening(name: str) -> Reference:
+    """What an event is of that nobody declares by its name: an objective that ends, a loss; else an event.
+
+    Examples:
+        >>> happening("OBJ_dive_EV_OK")
+        Reference(kind='objective', name='dive', place=4, of='')
+        >>> happening("sonar_EV_OOS").kind, happening("leak").kind
+        ('loss', 'event')
+    """
+    if (ending := _ENDING.fullmatch(name)) is not None:
+        return Reference("objective", ending["name"], ending.start("name"))
+    if (changing := _CHANGING.fullmatch(name)) is not None:
+        return Reference("loss", changing["name"], 0)
+    return Reference("event", name, 0)
