@@ -6,14 +6,20 @@ import os
 import secrets
 import shutil
 import zlib
-from collections.abc import Mapping
-from contextlib import suppress
-from errno import ENOTDIR
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from errno import EACCES, EEXIST, EISDIR, ENOENT, ENOTDIR, ENOTEMPTY, EPERM
 from pathlib import Path
 
 from mcpn.errors import InputError, Source
 
 MAX_FILE_BYTES = 256 << 20
+
+MOST_OF_NAME = 200
+"""Bytes of a name up to which the name beside it holds it whole."""
+
+AT_FDCWD, RENAME_EXCHANGE = -100, 2
+"""Of Linux: paths are those of this process; two files change their names."""
 
 _swept: set[Path] = set()
 """Paths beside which this process has looked for what others have left."""
@@ -31,10 +37,8 @@ def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:
     """
     try:
         if not path.is_file():
-            what = (
-                "a directory" if path.is_dir() else "no such file" if not path.exists() else "no regular file"
-            )
-            raise InputError.at(Source(str(path)), f"expected a file, found {what}")
+            found = no_regular_file(path) or "no such file"
+            raise InputError.at(Source(str(path)), f"expected a file, found {found}")
         with path.open("rb") as file:
             data = file.read(limit + 1)
     except (OSError, ValueError) as error:
@@ -44,9 +48,40 @@ def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:
     return data
 
 
+def no_regular_file(path: Path) -> str | None:
+    """What a path is that is there and is no regular file."""
+    if not path.exists() or path.is_file():
+        return None
+    return "a directory" if path.is_dir() else "no regular file"
+
+
+def why_not_written(path: Path, error: OSError | ValueError) -> str:
+    """What keeps a file from being written, in a sentence that says what is to be changed."""
+    if isinstance(error, UnicodeError):
+        why = "its text has half a character, which is no UTF-8"
+    elif isinstance(error, ValueError):
+        why = "no name of a file has a NUL"
+    elif error.errno in (ENOENT, ENOTDIR) and not path.parent.is_dir():
+        found = "is no directory" if path.parent.exists() else "is not there"
+        why = f"the directory {path.parent} {found}"
+    elif error.errno == EISDIR or (error.errno in (ENOTEMPTY, EEXIST) and path.is_dir()):
+        why = "it is a directory"
+    elif error.errno in (EACCES, EPERM) and not os.access(path.parent, os.W_OK | os.X_OK):
+        why = f"nothing may be written into the directory {path.parent}"
+    else:
+        why = error.strerror or str(error)
+    return f"cannot be written: {why}"
+
+
 def _beside(path: Path) -> Path:
     """A name beside a path that says who writes there: this machine and this process."""
-    return path.with_name(f".{path.name}.{_machine()}-{os.getpid()}-{secrets.token_hex(4)}.tmp")
+    return path.with_name(f"{_begin(path)}{os.getpid()}-{secrets.token_hex(4)}.tmp")
+
+
+def _begin(path: Path) -> str:
+    """How names beside a path begin; those of long names are cut, for 255 bytes is the most a name has."""
+    name = path.name if len(os.fsencode(path.name)) < MOST_OF_NAME else os.fsencode(path.name)[:60].hex()
+    return f".{name}.{_machine()}-"
 
 
 def _machine() -> str:
@@ -58,7 +93,7 @@ def _sweep(path: Path) -> None:
     if path in _swept:
         return
     _swept.add(path)
-    begin = f".{path.name}.{_machine()}-"
+    begin = _begin(path)
     with suppress(OSError):
         for found in path.parent.iterdir():
             if found.name.startswith(begin) and found.name.endswith(".tmp"):
@@ -121,8 +156,7 @@ def write_atomically(path: Path, data: bytes | str, *, durable: bool = False) ->
         if durable:
             sync_folder(path.parent)
     except (OSError, ValueError) as error:  # ValueError: half a character in the text, a NUL in the path
-        what = getattr(error, "strerror", None) or error
-        raise InputError.at(Source(str(path)), f"cannot be written: {what}") from error
+        raise InputError.at(Source(str(path)), why_not_written(path, error)) from error
 
 
 def _write(path: Path, content: bytes, durable: bool) -> None:
@@ -137,9 +171,11 @@ def _write(path: Path, content: bytes, durable: bool) -> None:
 def write_folder(folder: Path, files: Mapping[str, bytes | str]) -> None:
     """Writes files into a folder, all of them or none.
 
-    They are written into a folder beside first. Where the folder is new this one gets its name; else the
-    files are renamed into it one after the other, which an interruption does not end half-way (SIGKILL
-    or a loss of power between two of these renamings does).
+    They are written into a folder beside first. Where the folder is new this one gets its name. Where it
+    holds nothing but files that are replaced, the two change their names at once, if the system can do that,
+    so that at every moment all files are the old ones or all are the new ones. Else files are renamed into it
+    one after the other, which an interruption does not end half-way (SIGKILL or a loss of power between two
+    of these renamings does).
 
     Args:
         folder: Where; it is made where there is none, and files of other names in it stay.
@@ -152,44 +188,88 @@ def write_folder(folder: Path, files: Mapping[str, bytes | str]) -> None:
     at = folder
     try:
         contents = {name: data.encode() if isinstance(data, str) else data for name, data in files.items()}
-        for directory in reversed(folder.parents):
-            if not directory.exists():
-                directory.mkdir()
-                made.append(directory)
-        if folder.exists() and not folder.is_dir():
-            raise NotADirectoryError(ENOTDIR, os.strerror(ENOTDIR))
-        new = not folder.exists()
-        inside = folder / "set"  # within the folder, so that both are of one file system
-        beside = _beside(folder if new else inside)
-        _sweep(folder if new else inside)
-        try:
-            beside.mkdir()
-            for name, content in contents.items():
-                at = folder / name
-                _write(beside / name, content, durable=False)
-            at = folder
-            if new:
+        for at in reversed((folder, *folder.parents)):
+            if at != folder and not at.exists():
+                at.mkdir()
+                made.append(at)
+        if not folder.exists():
+            with _filled_beside(folder, folder, contents) as beside:
                 beside.rename(folder)
-            else:
+        elif not folder.is_dir():
+            raise NotADirectoryError(ENOTDIR, os.strerror(ENOTDIR))
+        elif not (_is_replaced(folder, contents.keys()) and _swapped(folder, contents)):
+            inside = folder / "set"  # within the folder, so that both are of one file system
+            with _filled_beside(inside, folder, contents) as beside:
                 _place(beside, folder, list(contents))
-        finally:
-            _remove(beside)
     except BaseException as error:
         for directory in reversed(made):
             with suppress(OSError):
                 directory.rmdir()
         if isinstance(error, OSError | ValueError):
-            what = getattr(error, "strerror", None) or error
-            doing = "cannot be made a directory" if at == folder else "cannot be written"
-            raise InputError.at(Source(str(at)), f"{doing}: {what}") from error
+            file = next((of for of in (at, *at.parents) if of.is_file()), None)
+            why = getattr(error, "strerror", None) or error if file is None else f"{file} is a file"
+            raise InputError.at(Source(str(at)), f"cannot be made a directory: {why}") from error
         raise
+
+
+@contextmanager
+def _filled_beside(near: Path, folder: Path, contents: Mapping[str, bytes]) -> Iterator[Path]:
+    """A folder beside a path with files that are to be in another folder; it is removed in the end."""
+    beside = _beside(near)
+    _sweep(near)
+    try:
+        beside.mkdir()
+        for name, content in contents.items():
+            try:
+                _write(beside / name, content, durable=False)
+            except (OSError, ValueError) as error:
+                raise InputError.at(
+                    Source(str(folder / name)), why_not_written(folder / name, error)
+                ) from error
+        yield beside
+    finally:
+        _remove(beside)
+
+
+def _swapped(folder: Path, contents: Mapping[str, bytes]) -> bool:
+    """Puts a new folder in the place of one at once; ``False`` where it cannot be done so."""
+    try:
+        with _filled_beside(folder, folder, contents) as beside:
+            shutil.copymode(folder, beside)
+            return _exchanged(beside, folder)
+    except OSError:  # nothing may be made beside the folder
+        return False
+
+
+def _is_replaced(folder: Path, names: Collection[str]) -> bool:
+    """Whether a folder holds nothing but files of some names, and can be replaced as a whole.
+
+    Somebody who stands in it, or has made a link of its name, would otherwise be left with the old one.
+    """
+    if folder.is_symlink() or folder.name in ("", "..") or folder.resolve() == Path.cwd():
+        return False
+    found = folder.stat()
+    return (found.st_uid, found.st_gid) == (os.geteuid(), os.getegid()) and all(
+        entry.name in names and entry.is_file(follow_symlinks=False) for entry in os.scandir(folder)
+    )
+
+
+def _exchanged(new: Path, old: Path) -> bool:
+    """Has two folders change their names at once; ``False`` where the system cannot, which Linux can."""
+    import ctypes
+
+    rename = getattr(ctypes.CDLL(None, use_errno=True), "renameat2", None)
+    if rename is None:
+        return False
+    return bool(rename(AT_FDCWD, os.fsencode(new), AT_FDCWD, os.fsencode(old), RENAME_EXCHANGE) == 0)
 
 
 def _place(beside: Path, folder: Path, names: list[str]) -> None:
     """Renames files into a folder; one that is a directory there is found before the first is renamed."""
     for name in names:
         if (folder / name).is_dir():
-            raise IsADirectoryError(21, f"{name} is a directory")
+            error = IsADirectoryError(EISDIR, os.strerror(EISDIR))
+            raise InputError.at(Source(str(folder / name)), why_not_written(folder / name, error))
     try:
         for name in names:
             os.replace(beside / name, folder / name)

@@ -68,6 +68,7 @@ class FunctionDriver:
         self._function, self._call, self._ended = function, call, ended
         self._task: asyncio.Task[None] | None = None
         self._over = asyncio.Event()
+        self._left = False
 
     async def start(self) -> None:
         """Calls it."""
@@ -100,6 +101,11 @@ class FunctionDriver:
         if not loop.is_closed():
             loop.call_soon_threadsafe(over)
 
+    def kill(self) -> None:
+        """Ends the wait for its end: nothing can end a function."""
+        self._left = True
+        self._over.set()
+
     async def stop(self, grace: float) -> bool:
         """Asks it to end, and waits.
 
@@ -113,7 +119,7 @@ class FunctionDriver:
             await asyncio.wait_for(self._over.wait(), grace)
         except TimeoutError:
             return False
-        return True
+        return not self._left
 
 
 def _text(value: object) -> str:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterable, Iterator
 from fnmatch import fnmatchcase
-from pathlib import Path
 
 from mcpn.drivers.functions import function_of
 from mcpn.drivers.plan import FAILURE, SUCCESS, DriverSpec, Place, Plan, filled
+from mcpn.drivers.processes import program_of
 from mcpn.errors import InputError, Problem, Source
 from mcpn.mission.near import did_you_mean
 from mcpn.runtime.tables import START, Tables
@@ -139,9 +138,8 @@ class _Check:
                 except Exception as error:  # whatever a module raises that is imported
                     yield self._at(spec.place, f"{spec.function}: {type(error).__name__}: {error}")
             elif spec.kind == "process" and "{" not in (command := spec.command[0]):
-                beside = self.plan.file.parent / command
-                found = shutil.which(command) if "/" not in command else _executable(beside)
-                if not found and spec.place not in told:
+                found = program_of(self.plan.file.parent, command)
+                if found is None and spec.place not in told:
                     told.add(spec.place)
                     yield self._at(spec.place, f"process: no program {command!r} is found")
 
@@ -185,10 +183,6 @@ class _Check:
             )
             for activity in row["activities"]
         )
-
-
-def _executable(path: Path) -> bool:
-    return shutil.which(str(path)) is not None
 
 
 def starts_by_itself(plan: Plan) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
+import secrets
 import shutil
 import signal
 import subprocess
@@ -18,14 +19,25 @@ from mcpn.drivers import warden
 from mcpn.drivers.inbox import LONGEST, PAUSE, Inbox, Splitter
 from mcpn.drivers.warden import ProcessGroup, line_of, started_at
 
+NOT_STARTED = "not_started"
+"""How a driver ends that could not be started."""
 LAST_WORDS = 0.5
 """Seconds in which what a process wrote before its end is read; a child of it may keep its output open."""
 PIECE = 1 << 14
 """Bytes that are read of one process before others have their turn."""
-HELD = 'read -r go && exec "$@" </dev/null'
-"""What a shell is told, which becomes the driver once the warden knows its number, and else ends."""
+HELD = 'word=$1; shift; shopt -s execfail 2>/dev/null; trap "echo $word" EXIT; '
+HELD += 'read -r go && exec "$@" </dev/null'
+"""What a shell is told, which becomes the driver once the warden knows its number, and else ends.
+
+Where it cannot become the driver it prints the word, which no driver knows (the trap does it in most shells,
+in bash where ``execfail`` is on)."""
 
 _log = logging.getLogger("mcpn.drivers")
+
+
+def program_of(folder: Path, name: str) -> str | None:
+    """The program that a driver in a folder calls so: found from there with a ``/``, else by PATH."""
+    return shutil.which(str(folder.resolve() / name) if "/" in name else name)
 
 
 class Warden:
@@ -134,6 +146,8 @@ class ProcessDriver:
         self._read_all = asyncio.Event()
         self._splitter = Splitter(LONGEST, self._too_long)
         self._told_too_long = False
+        self._word = secrets.token_hex(16)
+        self._became_it = True
 
     async def start(self) -> None:
         """Starts it: first a shell that waits, which the warden hears of, then the command in its place.
@@ -144,12 +158,11 @@ class ProcessDriver:
             OSError: It cannot be started.
         """
         program = self._command[0]
-        beside = str(self._folder / program) if "/" in program else program
-        if shutil.which(beside) is None:
+        if program_of(self._folder, program) is None:
             raise FileNotFoundError(f"no program {program!r} is found")
         loop = asyncio.get_running_loop()
         self._process = process = subprocess.Popen(
-            ["/bin/sh", "-c", HELD, "sh", *self._command],
+            ["/bin/sh", "-c", HELD, "sh", self._word, *self._command],
             cwd=self._folder,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
@@ -186,7 +199,10 @@ class ProcessDriver:
             data = b""
         if data is not None:
             for line in self._splitter.lines(data):
-                self._inbox.put(line)
+                if line == self._word:
+                    self._became_it = False
+                else:
+                    self._inbox.put(line)
         if data == b"":
             self._close()
         else:
@@ -219,7 +235,11 @@ class ProcessDriver:
         self._over.set()
         with suppress(TimeoutError):
             await asyncio.wait_for(self._read_all.wait(), LAST_WORDS)
-        self._inbox.put(lambda: self._ended(str(status), None))
+        if self._became_it:
+            self._inbox.put(lambda: self._ended(str(status), None))
+        else:
+            error = OSError(f"the program {self._command[0]!r} cannot be run")
+            self._inbox.put(lambda: self._ended(NOT_STARTED, error))
 
     def _send(self, number: signal.Signals) -> None:
         """Sends a signal to the process and all that it has started; to no stranger of its number."""

@@ -5,15 +5,16 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections import deque
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Any
 
 from mcpn.drivers.mapping import ending, starts_by_itself, tells
 from mcpn.drivers.plan import FAILURE, SUCCESS, DriverSpec, Plan
 from mcpn.drivers.processes import Warden
 from mcpn.drivers.starts import Started
-from mcpn.drivers.topics import buses_of
+from mcpn.drivers.topics import StopMessage, buses_of, tell_to_stop
 from mcpn.drivers.turns import Turns
 from mcpn.runtime.controller import Controller
 from mcpn.runtime.tables import START, Action, Refused, Tables
@@ -22,6 +23,8 @@ _log = logging.getLogger("mcpn.drivers")
 
 MOST_EVENTS = 1000
 """Events that wait, from which on drivers are not listened to."""
+HURRY = 0.5
+"""Seconds that the release of hardware has when somebody asks a second time for the end."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +51,9 @@ class RobotRun:
         told: Called with each line of a driver that tells no event.
         after: Called after each event that is taken, before its actions are carried out; where it calls
             :meth:`end`, they are not.
-        begins: Called when a process is about to begin.
+        begins: Called when something is about to begin that may outlive this process.
+        starts: How many drivers were started before, in the run that is gone on with.
+        untold: What that run has begun by a message, and has not told to stop.
     """
 
     def __init__(
@@ -60,6 +65,8 @@ class RobotRun:
         told: Callable[[str, str], None] = lambda name, line: None,
         after: Callable[[], None] = lambda: None,
         begins: Callable[[], None] = lambda: None,
+        starts: int = 0,
+        untold: Sequence[StopMessage] = (),
     ) -> None:
         self.controller, self._tables, self._plan = controller, tables, plan
         self._told, self._after = told, after
@@ -67,13 +74,17 @@ class RobotRun:
         """By activity, its driver, in the order of the starts; one may have to wait before it begins."""
         self._sources: list[Started] = []
         self._chosen: dict[str, Action] = {}
-        self._count = 0
+        self.starts = starts
+        """How many drivers were started; ``{run}`` is the number of each."""
+        self._untold = dict(enumerate(untold, -len(untold)))
+        self._fresh = False
+        self._begins = begins
         self._handling = True
         self._events: deque[Waiting] = deque()
         self._held: list[Waiting] = []
         self._came = asyncio.Event()
         self._ending = False
-        self._hurry = False
+        self._hurried = asyncio.Event()
         self._stopping: set[Started] = set()
         self._turns = Turns()
         self.warden = Warden(begins)
@@ -84,15 +95,20 @@ class RobotRun:
         """Whether an event is being handled, or actions are not done: what runs is between two modes."""
         return self._handling or self._turns.busy
 
+    @property
+    def untold(self) -> list[StopMessage]:
+        """What is to be told to stop by messages, should this run end without having done so."""
+        return list(self._untold.values())
+
     def end(self, again: bool = False) -> None:
         """Ends :meth:`run` after the event that is handled now.
 
         Args:
-            again: Somebody asks a second time: drivers get no time to end. Without it a further call changes
-                nothing, for two records may fail in one event.
+            again: Somebody asks a second time: drivers get no time to end, releases of hardware little.
+                Without it a further call changes nothing, for two records may fail in one event.
         """
         if again and self._ending:
-            self._hurry = True
+            self._hurried.set()
             for started in (*self.running.values(), *self._sources, *self._stopping):
                 started.kill()
         self._ending = True
@@ -110,9 +126,13 @@ class RobotRun:
         """
         self._buses = await asyncio.to_thread(buses_of, self._plan)
         try:
+            for number, message in [*self._untold.items()]:
+                await asyncio.to_thread(tell_to_stop, self._buses, message)
+                del self._untold[number]
             for name, spec in self._plan.sources.items():
                 source = self._made(spec, name)
                 self._sources.append(source)
+                self._note()
                 await source.start(self._plan.file.parent, self._buses)
             if resumed is not None:
                 self._carry_out(resumed)
@@ -130,17 +150,23 @@ class RobotRun:
         objective: str | None = None,
         parameters: Mapping[str, str] = MappingProxyType({}),
     ) -> Started:
-        return Started(
+        self.starts += 1
+        made = Started(
             spec,
             name,
             alternative,
             objective,
             parameters,
-            self._count,
+            self.starts,
             self._said,
             lambda: len(self._events) < MOST_EVENTS,
             self.warden,
         )
+        if made.topics is not None:
+            self._fresh = True  # also without a stop: its number is not given again
+            if (message := made.to_stop) is not None:
+                self._untold[made.number] = message
+        return made
 
     # --- events ---
 
@@ -230,6 +256,13 @@ class RobotRun:
                     self._start(name)
             elif action.verb == "start" and name is not None:
                 self._start(name)
+        self._note()
+
+    def _note(self) -> None:
+        """Has it written, before they are sent, which messages begin something that is to be told to stop."""
+        if self._fresh:
+            self._fresh = False
+            self._begins()
 
     def _turn(self, what: str, work: Callable[[], Awaitable[None]], started: Started) -> asyncio.Task[None]:
         """Begins an action of an activity after those before it that have to do with the same things."""
@@ -257,7 +290,6 @@ class RobotRun:
         spec = self._plan.driver(name, chosen.alternative)
         assert spec is not None, "the plan has been held against the controller"
         parameters = {value.name: value.value for value in chosen.parameters}
-        self._count += 1
         started = self._made(spec, name, chosen.alternative, chosen.objective, parameters)
         self.running[name] = started
 
@@ -274,7 +306,7 @@ class RobotRun:
 
         async def stop() -> None:
             self._stopping.add(started)
-            await started.stop(self._hurry)
+            await self._end(started)
             self._stopping.discard(started)
 
         return self._turn("stop", stop, started)
@@ -283,20 +315,31 @@ class RobotRun:
         spec = self._plan.releases.get(hardware)
         if spec is None:
             return None
-        self._count += 1
         releasing = self._made(spec, hardware)
 
         async def release() -> None:
-            self._stopping.add(releasing)
             await releasing.start(self._plan.file.parent, self._buses)
-            try:
-                await asyncio.wait_for(releasing.ended(), spec.grace)
-            except TimeoutError:
-                _log.warning("the release of %s has not ended within %g seconds", hardware, spec.grace)
-            await releasing.stop(self._hurry)
-            self._stopping.discard(releasing)
+            if not await self._in_time(releasing.ended(), spec.grace):
+                grace = min(spec.grace, HURRY) if self._hurried.is_set() else spec.grace
+                _log.warning("the release of %s has not ended within %g seconds", hardware, grace)
+            await self._end(releasing)
 
         return self._turns.begin(release, (hardware,))
+
+    async def _in_time(self, what: Coroutine[Any, Any, None], grace: float) -> bool:
+        """Waits for something; not for long from when somebody has asked a second time for the end."""
+        tasks = waited, hurried = asyncio.create_task(what), asyncio.create_task(self._hurried.wait())
+        await asyncio.wait(tasks, timeout=grace, return_when=asyncio.FIRST_COMPLETED)
+        if not waited.done() and hurried.done():
+            await asyncio.wait((waited,), timeout=min(grace, HURRY))
+        for task in tasks:
+            task.cancel()
+        return waited.done() and not waited.cancelled()
+
+    async def _end(self, started: Started) -> None:
+        """Stops a driver, which needs not be told so again."""
+        await started.stop(self._hurried.is_set())
+        self._untold.pop(started.number, None)
 
     async def _stop_all(self) -> None:
         """Stops each activity, what was started last first, releases its hardware, stops the sources."""
@@ -313,7 +356,7 @@ class RobotRun:
                 await asyncio.wait((releasing,))
         await self._turns.over()
         for source in reversed(self._sources):
-            await source.stop(self._hurry)
+            await self._end(source)
         for bus in self._buses.values():
             await asyncio.to_thread(bus.close)
         self.warden.close()

@@ -38,7 +38,10 @@ def _activity(tables: Tables, name: str) -> Iterator[str]:
         for objective in (*objectives,) or (None,)
     ]
     command = [f"./{name}", *(("{alternative}",) if len(row["alternatives"]) > 1 else ())]
-    command += [f"{{{hole}}}" for hole in sorted(set.intersection(*given)) if re.fullmatch(r"\w+", hole)]
+    # "--x={x}", not "{x}": a value such as -1.5 would be an option of the program.
+    command += [
+        f"--{hole}={{{hole}}}" for hole in sorted(set.intersection(*given)) if re.fullmatch(r"\w+", hole)
+    ]
     yield f"[activities.{_key(name)}]"
     if objectives:
         shown = ", ".join(objectives[:5]) + (f" and {len(objectives) - 5} others" if objectives[5:] else "")

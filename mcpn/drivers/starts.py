@@ -12,18 +12,17 @@ from typing import Protocol
 
 from mcpn.drivers.functions import Call, FunctionDriver, function_of
 from mcpn.drivers.inbox import Inbox
-from mcpn.drivers.plan import DriverSpec, filled
-from mcpn.drivers.processes import ProcessDriver, Warden
-from mcpn.drivers.topics import Bus, TopicDriver
-
-NOT_STARTED = "not_started"
-"""How a driver ends that could not be started."""
+from mcpn.drivers.plan import DriverSpec, Topics, filled
+from mcpn.drivers.processes import NOT_STARTED, ProcessDriver, Warden
+from mcpn.drivers.topics import Bus, StopMessage, TopicDriver
 
 _log = logging.getLogger("mcpn.drivers")
 
 
 class _Driver(Protocol):
     async def start(self) -> None: ...
+
+    def kill(self) -> None: ...
 
     async def stop(self, grace: float) -> bool: ...
 
@@ -77,30 +76,53 @@ class Started:
 
     def _made(self, folder: Path, buses: Mapping[str, Bus]) -> _Driver | None:
         spec, say = self.spec, self._inbox.put
-        own = {"activity": self.name, "alternative": self.alternative, "objective": self.objective}
-        said = {key: value for key, value in own.items() if value is not None}
-        values = {**self.parameters, **said, "run": str(self.number), "python": sys.executable}
 
         def ended(how: str, error: Exception | None) -> None:
             self._inbox.put(lambda: self._has_ended(how, error))  # behind what it told before
 
         if spec.kind == "process":
-            command = [filled(text, values) for text in spec.command]
+            command = [filled(text, self._values) for text in spec.command]
             return ProcessDriver(
                 str(self), command, folder, self._inbox, self._has_ended, spec.stop, spec.grace, self._warden
             )
         if spec.kind == "python":
             call = Call(self.name, self.alternative, self.objective, self.parameters, say)
             return FunctionDriver(function_of(spec.function, folder), call, ended)
-        if spec.kind in buses:
-            topics = spec.topics
-            start, stop, says = (
-                None if text is None else filled(text, values)
-                for text in (topics.start, topics.stop, topics.says)
-            )
-            message = json.dumps({**own, "run": self.number, "parameters": dict(self.parameters)})
-            return TopicDriver(buses[spec.kind], start, stop, says, message, say)
+        if self.topics is not None:
+            return TopicDriver(buses[spec.kind], self.topics, self._message, say)
         return None
+
+    @property
+    def _own(self) -> dict[str, str | None]:
+        return {"activity": self.name, "alternative": self.alternative, "objective": self.objective}
+
+    @property
+    def _values(self) -> dict[str, str]:
+        """What fills the holes of its texts."""
+        said = {key: value for key, value in self._own.items() if value is not None}
+        return {**self.parameters, **said, "run": str(self.number), "python": sys.executable}
+
+    @property
+    def _message(self) -> str:
+        return json.dumps({**self._own, "run": self.number, "parameters": dict(self.parameters)})
+
+    @property
+    def topics(self) -> Topics | None:
+        """Where it is reached by messages, if it is."""
+        if self.spec.kind not in ("mqtt", "zenoh"):
+            return None
+        given, values = self.spec.topics, self._values
+        start, stop, says = (
+            None if text is None else filled(text, values) for text in (given.start, given.stop, given.says)
+        )
+        return Topics(start, stop, says)
+
+    @property
+    def to_stop(self) -> StopMessage | None:
+        """The message that tells it to stop, if one does."""
+        if self.topics is None or self.topics.stop is None:
+            return None
+        return StopMessage(self.spec.kind, self.topics.stop, self._message)
 
     def _line(self, line: str) -> None:
         if not self.over:
@@ -141,8 +163,8 @@ class Started:
             _log.warning("%s has not ended within %g seconds", self, self.spec.grace)
 
     def kill(self) -> None:
-        """Ends it at once, if it is a process."""
-        if isinstance(self._driver, ProcessDriver):
+        """Ends it at once, or waits no longer for its end."""
+        if self._driver is not None:
             self._driver.kill()
 
     def __str__(self) -> str:

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import asyncio
 import json
+import logging
 import threading
-from collections.abc import Callable
-from typing import Any, Protocol
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple, Protocol
 
-from mcpn.drivers.plan import Plan
+from mcpn.drivers.plan import Plan, Topics
 from mcpn.errors import InputError, LimitError, Source
 
 SECONDS = 10.0
 """How long a connection, a subscription and the last message may take."""
+
+_log = logging.getLogger("mcpn.drivers")
 
 
 class Bus(Protocol):
@@ -172,6 +175,28 @@ class Zenoh:
         self._session.close()
 
 
+class StopMessage(NamedTuple):
+    """What tells something behind a broker to stop.
+
+    Args:
+        kind: What carries it.
+        topic: Where it is published.
+        text: What is.
+    """
+
+    kind: str
+    topic: str
+    text: str
+
+
+def tell_to_stop(buses: Mapping[str, Bus], message: StopMessage) -> None:
+    """Tells to stop what a run before has begun."""
+    try:
+        buses[message.kind].publish(message.topic, message.text)
+    except Exception as error:  # of what carries messages; the others are to be told all the same
+        _log.error("%s: what the run before has begun cannot be told to stop: %r", message.topic, error)
+
+
 def buses_of(plan: Plan) -> dict[str, Bus]:
     """The connections that a file of drivers needs, by kind.
 
@@ -193,37 +218,30 @@ class TopicDriver:
 
     Args:
         bus: What carries them.
-        start: Where to publish that it starts.
-        stop: Where to publish that it stops.
-        says: What to subscribe to while it runs.
+        topics: Where to publish that it starts and that it stops, and what to subscribe to while it runs.
         text: What is published, at the start and at the stop.
         said: Told each message.
     """
 
-    def __init__(
-        self,
-        bus: Bus,
-        start: str | None,
-        stop: str | None,
-        says: str | None,
-        text: str,
-        said: Callable[[str], None],
-    ) -> None:
-        self._bus, self._start, self._stop, self._says = bus, start, stop, says
+    def __init__(self, bus: Bus, topics: Topics, text: str, said: Callable[[str], None]) -> None:
+        self._bus, self._topics = bus, topics
         self._text, self._said = text, said
         self._end: Callable[[], None] | None = None
 
     async def start(self) -> None:
         """Subscribes, then publishes that it starts."""
-        if self._says is not None:
-            self._end = await asyncio.to_thread(self._bus.subscribe, self._says, self._said)
-        if self._start is not None:
-            self._bus.publish(self._start, self._text)
+        if self._topics.says is not None:
+            self._end = await asyncio.to_thread(self._bus.subscribe, self._topics.says, self._said)
+        if self._topics.start is not None:
+            self._bus.publish(self._topics.start, self._text)
+
+    def kill(self) -> None:
+        """Nobody can be killed by a message."""
 
     async def stop(self, _grace: float) -> bool:
         """Publishes that it stops; nobody says when it has."""
         if self._end is not None:
             await asyncio.to_thread(self._end)
-        if self._stop is not None:
-            self._bus.publish(self._stop, self._text)
+        if self._topics.stop is not None:
+            self._bus.publish(self._topics.stop, self._text)
         return True

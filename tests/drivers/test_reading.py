@@ -265,8 +265,8 @@ def test_values_of_a_mission_are_values(text: str, value: str, expected: str | N
 
 
 def test_a_skeleton_lacks_nothing_but_programs(tmp_path: Path) -> None:
-    """Once these are there, the mission runs with it as it is, to its end."""
-    (tmp_path / "mission.xml").write_text(MISSION)
+    """Once these are there, the mission runs with it as it is, to its end; a value is no option of theirs."""
+    (tmp_path / "mission.xml").write_text(MISSION.replace('"base"', '"-1.5"'))
     drivers = tmp_path / "drivers.toml"
     arguments = ["run", tmp_path / "mission.xml", "--drivers", drivers]
     assert mcpn(*arguments, "--init").stdout == f"{drivers}\n"
@@ -281,7 +281,7 @@ def test_a_skeleton_lacks_nothing_but_programs(tmp_path: Path) -> None:
     found = mcpn(*arguments)
     assert (found.returncode, found.stderr) == (0, "")
     assert "success" in found.stdout
-    assert (tmp_path / "drive.told").read_text() == "base\n"
+    assert (tmp_path / "drive.told").read_text() == "--room=-1.5\n"
     assert "is not overwritten" in mcpn(*arguments, "--init").stderr
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import pty
 import random
 import resource
 import signal
@@ -14,6 +16,7 @@ from typing import Any
 
 import pytest
 
+import mcpn.files as mcpn_files
 from mcpn.controller.generate import generate
 from mcpn.controller.monitors.writing import files, monitors_of
 from mcpn.controller.targets.json import document, write_json
@@ -75,6 +78,12 @@ def little_room() -> None:
     resource.setrlimit(resource.RLIMIT_FSIZE, (4096, resource.RLIM_INFINITY))
 
 
+def no_room() -> None:
+    """For ``preexec_fn``: not one event has room in a file."""
+    interruptible()
+    resource.setrlimit(resource.RLIMIT_FSIZE, (64, resource.RLIM_INFINITY))
+
+
 def begun(runs: Runs, count: int) -> None:
     """Waits until the activity has begun so often."""
     until(lambda: len(numbers(runs.folder, "a")) == count)
@@ -97,15 +106,26 @@ def test_a_full_disk_does_not_end_a_mission(made: Made) -> None:
     assert "standard output" not in err
 
 
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
 def test_a_run_that_must_record_is_ended_in_order(made: Made) -> None:
     runs = made(SLOW)
-    run = runs.start("--json", "--journal", "/dev/full", "--snapshot", "at.json", "--must-record")
+    run = runs.start("--json", "--journal", "log.jsonl", "--must-record", before=no_room)
     out, err = run.communicate(timeout=120)
     said = json.loads(out)
     assert (run.returncode, said["outcome"], said["events"], said["lost"]) == (2, None, 1, ["journal"])
-    assert "No space left on device; the run is ended" in err
+    assert "File too large; the run is ended" in err
     assert numbers(runs.folder) == []  # the event was taken, and nothing begun for it
+
+
+@pytest.mark.parametrize("what", ["/dev/full", "/dev/null", "pipe"])
+def test_a_journal_is_a_file_on_a_disk(what: str, made: Made) -> None:
+    """What a device has taken is on no disk, and a pipe that nobody reads would be waited for."""
+    runs = made(SLOW)
+    os.mkfifo(runs.folder / "pipe")
+    run = runs.start("--journal", what)
+    _, err = run.communicate(timeout=120)
+    assert run.returncode == 2
+    assert f"{what}: a journal is a file on a disk, found no regular file" in err
+    assert numbers(runs.folder) == []
 
 
 def test_a_snapshot_that_cannot_be_written_once_is_written_later(made: Made) -> None:
@@ -185,6 +205,118 @@ def test_what_happened_after_the_snapshot_is_taken_from_the_journal(made: Made) 
     assert len(events(log)) == 3
 
 
+def test_a_journal_that_is_no_run_of_this_is_not_touched(made: Made) -> None:
+    """It is verified before its last line is mended."""
+    runs = made(SAFE)
+    interrupted(runs, 1)
+    log = runs.folder / "log.jsonl"
+    text = log.read_text().replace("OBJ_o_0_EV_OK", "OBJ_o_0_EV_NO") + '{"time": 17'
+    log.write_text(text)
+    run = runs.start("--journal", "log.jsonl", "--resume", "at.json")
+    _, err = run.communicate(timeout=120)
+    assert run.returncode == 2
+    assert "log.jsonl:2: the line has been changed" in err
+    assert log.read_text() == text
+
+
+def test_an_event_that_lacks_only_its_end_of_line_is_not_lost(made: Made) -> None:
+    runs = made(SAFE)
+    interrupted(runs, 1)
+    log = runs.folder / "log.jsonl"
+    log.write_text(log.read_text().removesuffix("\n"))
+    run = runs.start("--journal", "log.jsonl", "--resume", "at.json")
+    begun(runs, 3)
+    run.send_signal(signal.SIGTERM)
+    run.communicate(timeout=120)
+    assert run.returncode == 143
+    assert events(log) == ["MISSION_EV_START", "OBJ_o_0_EV_OK"]
+
+
+def test_an_event_that_a_journal_lacks_in_its_middle_is_told(made: Made) -> None:
+    runs = made(SAFE)
+    interrupted(runs, 2)
+    log = runs.folder / "log.jsonl"
+    first, _, third = log.read_text().splitlines(keepends=True)
+    log.write_text(first + third)
+    run = runs.start("--journal", "log.jsonl", "--resume", "at.json")
+    _, err = run.communicate(timeout=120)
+    assert run.returncode == 2
+    assert "log.jsonl:2: event 3 found, 2 expected" in err
+
+
+@pytest.mark.parametrize("lost", ["all", "the first"])
+def test_a_run_that_must_record_does_not_go_on_without_its_record(lost: str, made: Made) -> None:
+    """Its journal is gone, or begins in the middle; without ``--must-record`` this is told."""
+    runs = made(SAFE)
+    interrupted(runs, 2)
+    log = runs.folder / "log.jsonl"
+    text = log.read_text()
+    log.write_text("" if lost == "all" else "".join(text.splitlines(keepends=True)[1:]))
+    missing = 3 if lost == "all" else 1
+    options = ("--journal", "log.jsonl", "--resume", "at.json")
+    run = runs.start(*options, "--must-record")
+    _, err = run.communicate(timeout=120)
+    assert run.returncode == 2
+    assert f"the run is to be recorded, and its first {missing} events are not in this journal" in err
+    assert len(numbers(runs.folder)) == 3  # nothing is begun
+    run = runs.start(*options)
+    begun(runs, 4)
+    run.send_signal(signal.SIGTERM)
+    _, err = run.communicate(timeout=120)
+    assert ("it begins in the middle: the run's first 3 events are not in it" in err) == (lost == "all")
+
+
+def test_a_run_that_must_record_does_not_go_on_where_nothing_can_be_recorded(made: Made) -> None:
+    """The line that says that the run is resumed has no room."""
+    runs = made(SAFE)
+    interrupted(runs, 1)
+    run = runs.start("--journal", "log.jsonl", "--resume", "at.json", "--must-record", before=no_room)
+    _, err = run.communicate(timeout=120)
+    assert run.returncode == 2
+    assert "log.jsonl: not all can be recorded: nothing is run" in err
+    assert len(numbers(runs.folder)) == 2  # nothing is begun
+
+
+def test_the_last_snapshot_is_written_where_the_run_breaks_down(tmp_path: Path) -> None:
+    """The loop raises, by a fault of mcpn's own: the robot is stopped, and the snapshot says so."""
+    program = (
+        "import mcpn.drivers.running as running\n"
+        "from mcpn.cli import main\n"
+        "def broken(self, actions): raise ZeroDivisionError\n"
+        "running.RobotRun._carry_out = broken\n"
+        "main()\n"
+    )
+    runs = Runs(tmp_path, QUICK, LOOP.format(requirement=""))
+    options = ["--journal", "log.jsonl", "--snapshot", "at.json"]
+    arguments = ["run", "mission.xml", "--drivers", "drivers.toml", *options]
+    ran = subprocess.run(
+        [sys.executable, "-c", program, *arguments], cwd=runs.folder, capture_output=True, check=False
+    )
+    assert b"ZeroDivisionError" in ran.stderr
+    said = json.loads((runs.folder / "at.json").read_text())
+    assert said["count"] == 1
+    assert "processes" not in said["beside"]
+    assert len(events(runs.folder / "log.jsonl")) == 1
+
+
+@pytest.mark.parametrize("answer", ["y", "n"])
+def test_who_stands_before_the_robot_is_asked(answer: str, made: Made) -> None:
+    """At a terminal; the third objective had begun."""
+    runs = made(SLOW + 'repeat = "ask"\n')
+    interrupted(runs, 2)
+    ours, theirs = pty.openpty()
+    run = runs.start("--journal", "log.jsonl", "--resume", "at.json", stdin=theirs)
+    os.close(theirs)
+    os.write(ours, f"{answer}\n".encode())
+    begun(runs, 4)
+    run.send_signal(signal.SIGTERM)
+    _, err = run.communicate(timeout=120)
+    os.close(ours)
+    assert "a had begun for o_2: begin it again?" in err
+    last = events(runs.folder / "log.jsonl")[-1]
+    assert last == ("OBJ_o_1_EV_OK" if answer == "y" else "OBJ_o_2_EV_FAIL")
+
+
 def of_mission(path: Path) -> dict[str, Any]:
     net = compose(read_mission(path))
     return document(generate(net), net)
@@ -247,6 +379,57 @@ def test_a_signal_at_the_renaming_leaves_nothing_beside(number: int, when: str, 
     assert ran.returncode == 128 + number
     assert {path.name for path in tmp_path.iterdir()} - {"net.pnml"} == {"mission.xml"}
     assert (tmp_path / "net.pnml").exists() == (when == "after")
+
+
+def test_a_folder_of_files_is_replaced_at_once(tmp_path: Path) -> None:
+    """Killed at any call of the system that writes, all files are the old ones, or all the new ones."""
+    (tmp_path / "probe").mkdir()
+    (tmp_path / "other").mkdir()
+    if not mcpn_files._exchanged(tmp_path / "probe", tmp_path / "other"):
+        pytest.skip("this file system cannot exchange two folders")
+    folder = tmp_path / "build"
+    old, new = ({name: f"{name} {age}" for name in "abc"} for age in ("old", "new"))
+    program = (
+        "import os, signal, sys; from pathlib import Path; import mcpn.files as f\n"
+        "left = int(sys.argv[1])\n"
+        "def counted(call):\n"
+        "    def called(*of, **how):\n"
+        "        global left\n"
+        "        left -= 1\n"
+        "        if left == 0: os.kill(os.getpid(), signal.SIGKILL)\n"
+        "        return call(*of, **how)\n"
+        "    return called\n"
+        "for name in ('_write', '_exchanged', '_remove', '_place'):\n"
+        "    setattr(f, name, counted(getattr(f, name)))\n"
+        f"f.write_folder(Path('build'), {new!r})\n"
+    )
+    seen = []
+    for at in range(1, 20):
+        write_folder(folder, old)
+        ran = subprocess.run([sys.executable, "-c", program, str(at)], cwd=tmp_path, check=False)
+        found = {path.name: path.read_text() for path in folder.iterdir()}
+        assert found in (old, new)
+        seen.append(found == new)
+        if ran.returncode == 0:
+            break
+    assert seen == sorted(seen)
+    assert (seen.count(False) >= 4, seen.count(True)) == (True, 2)  # three files, the exchange; removed, done
+    assert {path.name for path in tmp_path.iterdir()} == {"build", "probe", "other"}  # the rest was swept
+
+
+def test_a_folder_that_somebody_stands_in_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nor is one replaced that is a link, or has more in it."""
+    monkeypatch.chdir(tmp_path)
+    write_folder(tmp_path, {"a": "1"})
+    number = tmp_path.stat().st_ino
+    for folder in (tmp_path, Path(), Path("../") / tmp_path.name):
+        write_folder(folder, {"a": "2"})
+        assert (tmp_path.stat().st_ino, (tmp_path / "a").read_text()) == (number, "2")
+    (tmp_path / "link").symlink_to(tmp_path / "far")
+    (tmp_path / "far").mkdir()
+    write_folder(tmp_path / "link", {"a": "3"})
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "far" / "a").read_text() == "3"
 
 
 @pytest.mark.parametrize("there", [False, True])

@@ -6,17 +6,19 @@ import os
 import signal
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from mcpn.errors import InputError, Source
-from mcpn.files import read_bounded
+from mcpn.files import read_bounded, why_not_written
 
 if TYPE_CHECKING:
     from mcpn.drivers.plan import Plan
-    from mcpn.drivers.processes import Warden
+    from mcpn.drivers.running import RobotRun
+    from mcpn.drivers.topics import StopMessage
     from mcpn.drivers.warden import ProcessGroup
     from mcpn.runtime.controller import Controller
     from mcpn.runtime.monitors import Monitors
@@ -26,12 +28,29 @@ LONGEST = 600.0
 """Seconds that the warden of the run before may take to end what that run has started."""
 
 
-def beside(monitors: Monitors | None, warden: Warden | None) -> dict[str, Any]:
+@dataclass(frozen=True)
+class Resumed:
+    """A run that is gone on with.
+
+    Args:
+        failures: Tells the controller, once it is observed, which objectives have failed because the activity
+            that was begun for them may not be begun again.
+        starts: How many drivers were started in it.
+        untold: What it has begun by a message, and has not told to stop.
+    """
+
+    failures: Callable[[], None] = lambda: None
+    starts: int = 0
+    untold: tuple[StopMessage, ...] = ()
+
+
+def beside(monitors: Monitors | None, runner: RobotRun | None, ended: bool) -> dict[str, Any]:
     """What stands beside the controller in the snapshot of a run.
 
     Args:
         monitors: What watches it.
-        warden: Knows its processes; ``None`` where none runs.
+        runner: Knows its drivers.
+        ended: Whether none of them runs any more.
     """
     from dataclasses import astuple
 
@@ -40,7 +59,12 @@ def beside(monitors: Monitors | None, warden: Warden | None) -> dict[str, Any]:
     found: dict[str, Any] = {}
     if monitors is not None:
         found["monitors"] = {"digest": monitors.digest, "state": monitors.state}
-    if warden is not None:
+    if runner is not None:
+        found["starts"] = runner.starts
+        if untold := runner.untold:
+            found["untold"] = [list(message) for message in untold]
+    if runner is not None and not ended:
+        warden = runner.warden
         found["processes"] = {
             "controller": [os.getpid(), started_at(os.getpid())],
             "warden": None if (row := warden.row) is None else [row.number, row.since],
@@ -57,7 +81,8 @@ def resumed(
     journal: Path | None,
     plan: Plan,
     may_repeat: Callable[[str, str], bool],
-) -> Callable[[], None]:
+    must_record: bool = False,
+) -> Resumed:
     """Brings a controller to where a run has stopped, when nothing of that run is left.
 
     Args:
@@ -69,10 +94,7 @@ def resumed(
             taken, for they have happened.
         plan: The drivers.
         may_repeat: Asked of an activity and its objective whether it may be begun again.
-
-    Returns:
-        Tells the controller, once it is observed, which objectives have failed because the activity that
-        was begun for them may not be begun again.
+        must_record: Whether the journal must have all events of the run from its start.
 
     Raises:
         InputError: The snapshot or the journal is damaged or of another run, or the run still goes on.
@@ -83,19 +105,41 @@ def resumed(
         text = read_bounded(path).decode()
         said = controller.beside(text)
         rows = _rows(path, said.get("processes"))
+        starts, untold = _begun(path, said)
         _alone(path, said.get("processes"), rows)
         controller.restore(text)
         if monitors is not None:
             _watching(monitors, said.get("monitors"))
     except (DamagedFile, ValueError) as error:
         raise InputError.at(Source(str(path)), str(error)) from None
-    if journal is not None and journal.exists():
-        _taken(controller, monitors, journal)
+    if journal is not None:
+        first = _taken(controller, monitors, journal)
+        missing = controller.count if first is None else first - 1
+        if missing and must_record:
+            what = f"the run is to be recorded, and its first {missing} events are not in this journal"
+            raise InputError.at(Source(str(journal)), what)
+        if missing and first is None:
+            what = f"it begins in the middle: the run's first {missing} events are not in it"
+            click.echo(f"warning: {journal}: {what}", err=True)
+    return Resumed(lambda: _fail(controller, tables, plan, may_repeat), starts, untold)
 
-    def failures() -> None:
-        _fail(controller, tables, plan, may_repeat)
 
-    return failures
+def _begun(path: Path, said: Mapping[str, Any]) -> tuple[int, tuple[StopMessage, ...]]:
+    """How many drivers a run has started, and what it has to tell to stop."""
+    from mcpn.drivers.topics import StopMessage
+
+    starts, untold = said.get("starts", 0), said.get("untold", [])
+    whole = (
+        type(starts) is int
+        and starts >= 0
+        and isinstance(untold, list)
+        and all(isinstance(of, list) and len(of) == 3 and all(type(t) is str for t in of) for of in untold)
+    )
+    if not whole:
+        raise InputError.at(
+            Source(str(path)), "the snapshot's list of what is to be told to stop is malformed"
+        )
+    return starts, tuple(StopMessage(*of) for of in untold)
 
 
 def _rows(path: Path, said: Any) -> list[ProcessGroup]:
@@ -161,27 +205,35 @@ def _watching(monitors: Monitors, said: Any) -> None:
     monitors.resume(said["state"])
 
 
-def _taken(controller: Controller, monitors: Monitors | None, path: Path) -> None:
-    """Takes the events that a journal has and the snapshot does not, and cuts off half of a last line."""
+def _taken(controller: Controller, monitors: Monitors | None, path: Path) -> int | None:
+    """Takes the events that a journal has and the snapshot does not; then its last line is mended.
+
+    Nothing is written before all that stands there is known to be of this run.
+
+    Returns:
+        The number of the first event; ``None`` if there is none.
+    """
     from mcpn.runtime.journal import JournalError, read_journal
     from mcpn.runtime.tables import Refused
 
+    if not path.exists():
+        return None
     data = read_bounded(path)
     whole = data.rfind(b"\n") + 1
-    if whole < len(data):
-        click.echo(f"warning: {path}: its last line was not written to its end, and is cut off", err=True)
-        os.truncate(path, whole)
+    lacks_its_end = whole < len(data) and _is_whole(data[whole:])
+    first = last = None
     line = 0
     try:
-        for told in read_journal(data[:whole].decode().splitlines()):
+        for told in read_journal(data[: None if lacks_its_end else whole].decode().splitlines()):
             line = told.line
             if told.number is None:
                 raise JournalError("expected the number of the event, as mcpn run writes it", line)
+            expected = last + 1 if last is not None else min(told.number, controller.count + 1)
+            if told.number != expected:
+                raise JournalError(f"event {told.number} found, {expected} expected", line)
+            first, last = told.number if first is None else first, told.number
             if told.number <= controller.count:
-                last = told.number
                 continue
-            if told.number != controller.count + 1:
-                raise JournalError(f"event {told.number} found, {controller.count + 1} expected", line)
             try:
                 controller.react(told.event)
                 taken = True
@@ -193,8 +245,7 @@ def _taken(controller: Controller, monitors: Monitors | None, path: Path) -> Non
                 )
             if taken and monitors is not None:
                 monitors.take(told.event)
-            last = told.number
-        if line and last < controller.count:
+        if last is not None and last < controller.count:
             raise JournalError(
                 f"it ends at event {last}, the snapshot was taken after event {controller.count}", line
             )
@@ -202,6 +253,37 @@ def _taken(controller: Controller, monitors: Monitors | None, path: Path) -> Non
         raise InputError.at(Source(str(path), error.line), str(error)) from None
     except UnicodeDecodeError:
         raise InputError.at(Source(str(path)), "it is no text") from None
+    if whole < len(data):
+        _mend(path, None if lacks_its_end else whole)
+    return first
+
+
+def _is_whole(line: bytes) -> bool:
+    """Whether a line of a journal lacks nothing, but the end of the line."""
+    from mcpn.runtime.file_schema import DamagedFile, parsed, signed_line
+
+    try:
+        text = line.decode()
+        return text == signed_line(parsed(text))
+    except (DamagedFile, UnicodeDecodeError):
+        return False
+
+
+def _mend(path: Path, whole: int | None) -> None:
+    """Ends the last line of a journal, or cuts off what stands behind so many bytes.
+
+    Raises:
+        InputError: It cannot be written.
+    """
+    try:
+        if whole is None:
+            with path.open("ab") as file:
+                file.write(b"\n")
+            return
+        os.truncate(path, whole)
+    except OSError as error:
+        raise InputError.at(Source(str(path)), why_not_written(path, error)) from None
+    click.echo(f"warning: {path}: its last line was not written to its end, and is cut off", err=True)
 
 
 def _fail(controller: Controller, tables: Tables, plan: Plan, may_repeat: Callable[[str, str], bool]) -> None:

@@ -30,6 +30,7 @@ from mcpn.cli.shared import (
 from mcpn.errors import InputError, Source
 
 if TYPE_CHECKING:
+    from mcpn.cli.robot.shown import WarningLines
     from mcpn.drawing.templates import TemplateSet
     from mcpn.drivers.running import RobotRun
     from mcpn.editor.attached import RobotPage
@@ -48,7 +49,12 @@ INTERRUPTED = 128
 @click.argument("mission", type=FILE)
 @click.option("--drivers", type=FILE, required=True, help="What the robot's activities are: a TOML file.")
 @click.option("--unverified", is_flag=True, help="Do not verify the mission first.")
-@click.option("--check", "only_check", is_flag=True, help="Verify, hold the drivers against it, run none.")
+@click.option(
+    "--check",
+    "only_check",
+    is_flag=True,
+    help="Verify, hold the drivers against it, run none; imports modules.",
+)
 @click.option("--init", "begins", is_flag=True, help="Write a file of drivers to start from, run nothing.")
 @click.option("--monitors", "watched", is_flag=True, help="Watch the mission's requirements as it runs.")
 @click.option(
@@ -110,82 +116,66 @@ def run(
     check_plan(plan, tables)
     controller = Controller(tables)
     if only_check:
-        _tell(_found(controller, len(plan.specs), None, 0.0, [], []), as_json)
+        _tell(_found(controller, len(plan.specs), None, 0.0, [], [], 0), as_json)
         return
     monitors = monitors_for(study, max_states) if watched else None
-    from mcpn.cli.robot.records import JournalFile, SnapshotFile
-    from mcpn.cli.robot.resuming import beside, resumed
+    from mcpn.cli.robot.records import Records
+    from mcpn.cli.robot.resuming import Resumed, beside, resumed
     from mcpn.cli.robot.shown import EventLines
     from mcpn.drivers.running import RobotRun
-    from mcpn.runtime.journal import Journal
 
-    failures = (
-        None if resume is None else resumed(resume, controller, tables, monitors, journal, plan, _asked)
+    goes_on = resume is not None
+    before = (
+        resumed(resume, controller, tables, monitors, journal, plan, _asked, must_record)
+        if resume is not None
+        else Resumed()
     )
     started = time.monotonic()
     received: list[int] = []
-    runner: RobotRun | None = None
-
-    def failed(what: str) -> None:
-        """Tells of a record that cannot be written."""
-        goes_on = "the run is ended" if must_record else "the run goes on"
-        _log.error("%s; %s", what, goes_on)
-        if content is not None:
-            content.lost(f"{what}.")
-        if must_record and runner is not None:
-            runner.end()
-
-    with _warnings(), _page(controller, study if paged else None, max_states) as content:
-        written = None if journal is None else JournalFile(journal, resume is not None, failed)
+    with _warnings() as warnings, _page(controller, study if paged else None, max_states) as content:
+        records = Records(must_record, None if content is None else content.lost)
         if monitors is not None:
             controller.observe(lambda step: monitors.take(step.event) if step.taken else None)
-        if written is not None:
-            log = Journal(written)
-            if failures is not None:
-                log.resumed(controller.count)
-            controller.observe(log)
+        if journal is not None:
+            controller.observe(records.journal_of(journal, controller.count if goes_on else None))
         shown = None if as_json else EventLines()
         if shown is not None:
             controller.observe(shown)
         actions = None
-        if failures is not None:
-            failures()
+        if goes_on:
+            before.failures()
             actions = controller.restore(controller.snapshot())
-        saved = None
-
-        def save() -> None:
-            if saved is not None:
-                saved.save()
-
         runner = RobotRun(
             controller,
             tables,
             plan,
             told=(lambda *of: None) if shown is None else shown.line,
-            after=save,
-            begins=save,
+            after=records.save,
+            begins=records.save,
+            starts=before.starts,
+            untold=before.untold,
         )
-        running: RobotRun | None = runner
+        ended = False
         if snapshot is not None:
-            saved = SnapshotFile(
-                snapshot,
-                lambda: controller.snapshot(beside(monitors, None if running is None else running.warden)),
-                failed,
-            )
-        asyncio.run(_until_signal(runner, actions, received))
-        running = None
-        save()
-        if written is not None:
-            written.close()
-        if shown is not None:
-            shown.close()
-    records = [record.kind for record in (written, saved) if record is not None and record.lost]
-    if shown is not None and shown.lost is not None:
-        records.append("standard output")
-    found = _found(controller, len(plan.specs), monitors, time.monotonic() - started, received, records)
+            records.snapshot_of(snapshot, lambda: controller.snapshot(beside(monitors, runner, ended)))
+        records.begin(runner.end)
+        try:
+            asyncio.run(_until_signal(runner, actions, received))
+        finally:  # also where something in the loop raises: what was stopped there is not started again
+            ended = True
+            records.save()
+            records.close()
+            if shown is not None:
+                shown.close()
+        lost = records.lost
+        if shown is not None and shown.lost is not None:
+            lost.append("standard output")
+        if lost:
+            _log.error("not all is recorded: the %s", ", the ".join(lost))
+    seconds = time.monotonic() - started
+    found = _found(controller, len(plan.specs), monitors, seconds, received, lost, warnings.left_out)
     _tell(found, as_json)
-    if records:
-        click.echo(f"error: not all is recorded: the {', the '.join(records)}", err=True)
+    if lost:
         click.get_current_context().exit(EXIT_BAD_INPUT)
     if received:
         click.get_current_context().exit(INTERRUPTED + received[0])
@@ -248,23 +238,21 @@ def _page(controller: Controller, study: Study | None, max_states: int | None) -
 
 
 @contextlib.contextmanager
-def _warnings() -> Iterator[None]:
+def _warnings() -> Iterator[WarningLines]:
     """Shows on standard error what goes wrong with drivers; what is refused is among the events."""
+    from mcpn.cli.robot.shown import WarningLines
 
-    class Echo(logging.Handler):
-        def emit(self, record: logging.LogRecord) -> None:
-            click.echo(f"{record.levelname.lower()}: {record.getMessage()}", err=True)
-
-    handler = Echo(logging.WARNING)
+    handler = WarningLines()
     silent = logging.NullHandler()
     of_drivers, of_runtime = logging.getLogger("mcpn.drivers"), logging.getLogger("mcpn.runtime")
     of_drivers.addHandler(handler)
     of_runtime.addHandler(silent)
     try:
-        yield
+        yield handler
     finally:
         of_drivers.removeHandler(handler)
         of_runtime.removeHandler(silent)
+        handler.close()
 
 
 async def _until_signal(runner: RobotRun, actions: tuple[Action, ...] | None, received: list[int]) -> None:
@@ -292,6 +280,7 @@ def _found(
     seconds: float,
     received: list[int],
     lost: list[str],
+    warnings: int,
 ) -> dict[str, Any]:
     return {
         "mission": controller.mission,
@@ -302,6 +291,7 @@ def _found(
         "refused": controller.refusals,
         "violated": [] if monitors is None else list(monitors.violated),
         "lost": lost,
+        "warnings_left_out": warnings,
         "seconds": seconds,
     }
 

@@ -1,77 +1,76 @@
-"""What a run shows on the terminal, on a thread of its own: no terminal that stands still stops a robot."""
+"""What a run shows on the terminal, on threads of their own: no terminal that stands still stops a robot."""
 
 from __future__ import annotations
 
+import logging
 import threading
 import time
 from collections import deque
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
+
+import click
 
 if TYPE_CHECKING:
     from mcpn.runtime.controller import Step
 
 MOST = 1000
-"""Lines of drivers that wait to be shown; more are counted alone."""
+"""Lines that wait to be shown, from which on those that may be left out are counted alone."""
 LAST = 5.0
 """Seconds that the terminal has at the end to show what waits."""
 
 
-class EventLines:
-    """What happens, on the terminal: each event with its actions, and what runs then."""
+class Shown:
+    """Lines that a thread shows, in their order.
 
-    def __init__(self) -> None:
-        from mcpn.report.terminal import Terminal
+    Args:
+        show: Shows a line; called on that thread. Where it raises, nothing more is shown.
+        many: What is shown in the place of lines that were left out, from their number.
+    """
 
-        self._terminal = Terminal()
-        self._began = time.monotonic()
-        self._runs = ""
+    def __init__(self, show: Callable[..., object], many: Callable[[int], str]) -> None:
+        self._show, self._many = show, many
         self._waiting: deque[tuple[str, dict[str, Any]]] = deque()
         self._changed = threading.Condition()
-        self._left_out = 0
+        self._untold = 0
         self._closed = False
+        self.left_out = 0
+        """How many lines were left out."""
         self.lost: OSError | None = None
-        """Why standard output shows no more."""
+        """Why no more is shown."""
         self._thread = threading.Thread(target=self._print, daemon=True)
         self._thread.start()
 
-    def __call__(self, step: Step) -> None:
-        """Shows an event."""
-        at = f"{time.monotonic() - self._began:8.2f} s  {step.event}"
-        if not step.taken:
-            self._put(f"{at}: not possible now", style="yellow")
-            return
-        actions = "; ".join(map(str, step.actions)) or "nothing to do"
-        self._put(f"{at}: {actions}")
-        inside = step.after.inside
-        mode = ", ".join(name if name == way else f"{name} ({way})" for name, way in inside.mode.items())
-        ended = "" if step.after.phase == "running" else step.after.phase
-        runs = ended or f"{', '.join(inside.objectives)}: {mode or 'nothing'}"
-        if runs != self._runs:
-            self._put(f"runs {runs}" if not ended else runs, style="bold", indent=12)
-            self._runs = runs
+    def put(self, text: str, **how: Any) -> None:
+        """Has a line shown."""
+        with self._changed:
+            self._tell_left_out()
+            self._waiting.append((text, how))
+            self._changed.notify()
 
-    def line(self, name: str, line: str) -> None:
-        """Shows what a driver says that tells no event."""
+    def offer(self, text: str, **how: Any) -> None:
+        """Has a line shown, unless too many wait."""
         with self._changed:
             if len(self._waiting) >= MOST:
-                self._left_out += 1
+                self._untold += 1
+                self.left_out += 1
                 return
-        self._put(f"{name}: {line}", style="dim", indent=12)
+        self.put(text, **how)
 
     def close(self) -> None:
         """Waits until all is shown, but not for long."""
         with self._changed:
+            if self._closed:
+                return
+            self._tell_left_out()
             self._closed = True
             self._changed.notify()
         self._thread.join(LAST)
 
-    def _put(self, text: str, **how: Any) -> None:
-        with self._changed:
-            if self._left_out:
-                self._waiting.append((f"({self._left_out:,} lines of drivers are not shown)", {"indent": 12}))
-                self._left_out = 0
-            self._waiting.append((text, how))
-            self._changed.notify()
+    def _tell_left_out(self) -> None:
+        if self._untold:
+            self._waiting.append((self._many(self._untold), {}))
+            self._untold = 0
 
     def _print(self) -> None:
         while True:
@@ -82,6 +81,68 @@ class EventLines:
                 text, how = self._waiting.popleft()
             if self.lost is None:
                 try:
-                    self._terminal.print(text, **how)
+                    self._show(text, **how)
                 except OSError as error:
                     self.lost = error
+
+
+class EventLines:
+    """What happens, on the terminal: each event with its actions, and what runs then."""
+
+    def __init__(self) -> None:
+        from mcpn.report.terminal import Terminal
+
+        self._began = time.monotonic()
+        self._runs = ""
+        self._lines = Shown(Terminal().print, lambda count: f"({count:,} lines of drivers are not shown)")
+        self.close = self._lines.close
+
+    def __call__(self, step: Step) -> None:
+        """Shows an event."""
+        at = f"{time.monotonic() - self._began:8.2f} s  {step.event}"
+        if not step.taken:
+            self._lines.put(f"{at}: not possible now", style="yellow")
+            return
+        actions = "; ".join(map(str, step.actions)) or "nothing to do"
+        self._lines.put(f"{at}: {actions}")
+        inside = step.after.inside
+        mode = ", ".join(name if name == way else f"{name} ({way})" for name, way in inside.mode.items())
+        ended = "" if step.after.phase == "running" else step.after.phase
+        runs = ended or f"{', '.join(inside.objectives)}: {mode or 'nothing'}"
+        if runs != self._runs:
+            self._lines.put(f"runs {runs}" if not ended else runs, style="bold", indent=12)
+            self._runs = runs
+
+    def line(self, name: str, line: str) -> None:
+        """Shows what a driver says that tells no event."""
+        self._lines.offer(f"{name}: {line}", style="dim", indent=12)
+
+    @property
+    def lost(self) -> OSError | None:
+        """Why standard output shows no more."""
+        return self._lines.lost
+
+
+class WarningLines(logging.Handler):
+    """Warnings on standard error; those that it does not take in time are counted."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self._lines = Shown(
+            lambda text: click.echo(text, err=True),
+            lambda count: f"warning: {count:,} warnings are not shown",
+        )
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Has a warning shown."""
+        self._lines.offer(f"{record.levelname.lower()}: {record.getMessage()}")
+
+    @property
+    def left_out(self) -> int:
+        """How many warnings were not shown."""
+        return self._lines.left_out
+
+    def close(self) -> None:
+        """Waits until all is shown, but not for long."""
+        self._lines.close()
+        super().close()
