@@ -45,7 +45,9 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("missions", nargs="*", type=Path, help="by default those of this folder")
-    paths = parser.parse_args().missions or sorted(EXAMPLES.glob("*/mission.xml"))
+    paths = parser.parse_args().missions or sorted(
+        (*EXAMPLES.glob("*/mission.xml"), *EXAMPLES.glob("roscon/problem*.xml"))
+    )
     print(f"| mission | {' | '.join(FORMS)} |\n|---|{'---|' * len(FORMS)}")
     for path in paths:
         name = path.parent.name if path.stem == "mission" else path.stem

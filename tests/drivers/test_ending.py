@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from mcpn.cli.robot.resuming import _begun
-from mcpn.cli.robot.shown import MOST, Shown
+from mcpn.cli.robot.shown import MOST, ShownLines
 from mcpn.drivers.topics import StopMessage, tell_to_stop
 from mcpn.errors import InputError
 from tests.commands import mcpn, output
@@ -219,16 +219,14 @@ def test_a_snapshot_says_what_is_to_be_told_to_stop(said: dict[str, object]) -> 
 
 
 FLOOD = """
-import sys, time
+import logging, time
 from pathlib import Path
 def drive(call):
     while not call.stopping.is_set():
-        raise_warnings()
-def raise_warnings():
-    import logging
-    for number in range(100):
-        logging.getLogger("mcpn.drivers").warning("%s %d", "x" * 200, number)
-    time.sleep(0.01)
+        for number in range(3000):
+            logging.getLogger("mcpn.drivers").warning("%s %d", "x" * 200, number)
+        Path("flooded").write_text("")
+        time.sleep(0.1)
 """
 
 
@@ -247,6 +245,7 @@ def test_standard_error_that_stands_still_stops_no_robot(made: Made) -> None:
     os.close(theirs)
     log = runs.folder / "log.jsonl"
     until(lambda: runs.runs("panel"))
+    until((runs.folder / "flooded").exists)
     for count, event in enumerate(("lost", "called back"), 1):
         (runs.folder / "panel.new").write_text(event)
         (runs.folder / "panel.new").rename(runs.folder / "panel.order")
@@ -267,7 +266,7 @@ def test_lines_that_are_left_out_are_counted_in_their_place() -> None:
         goes_on.wait()
         told.append(text)
 
-    shown = Shown(show, lambda count: f"({count})")
+    shown = ShownLines(show, lambda count: f"({count})")
     for number in range(MOST + 10):
         shown.offer(str(number))
     goes_on.set()

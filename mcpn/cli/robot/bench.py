@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import tempfile
 import time
 from pathlib import Path
@@ -207,10 +206,12 @@ def _beside(share: float, low: float, high: float, expected: float | None) -> di
 
 
 def _journal(run: BenchRun) -> str:
+    from mcpn.runtime.file_schema import signed_line
+
     rows = (
         {"time": event.hours * 3600, "event": event.event, "refused": event.refused} for event in run.events
     )
-    return "".join(json.dumps(row) + "\n" for row in rows)
+    return "".join(signed_line(row) + "\n" for row in rows)
 
 
 def _difference(target: str, difference: Difference | None) -> dict[str, Any]:

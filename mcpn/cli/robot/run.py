@@ -7,7 +7,7 @@ import contextlib
 import logging
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -159,14 +159,16 @@ def run(
         if snapshot is not None:
             records.snapshot_of(snapshot, lambda: controller.snapshot(beside(monitors, runner, ended)))
         records.begin(runner.end)
-        try:
-            asyncio.run(_until_signal(runner, actions, received))
-        finally:  # also where something in the loop raises: what was stopped there is not started again
+
+        def finish() -> None:
+            nonlocal ended
             ended = True
             records.save()
             records.close()
             if shown is not None:
                 shown.close()
+
+        asyncio.run(_until_signal(runner, actions, received, finish))
         lost = records.lost
         if shown is not None and shown.lost is not None:
             lost.append("standard output")
@@ -255,15 +257,23 @@ def _warnings() -> Iterator[WarningLines]:
         handler.close()
 
 
-async def _until_signal(runner: RobotRun, actions: tuple[Action, ...] | None, received: list[int]) -> None:
-    """Runs; each signal that can be caught ends it in order, a second one in a hurry."""
+async def _until_signal(
+    runner: RobotRun, actions: tuple[Action, ...] | None, received: list[int], finish: Callable[[], None]
+) -> None:
+    """Runs; each signal that can be caught ends it in order, a second one in a hurry.
+
+    However it ends, also where the loop raises, it is finished before signals are heard as usual.
+    """
 
     def stop(number: int) -> None:
         received.append(number)
         runner.end(again=len(received) > 1)
 
     with caught(stop):
-        await runner.run(actions)
+        try:
+            await runner.run(actions)
+        finally:
+            finish()
 
 
 def _asked(activity: str, objective: str) -> bool:
@@ -302,4 +312,5 @@ def _tell(found: dict[str, Any], as_json: bool) -> None:
         return
     from mcpn.report.text import print_counts
 
-    print_counts({key: value for key, value in found.items() if not isinstance(value, list) or value})
+    quiet = [key for key, value in found.items() if value == [] or (key == "warnings_left_out" and not value)]
+    print_counts({key: value for key, value in found.items() if key not in quiet})

@@ -20,7 +20,7 @@ LAST = 5.0
 """Seconds that the terminal has at the end to show what waits."""
 
 
-class Shown:
+class ShownLines:
     """Lines that a thread shows, in their order.
 
     Args:
@@ -94,7 +94,9 @@ class EventLines:
 
         self._began = time.monotonic()
         self._runs = ""
-        self._lines = Shown(Terminal().print, lambda count: f"({count:,} lines of drivers are not shown)")
+        self._lines = ShownLines(
+            Terminal().print, lambda count: f"({count:,} lines of drivers are not shown)"
+        )
         self.close = self._lines.close
 
     def __call__(self, step: Step) -> None:
@@ -128,7 +130,7 @@ class WarningLines(logging.Handler):
 
     def __init__(self) -> None:
         super().__init__(logging.WARNING)
-        self._lines = Shown(
+        self._lines = ShownLines(
             lambda text: click.echo(text, err=True),
             lambda count: f"warning: {count:,} warnings are not shown",
         )

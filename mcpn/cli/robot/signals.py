@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import signal
 import socket
 from collections.abc import Callable, Iterator
@@ -22,14 +23,20 @@ def caught(stop: Callable[[int], None]) -> Iterator[None]:
     """Has a function called on the loop's thread with each signal that would end or suspend this process.
 
     Signals have a way of their own into the loop: in the one that asyncio shares with calls from threads,
-    they can be lost behind these. One that is ignored stays so (SIGHUP under ``nohup``).
+    they can be lost behind these. One that is ignored stays so (SIGHUP under ``nohup``). Where one has come,
+    all is stopped in the end, and a further one ends the process with the exit code of the first.
     """
     loop = asyncio.get_running_loop()
     heard, waking = socket.socketpair()
     received: list[int] = []
+    codes: list[int] = []
+
+    def leave(_number: int, _frame: FrameType | None) -> None:
+        os._exit(codes[0])
 
     def note(number: int, _frame: FrameType | None) -> None:
         received.append(number)
+        codes.append(128 + number)
 
     def take() -> None:
         with suppress(BlockingIOError):
@@ -52,7 +59,7 @@ def caught(stop: Callable[[int], None]) -> Iterator[None]:
         yield
     finally:
         for number, handler in before.items():
-            signal.signal(number, handler)
+            signal.signal(number, leave if codes and number not in IGNORED else handler)
         signal.set_wakeup_fd(woken)
         loop.remove_reader(heard.fileno())
         take()
