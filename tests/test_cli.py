@@ -14,7 +14,7 @@ from mcpn._kernel import MemoryLimit
 from mcpn.answers.compare import measure
 from mcpn.testing.nets import philosophers
 from tests.commands import mcpn, output
-from tests.conftest import ULYSSE
+from tests.conftest import ROOT, ULYSSE
 from tests.mission.test_broken import BROKEN
 
 CONTENTION = """<mission name="m" xmlns="urn:mcpn:mission:1">
@@ -256,6 +256,31 @@ def test_a_family_grows_and_an_engine_that_gave_up_is_asked_no_more(tmp_path: Pa
         ("philosophers", "x"),
     ):
         assert mcpn("compare", "--family", *wrong).returncode == 2
+
+
+def test_an_engine_of_one_s_own_runs_beside_the_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "n.net").write_text(
+        "net n\n" + "".join(f"pl a{i} (1)\ntr t{i} a{i} -> b{i}\n" for i in range(4))
+    )
+    (tmp_path / "mine.py").write_text((ROOT / "tests" / "space" / "plain.py").read_text())
+    monkeypatch.chdir(tmp_path)
+    found = output("compare", "n.net", "--engine", "mine:PlainSets", "--engine", "mine:Raising")
+    by_engine = {m["engine"]: m for m in found["engines"]}
+    assert by_engine["mine:PlainSets"]["sizes"]["states"] == 16
+    assert by_engine["mine:Raising"]["reason"] == "its code raised ZeroDivisionError: of one's own"
+    wrong = mcpn("compare", "n.net", "--engine", "mine:Wrong")
+    assert wrong.returncode == 1
+    assert "the engines disagree on states, one of them is wrong" in wrong.stderr
+    for name, told in (
+        ("mine:Nothing", "cannot be loaded: AttributeError"),
+        ("mine:Set", "found no single, moved, union, minus, count; expected a class with the methods"),
+        ("mine", "found the engine 'mine', expected MODULE:CLASS"),
+    ):
+        refused = mcpn("compare", "n.net", "--engine", name)
+        assert refused.returncode == 2
+        assert told in refused.stderr
 
 
 def test_memory_is_that_of_the_engine_and_not_of_who_asks() -> None:

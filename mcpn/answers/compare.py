@@ -39,7 +39,7 @@ class Measurement:
     """What one engine found, and what it took.
 
     Args:
-        engine: One of :data:`mcpn.spaces.summary.ENGINES`, or ``local``.
+        engine: One of :data:`mcpn.spaces.summary.ENGINES`, ``local``, or one of the caller's own.
         sizes: By the names of :data:`SIZES` and :data:`DIAGRAM`; a size that the engine does not count is
             ``None``. The whole is ``None`` where the engine gave up.
         seconds: Wall-clock time of the engine, imports apart: the least of all runs.
@@ -91,6 +91,7 @@ def measure(
     max_states: int | None = None,
     seconds: float = SECONDS,
     repeats: int = 1,
+    own: Sequence[str] = (),
     size: int | None = None,
     without: Mapping[str, str] | None = None,
 ) -> Measured:
@@ -101,6 +102,7 @@ def measure(
         max_states: Limit for the explicit engine.
         seconds: Wall-clock limit on each run.
         repeats: How often each engine runs.
+        own: Engines of the caller's own, by their names; see :func:`mcpn.spaces.own.engine_named`.
         size: Of a member of a family, its size.
         without: Engines that are not asked, each with the reason.
 
@@ -114,7 +116,7 @@ def measure(
         :func:`mcpn.spaces.sizes.sizes`: the counts by one engine.
     """
     net = compose(subject).net if isinstance(subject, Mission) else subject
-    subjects: list[tuple[str, Mission | PetriNet]] = [(engine, net) for engine in ENGINES]
+    subjects: list[tuple[str, Mission | PetriNet]] = [(engine, net) for engine in (*ENGINES, *own)]
     if isinstance(subject, Mission):
         subjects.append(("local", subject))
     found, problems = [], list[McpnError | None]()
@@ -136,7 +138,12 @@ def measure(
 
 
 def grown(
-    members: Iterator[tuple[int, PetriNet]], *, max_states: int | None, seconds: float, repeats: int
+    members: Iterator[tuple[int, PetriNet]],
+    *,
+    max_states: int | None,
+    seconds: float,
+    repeats: int,
+    own: Sequence[str] = (),
 ) -> Iterator[Measured]:
     """Measures the members of a family; an engine that gave up on one is not asked for larger ones.
 
@@ -145,6 +152,7 @@ def grown(
         max_states: Limit for the explicit engine.
         seconds: Wall-clock limit on each run.
         repeats: How often each engine runs.
+        own: Engines of the caller's own.
 
     Yields:
         Each member's measurements.
@@ -152,7 +160,13 @@ def grown(
     without: dict[str, str] = {}
     for size, net in members:
         found = measure(
-            net, max_states=max_states, seconds=seconds, repeats=repeats, size=size, without=without
+            net,
+            max_states=max_states,
+            seconds=seconds,
+            repeats=repeats,
+            own=own,
+            size=size,
+            without=without,
         )
         yield found
         gave_up = [m.engine for m in found.engines if m.sizes is None and m.engine not in without]
@@ -225,7 +239,8 @@ STARTING = 10.0
 
 def _run(subject: Mission | PetriNet, engine: str, max_states: int | None, pipe: Connection) -> None:
     sizes: dict[str, int | None] | None = None
-    problem, order = None, None
+    problem: LimitError | SemanticsError | None = None
+    order: str | None = None
     wall = cpu = 0.0
     try:
         summarise(NetBuilder("for imports alone").build(), "symbolic" if engine == "local" else engine)
@@ -240,6 +255,10 @@ def _run(subject: Mission | PetriNet, engine: str, max_states: int | None, pipe:
             order = summary.order
     except (LimitError, SemanticsError) as error:
         problem = error
+    except Exception as error:
+        if engine in (*ENGINES, "local"):
+            raise
+        problem = LimitError(f"its code raised {type(error).__name__}: {error}")
     wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
     reason = str(problem or "").split("\n")[0]
     found = Measurement(engine, sizes, wall, peak_megabytes(), reason, order, cpu, wall, cpu)

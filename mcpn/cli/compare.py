@@ -54,6 +54,13 @@ if TYPE_CHECKING:
     help="Wall-clock limit on each run.",
 )
 @click.option(
+    "--engine",
+    "own",
+    multiple=True,
+    metavar="MODULE:CLASS",
+    help="Run an engine of your own beside the others; may be given several times.",
+)
+@click.option(
     "--plot",
     type=FILE,
     help="Write a plot of seconds, memory and nodes: .svg or .png (needs mcpn[experiments]).",
@@ -74,6 +81,7 @@ def compare(
     form: str,
     repeat: int,
     seconds: float,
+    own: tuple[str, ...],
     plot: Path | None,
     sets: tuple[str, str] | None,
     max_states: int | None,
@@ -92,21 +100,28 @@ def compare(
     if (file is None) == (family is None):
         raise click.UsageError("expected a FILE, or --family NAME SIZES, and not both")
     if sets:
-        if file is None or plot is not None or form not in ("text", "json"):
-            raise click.UsageError("--templates takes a mission, and neither --plot nor a table's --format")
+        if file is None or plot is not None or own or form not in ("text", "json"):
+            raise click.UsageError(
+                "--templates takes a mission, and neither --plot, --engine nor a table's --format"
+            )
         _compare_sets(file, sets, max_states, import_root, form == "json")
         return
     if plot is not None:
         from mcpn.report.pictures.plots import ready
 
         ready(plot)
+    if own:
+        from mcpn.spaces.own import engine_named
+
+        for name in own:
+            engine_named(name)
     if family is not None:
-        members = _members(*family, max_states, seconds, repeat)
+        members = _members(*family, max_states, seconds, repeat, own)
     else:
         assert file is not None
         study = open_study(file, import_root=import_root)
         subject = study.net if study.is_net else study.mission_net.mission
-        members = [measure(subject, max_states=max_states, seconds=seconds, repeats=repeat)]
+        members = [measure(subject, max_states=max_states, seconds=seconds, repeats=repeat, own=own)]
     if plot is not None:
         from mcpn.report.pictures.plots import save_engines
 
@@ -127,7 +142,7 @@ def compare(
 
 
 def _members(
-    name: str, sizes: str, max_states: int | None, seconds: float, repeat: int
+    name: str, sizes: str, max_states: int | None, seconds: float, repeat: int, own: tuple[str, ...]
 ) -> Sequence[Measured]:
     from mcpn.answers.compare import grown
     from mcpn.testing.nets import FAMILIES
@@ -142,7 +157,7 @@ def _members(
             f"found the sizes {sizes!r}, expected sizes of {name} that grow from {family.least}"
         )
     nets = ((size, family.net(size)) for size in range(first, last + 1, step))
-    return list(grown(nets, max_states=max_states, seconds=seconds, repeats=repeat))
+    return list(grown(nets, max_states=max_states, seconds=seconds, repeats=repeat, own=own))
 
 
 def _compare_sets(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.spaces.engines import SMALL, Choice, On, answered
 from mcpn.spaces.kept import Subject, spaces_of
-from mcpn.spaces.summary import SpaceSummary, summary_of, summary_of_counts
+from mcpn.spaces.summary import SpaceSummary, summary_of, summary_of_counts, summary_of_own
 
 if TYPE_CHECKING:
     from mcpn.spaces.markings.explicit import Progress
@@ -26,7 +26,8 @@ def summarise(
 
     Args:
         of: The net, or its spaces.
-        engine: One of :data:`mcpn.spaces.summary.ENGINES`.
+        engine: One of :data:`mcpn.spaces.summary.ENGINES`, or one of the caller's own by its name; see
+            :func:`mcpn.spaces.own.engine_named`.
         max_states: Limit for the explicit engine.
         progress: Called now and then by the explicit engine.
 
@@ -34,7 +35,8 @@ def summarise(
         The sizes.
 
     Raises:
-        UnsafeError: The net is not 1-safe, and has priorities or the engine is pyeda.
+        InputError: There is no such engine.
+        UnsafeError: The net is not 1-safe, and has priorities or the engine is pyeda or of the caller's own.
         UnboundedError: The net is unbounded.
         LimitError: A limit was hit, or the engine is not installed.
     """
@@ -43,7 +45,11 @@ def summarise(
         return summary_of(spaces.symbolic(), started)
     if engine == "explicit":
         return summary_of_counts(spaces.net, spaces.counted(max_states, progress), engine, started)
-    return summary_of_counts(spaces.net, spaces.reference(), engine, started)
+    if engine == "pyeda":
+        return summary_of_counts(spaces.net, spaces.reference(), engine, started)
+    from mcpn.spaces.own import OwnSpace, engine_named
+
+    return summary_of_own(OwnSpace(spaces.net, engine_named(engine)), engine, started)
 
 
 def sizes(

@@ -11,6 +11,7 @@ from mcpn.spaces.markings.explicit import Counts
 
 if TYPE_CHECKING:
     from mcpn.spaces.diagrams.symbolic import SymbolicSpace
+    from mcpn.spaces.own import OwnSpace
     from mcpn.spaces.pyeda_reference import ReferenceCounts
 
 ENGINES = ("explicit", "symbolic", "pyeda")
@@ -31,7 +32,7 @@ class SpaceSummary:
         max_tokens: Most tokens in a marking.
         max_tokens_in_place: Most tokens in a place.
         nodes: Of the final decision diagram; ``None`` where there is none.
-        engine: One of :data:`ENGINES`, or ``local``.
+        engine: One of :data:`ENGINES`, ``local``, or the name of an engine of the caller's own.
         seconds: Wall-clock time of the engine.
         order: Name of the diagram's order of places; ``None`` where there is none.
         peak_nodes: Most nodes at once while the diagram was made; ``None`` where there is none.
@@ -104,4 +105,27 @@ def summary_of_counts(
         time.perf_counter() - started,
         None if nodes is None else "clustered",
         peak_nodes,
+    )
+
+
+def summary_of_own(space: OwnSpace, engine: str, started: float) -> SpaceSummary:
+    """The sizes of a space over an engine of the caller's own.
+
+    Args:
+        space: The markings graph.
+        engine: The engine's name.
+        started: When the space was asked for, by :func:`time.perf_counter`.
+    """
+    net, reached = space.net, space.everything
+    nodes = getattr(space.sets, "nodes", None)
+    return SpaceSummary(
+        *(len(net.places), len(net.transitions)),
+        *(reached.count(), sum(space.firings(reached).values())),
+        space.stable.count() if net.priorities else None,
+        space.dead.count(),
+        *(None, None),
+        None if nodes is None else nodes(reached.raw),
+        engine,
+        time.perf_counter() - started,
+        getattr(space.sets, "order", None),
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,8 @@ from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError
 from mcpn.nets.formats import read_net, save_net
 from mcpn.nets.petri import PetriNet
+from tests.conftest import ROOT
+from tests.nets.nets import reachable
 
 
 @pytest.mark.parametrize("suffix", [".pnml", ".json", ".net"])
@@ -129,6 +132,11 @@ BROKEN_TINA = {
         5,
         "above all of the levels after its own",
     ),
+    "partial order": (
+        "tr a p -> q\ntr b p -> q\ntr c p -> q\npr a > b\n",
+        4,
+        "they leave open how a and c stand to each other",
+    ),
     "unknown in pr": ("tr a p -> q\npr a > z\n", 2, "z, which is not declared"),
     "read arc out": ("tr a p -> q?1\n", 1, "among its outputs"),
     "no name": ("net n\ntr\n", 2, "without a name"),
@@ -179,3 +187,30 @@ def test_nothing_is_lost_where_writing_fails(tmp_path: Path, monkeypatch: pytest
         save_net(PetriNet("n", (), ()), path)
     assert path.read_text() == "what stood here"
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_what_formats_md_writes_instead_of_a_partial_order_has_its_markings(tmp_path: Path) -> None:
+    """The net of the page against firing by the relation: a above b, and c beside them."""
+    page = (ROOT / "docs" / "formats.md").read_text()
+    text = page.partition('title="partial.net"\n')[2].partition("```")[0]
+    (tmp_path / "whole.net").write_text(text)
+    whole = read_net(tmp_path / "whole.net")
+    places = ("p", "q", "r", "s", "t")
+
+    def fired(m: frozenset[str]) -> Iterator[tuple[str, frozenset[str]]]:
+        if {"p", "q"} <= m:
+            yield "a", m - {"p", "q"} | {"r"}
+        elif "s" in m:
+            yield "b", m - {"s"} | {"t"}
+        if "q" not in m:
+            yield "c", m | {"q"}
+
+    by_relation, queue = set[frozenset[str]](), [frozenset({"p", "s"})]
+    while queue:
+        if (marking := queue.pop()) not in by_relation:
+            by_relation.add(marking)
+            queue += [after for _, after in fired(marking)]
+    markings, edges, safe = reachable(whole)
+    assert safe
+    assert {whole.marked(m) & {*places} for m in markings} == by_relation
+    assert (len(markings), edges) == (len(by_relation), sum(len([*fired(m)]) for m in by_relation))

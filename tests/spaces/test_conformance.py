@@ -30,14 +30,25 @@ def sizes(summary: SpaceSummary) -> SpaceSummary:
     return replace(summary, nodes=None, peak_nodes=None, order=None, engine="", seconds=0)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+OWN = ("tests.spaces.plain:PlainSets", "experiments.dd_engine:DdSets")
+"""Engines as a caller may bring them: sets of Python, and the diagrams of the package dd."""
+
+
+def present(engine: str) -> None:
+    """Skips where an engine needs a package that is not there."""
+    if "dd_engine" in engine:
+        pytest.importorskip("dd", reason="needs dd: the extra experiments")
+
+
+@pytest.mark.parametrize("engine", [*ENGINES, *OWN])
 @fewer(0.25)
 @given(net=nets(max_weight=2))
 @example(net=PetriNet("nothing_fires", (Place("p0", 0),), ()))
 @example(net=PetriNet("nothing_fires", (Place("p0", 0),), (), priorities=True))
 def test_nets_have_the_sizes_of_the_plain_rule(engine: str, net: PetriNet) -> None:
+    present(engine)
     markings, edges, safe = reachable(net)
-    if not safe and engine != "pyeda" and not net.priorities:
+    if not safe and engine in ("explicit", "symbolic") and not net.priorities:
         return  # tests/spaces/test_bounded.py
     if not safe:
         with pytest.raises(UnsafeError):
@@ -46,7 +57,8 @@ def test_nets_have_the_sizes_of_the_plain_rule(engine: str, net: PetriNet) -> No
     found = summarise(net, engine)
     assert (found.states, found.edges) == (len(markings), edges)
     assert found.dead_states == sum(not net.enabled(m) for m in markings)
-    assert found.max_tokens == max(sum(m) for m in markings)
+    if engine in ENGINES:
+        assert found.max_tokens == max(sum(m) for m in markings)
     if net.priorities:
         unstable = [m for m in markings if any(net.transitions[t].internal for t in net.enabled(m))]
         assert found.stable_states == len(markings) - len(unstable)
@@ -66,12 +78,15 @@ def test_missions_have_the_same_sizes_by_both_large_engines(mission: Mission) ->
     assert sizes(summarise(net, "symbolic")) == sizes(explicit)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", [*ENGINES, *OWN])
 def test_closed_forms(engine: str) -> None:
+    present(engine)
     found = summarise(switches(4), engine)
-    assert (found.states, found.edges, found.dead_states, found.max_tokens) == (2**4, 4 * 2**4, 0, 4)
+    assert (found.states, found.edges, found.dead_states) == (2**4, 4 * 2**4, 0)
+    assert found.max_tokens == (4 if engine in ENGINES else None)
     found = summarise(ring(7), engine)
-    assert (found.states, found.edges, found.dead_states, found.max_tokens) == (7, 7, 0, 1)
+    assert (found.states, found.edges, found.dead_states) == (7, 7, 0)
+    assert found.max_tokens == (1 if engine in ENGINES else None)
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -302,11 +302,19 @@ class _TinaReader:
         for above_on in sorted(levels, key=lambda above_on: len(below_of[above_on])):
             if below_of[above_on] != later:
                 if below_of[above_on] != frozenset(rank_of):
-                    message = "each transition of the net must be in a level of priority"
-                    self.priorities[-1][0].fail(f"{message}, and above all of the levels after its own")
+                    self.partial(levels[above_on][0], below_of[above_on] ^ frozenset(rank_of))
                 later, last = below_of[above_on], last + 1
             rank_of |= dict.fromkeys(levels[above_on], last)
         return {name: last - level for name, level in rank_of.items()}
+
+    def partial(self, name: str, others: frozenset[str]) -> NoReturn:
+        """Refuses priorities that are no levels, of a transition and others that should be below it."""
+        other = min(others, key=lambda n: (n == name, list(self.arcs).index(n)))
+        self.priorities[-1][0].fail(
+            f"the priorities are a partial order: they leave open how {name} and {other} stand to each other;"
+            " expected levels, where each transition is above all of the levels after its own"
+            " (docs/formats.md, priorities of TINA, says what to write instead)"
+        )
 
 
 def read_tina(path: Path, data: bytes) -> PetriNet:
