@@ -38,7 +38,10 @@ class TemplateTest(pytest.Item):
                 raise _Broken(f"{alone}, driven alone, breaks a promise: {violation}")
             return
         like = self.config.getoption("--mcpn-like")
-        asked = {self.property: ALL.get(self.property) or behaves_as(templates_named(like), name=like)}
+        holds = ALL[self.property]
+        if self.property == "behaves_as":
+            holds = behaves_as(templates_named(like), name=like)
+        asked = {self.property: holds}
         finding = broken(templates_named(self.templates), profile=profile, properties=asked)
         if finding is not None:
             raise _Broken(str(finding))
@@ -69,7 +72,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption(
         "--mcpn-like",
         metavar="SET",
-        help="Test besides that missions behave as with this set: paper, compact, or MODULE:NAME.",
+        default="paper",
+        help="The set that missions are to behave as with: paper (the default), compact, or MODULE:NAME.",
     )
     group.addoption(
         "--mcpn-profile",
@@ -90,7 +94,6 @@ def pytest_collection_modifyitems(
         for name in (
             *ALL,
             *(f"{_ALONE}{machine}" for machine in MACHINES),
-            *(["behaves_as"] if config.getoption("--mcpn-like") else ()),
         ):
             item = TemplateTest.from_parent(session, name=f"{templates}::{name}")
             item.templates, item.property = templates, name

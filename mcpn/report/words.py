@@ -13,6 +13,7 @@ from mcpn.spaces.run import Run
 if TYPE_CHECKING:
     from mcpn.answers.verdicts.mission import MissionCheck
     from mcpn.drawing.compose import MissionNet
+    from mcpn.runtime.tables import Inside
 
 
 def in_words(mission_net: MissionNet, run: Run) -> Iterator[tuple[Event | str, str]]:
@@ -97,6 +98,21 @@ def changes(before: Situation, after: Situation) -> list[str]:
     if after.outcome and not before.outcome:
         phrases.append(f"the mission ends in {after.outcome}")
     return phrases
+
+
+def situation_in_words(now: Situation | Inside) -> str:
+    """What the robot does, for a reader: what runs and how, what waits, what is refused, what is lost."""
+    phrases = [f"{name} runs" for name in now.objectives]
+    phrases += [f"{name} is about to begin" for name in now.pending]
+    phrases += [f"{name} has ended" for name in now.done]
+    phrases += [f"{a} runs" + (f" as {way}" if way != a else "") for a, way in now.mode.items()]
+    phrases += [f"{name} waits" for name in now.waiting]
+    phrases += [f"{name} has no way to run" for name in now.refused]
+    if isinstance(now, Situation):
+        phrases += [f"{name} is out of service" for name in now.out_of_service]
+        phrases += [f"{fact} is {value}" for fact, value in now.facts.items()]
+        phrases += [f"the mission has ended in {now.outcome}"] if now.outcome else []
+    return ", ".join(phrases) or "nothing runs"
 
 
 def modes_together(check: MissionCheck) -> dict[tuple[str, ...], list[str]]:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from experiments.template_faults import FAULTS, HARMLESS, Faulty
 from mcpn.answers.likeness import Likeness, likeness, likeness_of
 from mcpn.answers.spaces import MissionSpaces
 from mcpn.answers.verdicts.modes import situation
@@ -22,7 +23,6 @@ from mcpn.testing.kit.properties import behaves_as
 from mcpn.testing.kit.running import broken, first_broken
 from tests.commands import mcpn, output
 from tests.conftest import ULYSSE
-from tests.kit.faults import FAULTS, HARMLESS, Faulty
 
 
 def rounds(mission: Mission, *sets: TemplateSet) -> int | None:

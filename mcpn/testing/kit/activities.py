@@ -19,6 +19,8 @@ class ActivityMachine(TemplateMachine):
         """Resources that were refused since something happened last."""
         self.begun = 0
         """Length of the run when something happened last."""
+        self.was_refused = False
+        """Whether it was refused then."""
         (self.drawn,) = (a for a in self.mission.activities if a.name == self.element[1])
         self.consumed = list(dict.fromkeys(k for way in self.drawn.alternatives for k in way.consumes))
 
@@ -44,6 +46,7 @@ class ActivityMachine(TemplateMachine):
         """From here on a reaction is looked at."""
         self.impossible.clear()
         self.begun = len(self.of.run)
+        self.was_refused = self.has("error")
 
     @precondition(lambda self: not self.started and self.at_rest)
     @rule()
@@ -135,8 +138,10 @@ class ActivityMachine(TemplateMachine):
         self.of.require(not left, f"{' and '.join(left)} is left")
         self.of.require(not self.with_token("error"), "it does not take note of an error")
         selected = [name for name in self.of.run[self.begun :] if "_sel" in name]
-        if running and selected:
+        refused = self.has("error") and not self.was_refused
+        if (running and selected) or refused:
             out = self.impossible | {*self.with_token("OOS")}
-            passed = self.drawn.alternatives[: running[0]]
+            passed = self.drawn.alternatives[: None if refused else running[0]]
             missed = [way.name for way in passed if not out & {*way.consumes}]
-            self.of.require(not missed, f"it passes over {' and '.join(missed)}, which was possible")
+            does = "is refused and passes" if refused else "passes"
+            self.of.require(not missed, f"it {does} over {' and '.join(missed)}, which was possible")

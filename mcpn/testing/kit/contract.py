@@ -6,7 +6,10 @@ private. So a template can be replaced by another one that keeps the contract, a
 to know nothing of the other but this.
 
 Sides: the ``resource`` itself; its ``consumer``, an activity; its ``producer``, an activity; ``control``, the
-objectives graph; a ``product`` of an activity.
+objectives graph; a ``product`` of an activity; the ``loss`` of hardware that an activity detects, or of what
+stands for its crash; a ``reader``, an activity with an alternative that requires the fact.
+
+Status has no agreed parts: what templates declare by a role (the values of facts) is known by the role.
 """
 
 from __future__ import annotations
@@ -15,14 +18,21 @@ from collections.abc import Mapping
 from typing import TypeAlias
 
 from mcpn.drawing.compose import MissionNet
+from mcpn.drawing.templates import Role
 from mcpn.drawing.templates.names import names_of
+from mcpn.mission.robot import Activity
+from mcpn.mission.static.usage import Usage
+from mcpn.mission.world.conditions import word
 from mcpn.nets.petri import Provenance
 from mcpn.testing.kit.subject import Subject, Violation
 
 Allowed: TypeAlias = Mapping[str, str]
 """By side, what it may do to a place: letters of ``take``, ``put`` and ``read``, as ``tpr``."""
 
-Contract: TypeAlias = Mapping[str, Mapping[str, tuple[str, Allowed]]]
+Entry: TypeAlias = tuple[str, Allowed]
+"""What a token says, and who may do what."""
+
+Contract: TypeAlias = Mapping[str, Mapping[str, Entry]]
 
 PARTS: Contract = {
     "hardware": {
@@ -34,6 +44,10 @@ PARTS: Contract = {
         "OOS": ("it is out of service", {"owner": "tp", "consumer": "r"}),
         "free": ("it is in service (exclusive: and not in use)", {"owner": "tpr", "consumer": "r"}),
         "service": ("it is in service, for who may return", {"owner": "tp", "consumer": "r", "watcher": "r"}),
+        "fine": ("detected late: it is not in use though it is gone", {"owner": "tp", "control": "r"}),
+        "misused": ("detected late: it is gone, and in use", {"owner": "tp", "control": "r"}),
+        "trusted": ("detected late: no objective has failed with it", {"owner": "pr", "control": "t"}),
+        "suspected": ("detected late: one has, while it was misused", {"owner": "t", "control": "pr"}),
     },
     "software": {
         "available": ("the consumer neither holds it nor asks", {"owner": "p", "consumer": "tp"}),
@@ -54,8 +68,16 @@ PARTS: Contract = {
         "error": ("no alternative is possible", {"owner": "tp"}),
         "refusing": ("the same of a producer that serves", {"owner": "tp", "product": "r"}),
         "running": ("some alternative runs", {"owner": "tp", "control": "r", "product": "r"}),
-        "active1": ("its first alternative runs", {"owner": "tp", "control": "r", "product": "r"}),
+        "active1": (
+            "its first alternative runs",
+            {"owner": "tp", "control": "r", "product": "r", "loss": "r"},
+        ),
+        "active": ("another alternative runs", {"owner": "tp", "loss": "r"}),
         "idle": ("it is not started, nor stopping", {"owner": "tp", "control": "t"}),
+    },
+    "fact": {"value": ("the fact has this value", {"owner": "tpr", "control": "tpr", "reader": "r"})},
+    "mission": {
+        "resting": ("an objective has ended in this reaction", {"control": "tp", "activity": "r"}),
     },
 }
 """By kind of element and part of it: what a token says, and who may do what."""
@@ -85,7 +107,7 @@ def contract_of_arcs(of: Subject, parts: Contract = PARTS) -> None:
             if meaning is None:
                 continue  # a place that the templates have named themselves
             kind, element, *part = meaning
-            known = parts.get(kind, {}).get(part[0] if part else "")
+            known = _known(parts.get(kind, {}), part[0] if part else "", found.roles.get(place))
             side, allowed = _sides(found, by, (kind, element), known)
             for letter in WORDS:
                 if place in arcs[letter] and letter not in allowed:
@@ -93,8 +115,15 @@ def contract_of_arcs(of: Subject, parts: Contract = PARTS) -> None:
                     raise Violation(f"{message}, which the {side} of {kind} {element} may not")
 
 
+def _known(parts: Mapping[str, Entry], part: str, role: Role | None) -> Entry | None:
+    """The row of a part: by its name, for numbered alternatives without the number, for facts by role."""
+    if role is not None and role[0] == "fact":
+        return parts.get("value")
+    return parts.get(part) or parts.get(part.rstrip("0123456789"))
+
+
 def _sides(
-    found: MissionNet, by: Provenance, touched: tuple[str, str], place: tuple[str, Allowed] | None
+    found: MissionNet, by: Provenance, touched: tuple[str, str], place: Entry | None
 ) -> tuple[str, str]:
     """As whom an element touches a place of another, and what it may do there."""
     kind, element = touched
@@ -102,11 +131,17 @@ def _sides(
     own = touched == (drawer_kind, name) or (kind in CONTROL and by.kind in CONTROL)
     if place is None:
         return ("owner", "tpr") if own else ("other side", "")
-    side = "other side"
-    if own:
+    side, usage = "other side", found.usage
+    if own and kind != "mission":
         side = "owner"
     elif by.kind in CONTROL:
         side = "control"
+    elif kind == "fact" and drawer_kind == "activity" and element in _required(usage.activities[name]):
+        side = "reader"
+    elif kind == "mission" and drawer_kind == "activity":
+        side = "activity"
+    elif kind == "activity" and drawer_kind == "hardware" and _loses(usage, name, element):
+        side = "loss"
     elif kind == "activity" and drawer_kind == "software" and found.usage.producer[name] == element:
         side = "product"
     elif drawer_kind == "activity" and kind == "software" and found.usage.producer[element] == name:
@@ -116,6 +151,18 @@ def _sides(
     elif drawer_kind == "activity" and kind == "hardware":
         side = "watcher"  # a supplier needs it for an alternative that the activity may return to
     return side, place[1].get(side, "")
+
+
+def _required(activity: Activity) -> set[str]:
+    """The facts that alternatives of an activity require; ``done(x)`` is one."""
+    texts = (*activity.requires, *(text for way in activity.alternatives for text in way.requires))
+    return {word(text).fact for text in texts}
+
+
+def _loses(usage: Usage, hardware: str, activity: str) -> bool:
+    """Whether an activity finds out that some hardware is lost, or that hardware stands for its crash."""
+    crashes = {crash.name: crash.activity for crash in usage.mission.crashes}
+    return hardware in usage.activities[activity].detects or crashes.get(hardware) == activity
 
 
 def drawer(by: Provenance) -> tuple[str, str]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from mcpn.mission.model import Mission, Objective, Parallel
+from mcpn.mission.model import FactRoute, Handler, Mission, Objective, Parallel, Recursive
+from mcpn.mission.robot import Activity, DeclaredEvent, Fact, FactChange, Fault
 from mcpn.testing.small import activity, hw, mission, robot
 
 
@@ -22,6 +23,14 @@ def wide(number: int) -> Mission:
 def objective(name: str, *activities: str, failure: str | None = None) -> Objective:
     """An objective by its activities."""
     return Objective(name=name, activities=activities, failure=failure)
+
+
+def _requiring(name: str, first: tuple[str, ...], then: tuple[str, ...], fact: str) -> Activity:
+    """An activity whose first alternative requires a fact, and whose second requires that it is not so."""
+    drawn = activity(name, first, then)
+    one, other = drawn.alternatives
+    both = (replace(one, requires=(fact,)), replace(other, requires=(f"!{fact}",)))
+    return replace(drawn, alternatives=both)
 
 
 SHARED_C = replace(hw("c")[0], shared=True)
@@ -68,9 +77,144 @@ MISSIONS: dict[str, Mission] = {
         objective("x", "a", failure="x"),
     ),
     "four data": wide(4),
+    "facts": mission(
+        replace(
+            robot(hw("h"), _requiring("a", ("h",), (), "lit"), activity("b", ()), events=("dusk",)),
+            facts=(Fact(name="lit", initial="true"), Fact(name="way", values=("left", "right"))),
+            events=(DeclaredEvent(name="dusk", sets=(FactChange(fact="lit", to="false"),)),),
+        ),
+        replace(
+            objective("x", "a"),
+            sets=(FactChange(fact="way", to="right", on="success"),),
+            routes=(FactRoute(when=("!lit",), goto="y", on="failure"),),
+        ),
+        replace(objective("y", "b"), sets=(FactChange(fact="lit", to="true", on="start"),)),
+        Parallel(
+            name="both",
+            blocks=(
+                replace(objective("u", "a"), sets=(FactChange(fact="way", to="left", on="failure"),)),
+                replace(objective("v", "b"), sets=(FactChange(fact="lit", to="false", on="start"),)),
+            ),
+            routes=(FactRoute(when=("way=left",), goto="fail", on="success"),),
+        ),
+    ),
+    "found late": mission(
+        robot(
+            (replace(hw("h")[0], detected="late"), *hw("g")),
+            activity("a", ("h",), ("g",)),
+            replace(activity("look", ()), detects=("h",)),
+            events=("leave",),
+        ),
+        replace(objective("x", "a", "look", failure="y"), handlers=(Handler(event="leave", goto="y"),)),
+        objective("y", "a"),
+    ),
+    "crashes": mission(
+        robot(
+            hw("h"),
+            replace(activity("a", ("h",), ()), faulty=True),
+            replace(activity("b", ()), faulty=True, recovers=False),
+        ),
+        objective("x", "a", failure="y"),
+        objective("y", "b"),
+    ),
+    "hardware that is lost": mission(
+        replace(
+            robot(
+                (replace(hw("h")[0], repairable=False), replace(hw("g")[0], initial="oos")),
+                activity("a", ("h",), ("g",)),
+            ),
+            faults=(Fault(name="water", affects=("h", "g")),),
+        ),
+        objective("x", "a"),
+    ),
+    "interrupted": mission(
+        robot(hw("h"), activity("a", ("h",)), activity("b", ()), events=("leak", "low")),
+        replace(
+            objective("x", "a"),
+            handlers=(Handler(event="leak", goto="y", once=True), Handler(event="low", goto="x")),
+        ),
+        Parallel(
+            name="y",
+            failure="x",
+            handlers=(Handler(event="leak", goto="fail"),),
+            blocks=(
+                objective("u", "a"),
+                replace(objective("v", "b"), handlers=(Handler(event="low", goto="succeed"),)),
+            ),
+        ),
+    ),
+    "ends before all": mission(
+        robot(hw("h"), activity("a", ("h",)), activity("b", ()), activity("c", ())),
+        Parallel(
+            name="early",
+            success_when="any",
+            failure_when="any",
+            failure="over",
+            blocks=(objective("u", "a"), objective("v", "b")),
+        ),
+        Parallel(
+            name="over",
+            abort="succeed",
+            blocks=(
+                Recursive(name="r", blocks=(objective("m", "a", failure="abort"),)),
+                objective("n", "b"),
+                objective("o", "c"),
+            ),
+        ),
+    ),
+    "its time is over": mission(
+        robot(hw("h"), activity("a", ("h",)), activity("b", ())),
+        replace(objective("x", "a"), timeout=5.0, timeout_goto="y", failure="fail"),
+        objective("y", "b"),
+    ),
+    "pauses": mission(
+        robot(hw("h"), activity("a", ("h",)), activity("b", ()), events=("rain",)),
+        replace(objective("x", "a"), handlers=(Handler(event="rain", pause="shelter"),)),
+        Parallel(
+            name="both",
+            handlers=(Handler(event="rain", pause="shelter", once=True),),
+            blocks=(objective("u", "a"), objective("v", "b")),
+        ),
+        objective("shelter", "b"),
+    ),
+    "contends": mission(
+        robot(hw("h"), activity("a", ("h",)), activity("b", ("h",)), activity("c", ()), events=("stop",)),
+        Parallel(
+            name="both",
+            handlers=(Handler(event="stop", goto="succeed"),),
+            blocks=(
+                Recursive(
+                    name="r",
+                    blocks=(
+                        objective("z", "c", failure="w"),
+                        objective("x", "a", failure="x"),
+                        objective("w", "b"),
+                    ),
+                ),
+                objective("y", "b"),
+            ),
+        ),
+    ),
+    "makes two": mission(
+        robot(
+            hw("h", "g"),
+            activity("p", ("h",), ("g",), produces=("s", "t")),
+            activity("a", ("s",)),
+            activity("b", ("t",), ()),
+            events=("stop",),
+        ),
+        Parallel(
+            name="both",
+            blocks=(
+                Recursive(name="r", blocks=(objective("x", "a"), objective("z", "a"))),
+                replace(objective("y", "b"), handlers=(Handler(event="stop", goto="succeed"),)),
+            ),
+        ),
+    ),
 }
 """A producer that does not serve; one that does; an activity that gives back and asks again in one reaction;
-gates; hardware of several; an activity that stops as it starts, and returns; many errors at a time."""
+gates; hardware of several; an activity that stops as it starts, and returns; many errors at a time. Then each
+other element of the language once."""
 
 NEEDED_WHOLE = ("retried", "asks again", "shared hardware", "branches", "driver")
 """Those in which every transition that the paper's templates draw fires in some run."""

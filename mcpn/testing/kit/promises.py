@@ -7,6 +7,7 @@ import numpy as np
 from mcpn.answers.verdicts.modes import Situation, situation
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.templates.names import names_of
+from mcpn.report.words import situation_in_words
 from mcpn.runtime.tables import Inside
 from mcpn.spaces.markings.graph import Ints
 from mcpn.testing.kit.subject import Subject
@@ -15,7 +16,10 @@ INTERFACE = ("available", "take", "answer", "release", "error")
 
 
 def invariants_of_units(of: Subject) -> None:
-    """Each interface of a resource holds one token, and so does what the resource itself is in.
+    """Each interface of a resource is in one state, and so is the resource itself.
+
+    At rest one place says so. Between two of them a template may pass through places of its own, but never
+    do two of them say so at a time.
 
     Raises:
         Violation: One does not, in some marking.
@@ -25,25 +29,30 @@ def invariants_of_units(of: Subject) -> None:
     for hardware in found.mission.hardware:
         name = hardware.name
         said = tokens(of, name, "free", "busy", "OOS", "failing")
-        of.require(said == 1, f"hardware {name} is not in one state: free, busy, failing or out of service")
+        one(of, said, f"hardware {name} is not in one state: free, busy, failing or out of service")
         out = tokens(of, name, "OOS")
         for owner in sharing.owners(name):
             said = tokens(of, name, *INTERFACE, owner=owner) + out
-            of.require(said == 1, f"the interface of hardware {name}{_of(owner)} does not hold one token")
+            one(of, said, f"the interface of hardware {name}{_of(owner)} does not hold one token")
     for software in found.mission.software:
         name = software.name
         if found.usage.producer[name] not in found.usage.started:
             continue
         for owner in sharing.owners(name):
             said = tokens(of, name, *INTERFACE, "waiting", "free", owner=owner)
-            of.require(said == 1, f"the interface of software {name}{_of(owner)} does not hold one token")
+            one(of, said, f"the interface of software {name}{_of(owner)} does not hold one token")
             if sharing.serves(found.usage.producer[name]):
                 said = tokens(of, name, "unused", "waiting", "busy", owner=owner)
                 message = f"software {name}{_of(owner)} is not in one state: unused, waiting or busy"
-                of.require(said == 1, message)
+                one(of, said, message)
             else:
                 said = tokens(of, name, "notAvailable", "waiting", "free", "busy", "error")
                 of.require(said <= 1, f"software {name} is in several states")
+
+
+def one(of: Subject, said: Ints, message: str) -> None:
+    """Sees that one place of several is marked at rest, and never more than one."""
+    of.require((said == 1) | ((said == 0) & ~of.stable), message)
 
 
 def promises_at_rest(of: Subject) -> None:
@@ -96,7 +105,8 @@ def not_one_thing(found: MissionNet, now: Situation | Inside) -> str | None:
         for activity in activities[objective]:
             said = [activity in those for those in (now.mode, now.waiting, now.refused)]
             if said.count(True) != 1:
-                return f"{activity} of {objective} does not do one of three, run, wait, be refused: {now}"
+                done = situation_in_words(now)
+                return f"{activity} of {objective} does not do one of three, run, wait, be refused: {done}"
     return None
 
 

@@ -133,13 +133,22 @@ PROPERTIES: Mapping[str, Property] = {
 def no_dead_transition(of: Subject) -> None:
     """Every transition fires in some run: of missions that need all of what is drawn.
 
-    Templates may draw what a mission does not need, so this is asked of chosen missions alone.
+    Templates may draw what a mission does not need, so this is asked of chosen missions alone. Those are
+    named first whose places are each marked at some time: the others wait for what these should have put.
     """
     one_safe(of)
-    fired = np.unique(of.markings.labels)
-    dead = sorted({*range(len(of.net.transitions))} - {*fired.tolist()})
-    if dead:
-        raise Violation(f"never fired: {', '.join(of.net.transitions[t].name for t in dead)}")
+    fired = {*np.unique(of.markings.labels).tolist()}
+    dead = [t for t in range(len(of.net.transitions)) if t not in fired]
+    if not dead:
+        return
+    marked = {p for p in range(len(of.net.places)) if of.markings.marked(p).any()}
+    arcs = {t: of.net.transitions[t] for t in dead}
+    needs = {t: {p for p, _ in (*arcs[t].consume, *arcs[t].read)} for t in dead}
+    first = [t for t in dead if needs[t] <= marked] or dead
+    named, behind = (
+        ", ".join(of.net.transitions[t].name for t in dead if (t in first) is way) for way in (True, False)
+    )
+    raise Violation(f"never fired: {named}" + (f"; nor what comes behind: {behind}" if behind else ""))
 
 
 def behaves_as(templates: TemplateSet, *, name: str = "the others") -> Property:

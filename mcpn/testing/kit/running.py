@@ -8,19 +8,20 @@ True
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from mcpn.drawing.templates import TemplateSet
+from mcpn.drawing.templates import PaperTemplates, TemplateSet
 from mcpn.errors import InputError, LimitError
 from mcpn.mission.model import Mission
 from mcpn.testing import Shape, missions
 from mcpn.testing.data import data_sharing_missions
 from mcpn.testing.kit.corpus import MISSIONS, NEEDED_WHOLE
-from mcpn.testing.kit.properties import PROPERTIES, Property, no_dead_transition
+from mcpn.testing.kit.properties import PROPERTIES, Property, behaves_as, no_dead_transition
 from mcpn.testing.kit.properties import one_safe as one_safe
+from mcpn.testing.kit.shrinking import smaller_missions
 from mcpn.testing.kit.subject import MOST_MARKINGS, Subject, Violation
 from mcpn.testing.shown import as_xml
 
@@ -39,6 +40,20 @@ SMALL = Shape(
 )
 """Missions in which nothing contends, most with less than a thousand markings."""
 
+_LEAST = replace(SMALL, hardware=2, producers=1, activities=2, outputs=1)
+
+SMALL_SHAPES: Mapping[str, Shape] = {
+    "plain": SMALL,
+    "events": replace(_LEAST, events=1, interrupted=True),
+    "facts": replace(_LEAST, facts=2, events=1),
+    "losses": replace(_LEAST, lasting=True, faults=1, crashes=True),
+    "late": replace(_LEAST, hardware=1, late=True),
+    "ends": replace(_LEAST, branches=3, aborts=3, early=5, timeouts=4, events=1),
+    "pauses": replace(_LEAST, pauses=8, recovers=3, led=3, events=1, rounds=False),
+    "contended": replace(_LEAST, own_hardware=False, shared_activities=True, events=1),
+}
+"""Small missions by what is drawn in them besides: together, every element of the language."""
+
 PROFILES: Mapping[str, settings] = {
     name: settings(
         max_examples=examples,
@@ -54,16 +69,20 @@ PROFILES: Mapping[str, settings] = {
 """How many missions are drawn, and whether always the same ones."""
 
 
-ALL: Mapping[str, Property] = {**PROPERTIES, "no_dead_transition": no_dead_transition}
+ALL: Mapping[str, Property] = {
+    **PROPERTIES,
+    "behaves_as": behaves_as(PaperTemplates(), name="paper"),
+    "no_dead_transition": no_dead_transition,
+}
 """The properties that the kit tests."""
 
 
 def small_missions() -> tuple[st.SearchStrategy[Mission], ...]:
-    """Strategies of small missions in which nothing contends, those that shrink best first.
+    """Strategies of small missions with every element of the language, those that shrink best first.
 
-    Missions with every element of the language; with events that interrupt; whose branches share data.
+    Among them some whose branches share data, and some in which activities contend.
     """
-    return missions(SMALL), missions(SMALL, events=1), data_sharing_missions()
+    return (*map(missions, SMALL_SHAPES.values()), data_sharing_missions())
 
 
 @dataclass(frozen=True)
@@ -138,8 +157,20 @@ def _smallest(
     try:
         holds()
     except Violation:
-        return last
+        assert last is not None, "it has been noted before it was raised"
+        return without_leftovers(last, templates, properties)
     return None
+
+
+def without_leftovers(
+    found: BrokenProperty, templates: TemplateSet, properties: Mapping[str, Property]
+) -> BrokenProperty:
+    """The same on a mission without the elements that the violation does not need, as far as one finds."""
+    for smaller in smaller_missions(found.mission):
+        again = first_broken(smaller, templates, properties)
+        if again is not None and again.property == found.property:
+            return without_leftovers(again, templates, properties)
+    return found
 
 
 def of_the_corpus(
