@@ -422,17 +422,18 @@ class BigSteps:
         They are ``most`` at most; ``None`` where it has no outcome, or may have two, or a firing is unsafe.
         """
 
-    def after(self, markings: Zdd, event: int) -> Zdd | None:
+    def after(self, markings: Zdd, event: int) -> tuple[Zdd, Zdd] | None:
         """The stable markings behind an event from some that enable it, run from all of them at once.
 
-        ``None`` where that does not prove that each has one outcome: in some marking no transition may fire
-        alone, a firing is unsafe, or evolution does not end.
+        Returns:
+            The stable markings; and those of the given ones that are left, for in some marking behind them no
+            transition may fire alone. ``None`` where a firing is unsafe, or evolution does not end.
         """
 
     def function(self, markings: Zdd, event: int) -> bytes | None:
-        """What an event makes of each of some stable markings that enable it, as one function of these.
+        """What an event makes of each of some stable markings that enable it, but for those that are left.
 
-        ``None``, too, where that is too large.
+        It is one function of these. ``None``, too, where that is too large.
         """
 
 def choices(store: Store, ways: bytes, as_: str, marked: Sequence[int]) -> list[int]:

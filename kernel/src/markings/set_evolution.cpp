@@ -42,25 +42,24 @@ SetEvolution::SetEvolution(const SafeNet& net, const Places& initial, Levels lev
     : net_(net), levels_(std::move(levels)), stubborn_(net, initial), relations_(kMostParts),
       steps_(net.firings_.size()), has_won_(net.firings_.size() / 64 + 1) {}
 
-std::optional<Node> SetEvolution::after(Store& store, Node markings, std::uint32_t event) {
+std::optional<std::pair<Node, Node>> SetEvolution::after(Store& store, Node markings, std::uint32_t event) {
   begin(store);
-  Held at(store, markings);
-  if (!run(store, at, event)) return std::nullopt;
-  return Node(at);
+  Held at(store, markings), left(store, 0);
+  if (!run(store, at, left, event)) return std::nullopt;
+  return std::pair(Node(at), store.meet(left, markings));
 }
 
-std::optional<std::vector<std::uint32_t>> SetEvolution::function(Store& store, Node markings, std::uint32_t event) {
+std::optional<SetEvolution::Table> SetEvolution::function(Store& store, Node markings, std::uint32_t event) {
   begin(store);
-  const Held all(store, markings);
-  Held at(store, markings);
-  if (!run(store, at, event)) return std::nullopt;
+  Held all(store, markings), at(store, markings), left(store, 0);
+  if (!run(store, at, left, event)) return std::nullopt;
+  all = store.minus(all, left);
   relations_.clear();
   among_.clear();
   try {
     Id whole = among(store, all, 0), some = Relations::kSame;
     for (std::size_t i = 0; i < fired_.size(); ++i) {
-      const Step& does = step(store, fired_[i]);
-      some = relations_.then(some, relations_.either(relations_.way(does.way), relations_.unless(does.asked)));
+      some = relations_.then(some, fires(relations_, store, fired_[i], false));
       if (i && i % kAtATime && i + 1 < fired_.size()) continue;
       whole = relations_.then(whole, some);
       some = Relations::kSame;
@@ -83,43 +82,69 @@ void SetEvolution::begin(Store& store) {
   fired_.clear();
 }
 
-bool SetEvolution::run(Store& store, Held& markings, std::uint32_t event) {
-  if (!fire(store, markings, markings, event)) return false;
+// Runs markings on until none of them enables anything; notes those from which they cannot all be run so.
+bool SetEvolution::run(Store& store, Held& markings, Held& left, std::uint32_t event) {
+  const Held begun(store, markings);
+  if (!fire(store, markings, markings, {event, {}})) return false;
   while (!won_.empty()) {
     if (fired_.size() > kMostFirings) return false;
     if (store.stop || (store.asked_to_stop && store.asked_to_stop())) throw Interrupted();
     std::uint32_t end = ~std::uint32_t(0);
     for (const std::uint32_t t : won_) end = std::min(end, net_.rank_end_[t]);
-    bool any = false;
-    if (!fire_first(store, markings, end, any) && any) return false;
+    const Went went = fire_first(store, markings, end);
+    if (went == Went::kUnsafe) return false;
+    if (went != Went::kStuck) continue;
+    Held stuck(store, 0);
+    for (const std::uint32_t t : won_)
+      if (net_.rank_end_[t] == end && !step(store, t).never) stuck = store.join(stuck, store.filter(markings, step(store, t).enabled));
+    markings = store.minus(markings, stuck);
+    left = store.join(left, store.meet(before(store, stuck, fired_.size()), begun));
   }
   return true;
 }
 
-// Fires a transition of the first rank of those that have won a token, the newest first, where one may fire alone wherever it is
-// enabled. Whether it did; and whether any is enabled.
-bool SetEvolution::fire_first(Store& store, Held& markings, std::uint32_t end, bool& any) {
+// Fires a transition of the first rank of those that have won a token, the newest first: one that may fire alone wherever it is
+// enabled, or else where it may.
+SetEvolution::Went SetEvolution::fire_first(Store& store, Held& markings, std::uint32_t end) {
+  bool any = false;
+  std::optional<Fired> partly;
+  Held where(store, 0);
   for (const bool always : {true, false})
     for (std::size_t i = won_.size(); i-- > 0;) {
       const std::uint32_t t = won_[i];
       if (net_.rank_end_[t] != end || has_bit(stubborn_.always().data(), t) != always) continue;
       const Held enabled(store, step(store, t).never ? 0 : store.filter(markings, step(store, t).enabled));
       any |= enabled != 0;
-      if (enabled && !alone(store, enabled, t)) continue;
+      if (enabled) {
+        std::vector<Way> beside = not_alone(store, enabled, t);
+        if (!beside.empty()) {
+          if (partly) continue;
+          where = without(store, enabled, beside);
+          if (where) partly = {t, std::move(beside)};
+          continue;
+        }
+      }
       won_.erase(won_.begin() + std::ptrdiff_t(i));
       has_won_[t / 64] &= ~(Word(1) << t % 64);
-      if (enabled) return fire(store, markings, enabled, t);
+      if (enabled) return fire(store, markings, enabled, {t, {}}) ? Went::kOn : Went::kUnsafe;
     }
-  return false;
+  if (partly) return fire(store, markings, where, std::move(*partly)) ? Went::kOn : Went::kUnsafe;
+  return any ? Went::kStuck : Went::kEnd;
 }
 
-// Fires a transition in the markings that enable it; false where that is unsafe in one, or leaves it enabled.
-bool SetEvolution::fire(Store& store, Held& markings, Node enabled, std::uint32_t t) {
+// Fires a transition in markings that enable it; false where that is unsafe in one, or leaves it enabled.
+bool SetEvolution::fire(Store& store, Held& markings, Node where, Fired fired) {
+  const std::uint32_t t = fired.t;
   const Step& does = step(store, t);
   if (does.unsafe || net_.firings_[t].take.empty()) return false;
-  if (!does.safe_at_once && store.filter(enabled, does.safe) != enabled) return false;
-  markings = store.image(markings, does.fires);
-  fired_.push_back(t);
+  if (!does.safe_at_once && store.filter(where, does.safe) != where) return false;
+  std::uint32_t event = does.fires;
+  if (!fired.beside.empty()) {
+    Relations one(kMostParts);
+    event = one.suffix(store, fires(one, store, fired, false));
+  }
+  markings = store.image(markings, event);
+  fired_.push_back(std::move(fired));
   for (const std::uint32_t won : net_.winners_[t]) {
     if (has_bit(has_won_.data(), won)) continue;
     set_bit(has_won_.data(), won);
@@ -128,31 +153,80 @@ bool SetEvolution::fire(Store& store, Held& markings, Node enabled, std::uint32_
   return true;
 }
 
-bool SetEvolution::alone(Store& store, Node enabled, std::uint32_t t) {
-  return has_bit(stubborn_.always().data(), t) || only(store, enabled, t) || unreached(store, enabled, t);
+// What a firing does, or undoes, as a function: markings in which the transition does not fire are left as they are.
+SetEvolution::Id SetEvolution::fires(Relations& relations, Store& store, const Fired& fired, bool back) {
+  const Step& does = step(store, fired.t);
+  Way way = does.way;
+  if (back)
+    for (Touched& at : way) at.touch = at.touch == Touch::consume ? Touch::produce : at.touch == Touch::produce ? Touch::consume : at.touch;
+  Id moved = relations.way(way), same = relations.unless(does.asked);
+  for (const Way& condition : fired.beside) {
+    const Id not_there = relations.unless(condition);
+    moved = back ? relations.then(moved, not_there) : relations.then(not_there, moved);
+    same = relations.either(same, relations.then(relations.way(does.asked), relations.way(condition)));
+  }
+  return relations.either(moved, same);
 }
 
-// Whether no other of its rank is enabled, but for those that take and put the same.
-bool SetEvolution::only(Store& store, Node enabled, std::uint32_t t) {
-  return std::none_of(won_.begin(), won_.end(), [&](std::uint32_t u) {
-    return u != t && net_.rank_end_[u] == net_.rank_end_[t] && !stubborn_.alike(t, u) && !step(store, u).never &&
-           store.filter(enabled, step(store, u).enabled) != 0;
-  });
+// The markings, reachable or not, of which the first firings made some.
+Node SetEvolution::before(Store& store, Node markings, std::size_t firings) {
+  Held at(store, markings);
+  for (std::size_t i = firings; i-- > 0;) {
+    Relations one(kMostParts);
+    at = store.image(at, one.suffix(store, fires(one, store, fired_[i], true)));
+  }
+  return at;
 }
 
-// Whether in each marking what conflicts with it is out of reach. It is then in all that leave the same places empty.
-bool SetEvolution::unreached(Store& store, Node enabled, std::uint32_t t) {
-  std::vector<std::uint32_t>& known = step(store, t).alone;
-  Held left(store, enabled);
-  for (const std::uint32_t condition : known) {
-    const Held here(store, store.filter(left, condition));
+Node SetEvolution::without(Store& store, Node markings, const std::vector<Way>& conditions) {
+  Held left(store, markings);
+  for (const Way& condition : conditions) {
+    const Held here(store, store.filter(left, suffix_of(store, condition)));
     left = store.minus(left, here);
   }
+  return left;
+}
+
+// Conditions without which a transition may fire alone in markings that enable it; none if it may in all of them.
+std::vector<SetEvolution::Way> SetEvolution::not_alone(Store& store, Node enabled, std::uint32_t t) {
+  if (has_bit(stubborn_.always().data(), t)) return {};
+  std::vector<Way> others = this->others(store, enabled, t);
+  if (others.empty()) return others;
+  const std::optional<std::vector<Way>> clashing = this->clashing(store, enabled, t);
+  return clashing && (clashing->empty() || without(store, enabled, *clashing)) ? *clashing : others;
+}
+
+// What the others of its rank that some of the markings enable ask for, but for those that take and put the same.
+std::vector<SetEvolution::Way> SetEvolution::others(Store& store, Node enabled, std::uint32_t t) {
+  std::vector<Way> asked;
+  for (const std::uint32_t u : won_)
+    if (u != t && net_.rank_end_[u] == net_.rank_end_[t] && !stubborn_.alike(t, u) && !step(store, u).never &&
+        store.filter(enabled, step(store, u).enabled) != 0)
+      asked.push_back(step(store, u).asked);
+  return asked;
+}
+
+// Conditions of some of the markings in which what conflicts with it is in reach; in the others nothing is. A marking in
+// which nothing is tells so of all that leave the same places empty, another one of all that have the same tokens.
+std::optional<std::vector<SetEvolution::Way>> SetEvolution::clashing(Store& store, Node enabled, std::uint32_t t) {
+  std::vector<std::uint32_t>& known = step(store, t).alone;
+  std::vector<std::pair<std::uint32_t, Way>>& beside = step(store, t).beside;
+  std::vector<Way> found;
+  Held left(store, enabled);
+  const auto take = [&](std::uint32_t condition) {
+    const Held here(store, store.filter(left, condition));
+    left = store.minus(left, here);
+    return here != 0;
+  };
+  for (const std::uint32_t condition : known) take(condition);
+  for (const auto& [condition, way] : beside)
+    if (take(condition)) found.push_back(way);
   std::vector<Level> marked;
   std::vector<bool> held(store.levels);
   std::vector<Word> marking(net_.words_);
+  Places tokens;
   while (left) {
-    if (known.size() == kMostCases) return false;
+    if (known.size() + beside.size() >= kMostCases) return std::nullopt;
     marked.clear();
     store.pick(left, marked);
     std::fill(held.begin(), held.end(), false);
@@ -161,24 +235,33 @@ bool SetEvolution::unreached(Store& store, Node enabled, std::uint32_t t) {
     for (std::uint32_t p = 0; p < levels_.size(); ++p)
       if (held[levels_[p].first] != levels_[p].second) set_bit(marking.data(), p);
     const std::vector<bool> support = store.support(left);
-    Way empty;
-    const bool found = stubborn_.alone_from(marking.data(), t, [&](const Places& need, const std::vector<Word>& reached) {
+    Way way;
+    const bool alone = stubborn_.alone_from(marking.data(), t, [&](const Places& need, const std::vector<Word>& reached) {
       std::uint32_t best = kNoBit;
       for (const std::uint32_t p : need) {
         if (has_bit(reached.data(), p)) continue;
         best = p;
         if (!levels_[p].second && !support[levels_[p].first]) break;  // in all that are left
       }
-      empty.push_back(literal(best, false));
+      way.push_back(literal(best, false));
       return best;
     });
-    if (!found) return false;
-    sort(empty);
-    known.push_back(suffix_of(store, empty));
-    const Held here(store, store.filter(left, known.back()));
-    left = store.minus(left, here);
+    if (!alone) {
+      tokens.clear();
+      stubborn_.beside_others(marking.data(), t, tokens);
+      for (const std::uint32_t p : tokens) way.push_back(literal(p, true));
+    }
+    sort(way);
+    const std::uint32_t condition = suffix_of(store, way);
+    if (!take(condition)) return std::nullopt;
+    if (alone) {
+      known.push_back(condition);
+    } else {
+      beside.emplace_back(condition, way);
+      found.push_back(std::move(way));
+    }
   }
-  return true;
+  return found;
 }
 
 SetEvolution::Step& SetEvolution::step(Store& store, std::uint32_t t) {

@@ -15,21 +15,22 @@
 
 namespace mcpn {
 
-// A transition of the first rank that is enabled in the set fires if in each marking that enables it it may fire alone.
+// A transition of the first rank fires in the markings in which it may fire alone; the others wait until another one may.
 // So enough orders are tried of each, and each has one end (papers/mcpn.md, Proposition 5).
 class SetEvolution {
  public:
   using Places = std::vector<std::uint32_t>;
   using Levels = std::vector<std::pair<Level, bool>>;  // by place, the level that tells of it, and whether by the reverse
+  using Table = std::vector<std::uint32_t>;
 
   SetEvolution(const SafeNet& net, const Places& initial, Levels levels);
 
-  // The stable markings behind an event from some that enable it. Nothing where in some marking no transition may fire
-  // alone, where a firing is unsafe, or where there is no end.
-  std::optional<Node> after(Store& store, Node markings, std::uint32_t event);
-  // The same as a function of these markings and no others, as a table of Relations; levels of no place are left alone.
-  // Nothing, too, where it has too many parts.
-  std::optional<std::vector<std::uint32_t>> function(Store& store, Node markings, std::uint32_t event);
+  // The stable markings behind an event from some that enable it; and those of these that are left, for in some marking
+  // behind them no transition may fire alone. Nothing where a firing is unsafe, or where there is no end.
+  std::optional<std::pair<Node, Node>> after(Store& store, Node markings, std::uint32_t event);
+  // What it makes of them as a function of those that are not left, and of no others: a table of Relations; levels of
+  // no place are left alone. Nothing, too, where it has too many parts.
+  std::optional<Table> function(Store& store, Node markings, std::uint32_t event);
 
  private:
   using Id = Relations::Id;
@@ -40,15 +41,27 @@ class SetEvolution {
     Way asked, way;
     std::uint32_t enabled = 0, safe = 0, fires = 0;
     bool known = false, never = false, unsafe = false, safe_at_once = false;
-    std::vector<std::uint32_t> alone;  // conditions under which it may fire alone
+    // Conditions under which it may fire alone, and under which it may not; the latter also as suffixes.
+    std::vector<std::uint32_t> alone;
+    std::vector<std::pair<std::uint32_t, Way>> beside;
   };
+  // A firing in all markings that enable a transition, but for those of some conditions.
+  struct Fired {
+    std::uint32_t t;
+    std::vector<Way> beside;
+  };
+  // How it goes on: a transition has fired; none is enabled; some are, but none may fire alone; a firing is unsafe.
+  enum class Went { kOn, kEnd, kStuck, kUnsafe };
 
-  bool run(Store& store, Held& markings, std::uint32_t event);
-  bool fire_first(Store& store, Held& markings, std::uint32_t end, bool& any);
-  bool fire(Store& store, Held& markings, Node enabled, std::uint32_t t);
-  bool alone(Store& store, Node enabled, std::uint32_t t);
-  bool only(Store& store, Node enabled, std::uint32_t t);
-  bool unreached(Store& store, Node enabled, std::uint32_t t);
+  bool run(Store& store, Held& markings, Held& left, std::uint32_t event);
+  Went fire_first(Store& store, Held& markings, std::uint32_t end);
+  bool fire(Store& store, Held& markings, Node where, Fired fired);
+  std::vector<Way> not_alone(Store& store, Node enabled, std::uint32_t t);
+  std::vector<Way> others(Store& store, Node enabled, std::uint32_t t);
+  std::optional<std::vector<Way>> clashing(Store& store, Node enabled, std::uint32_t t);
+  Node without(Store& store, Node markings, const std::vector<Way>& conditions);
+  Id fires(Relations& relations, Store& store, const Fired& fired, bool back);
+  Node before(Store& store, Node markings, std::size_t firings);
   Step& step(Store& store, std::uint32_t t);
   void begin(Store& store);
   Id among(Store& store, Node markings, Level from);
@@ -65,7 +78,7 @@ class SetEvolution {
   std::vector<bool> of_place_;        // levels
   std::vector<std::uint32_t> won_;    // that have won a token, and may be enabled; the newest last
   std::vector<Word> has_won_;
-  std::vector<std::uint32_t> fired_;  // the event and what has fired since
+  std::vector<Fired> fired_;          // the event and what has fired since
   std::unordered_map<std::uint64_t, Id> among_;
 };
 

@@ -26,7 +26,7 @@ Places sorted(Places places) {
 Stubborn::Stubborn(const SafeNet& net, const Places& initial)
     : net_(net), units_of_(net.places_), bounded_(net.words_), rivals_(net.firings_.size()),
       crowders_(net.firings_.size()), event_(net.words_),
-      known_(net.firings_.size()), marked_(net.words_), givers_(net.places_) {
+      known_(net.firings_.size()), marked_(net.words_), giver_(net.places_), givers_(net.places_) {
   std::map<std::pair<Places, Places>, std::uint32_t> numbers;
   for (const Firing& firing : net.firings_)
     does_.push_back(numbers.try_emplace({sorted(firing.take), sorted(firing.put)}, std::uint32_t(numbers.size())).first->second);
@@ -114,13 +114,22 @@ std::optional<std::uint32_t> Stubborn::alone(const Word* marking, const std::vec
       if (known_[t] == Known::kAlone) return t;
     }
   }
-  relax(marking, end, here_);
-  for (std::uint32_t t = first; t < end; t = next_bit(enabled.data(), words, t + 1))
-    if (judge(t, here_)) {
-      if (reads) note_absence(end, [&](const Places& need) { return reads->missing(need, marked_.data()); });
+  for (const bool waiting : {false, true}) {  // whether what waits for it is left out, each asked for by itself
+    if (!waiting) relax(marking, end, here_);
+    for (std::uint32_t t = first; t < end; t = next_bit(enabled.data(), words, t + 1)) {
+      if (waiting && brings_about(t)) continue;
+      if (waiting) relax(marking, end, here_, t);
+      if (!judge(t, here_)) continue;
+      if (reads) note_absence(end, [&](const Places& need) { return reads->missing(need, marked_.data()); }, waiting ? t : kNoBit);
       return t;
     }
+  }
   return std::nullopt;
+}
+
+// Whether transitions of lower ranks may fire because one has fired.
+bool Stubborn::brings_about(std::uint32_t t) const {
+  return std::any_of(net_.winners_[t].begin(), net_.winners_[t].end(), [&](std::uint32_t u) { return net_.rank_end_[u] < net_.rank_end_[t]; });
 }
 
 Means Stubborn::means(std::optional<std::uint32_t> found, const std::vector<Word>& enabled, std::uint32_t first) const {
@@ -130,20 +139,26 @@ Means Stubborn::means(std::optional<std::uint32_t> found, const std::vector<Word
   return has_bit(apart_.data(), *found) ? Means::kArcs : Means::kUnits;
 }
 
-// Notes the internal transitions before one of a later rank that may fire from a marking on if tokens are never taken.
-void Stubborn::relax(const Word* marking, std::uint32_t end, std::vector<Word>& may) {
+// Notes the internal transitions before one of a later rank, one of them aside, that may fire from a marking on if tokens
+// are never taken.
+void Stubborn::relax(const Word* marking, std::uint32_t end, std::vector<Word>& may, std::uint32_t without) {
   std::fill(may.begin(), may.end(), 0);
   std::copy_n(marking, net_.words_, marked_.begin());
   net_.collect(marking, net_.internal_, may);
   for (std::size_t w = end / 64; w < may.size(); ++w) may[w] &= w == end / 64 ? (Word(1) << end % 64) - 1 : 0;
+  if (without != kNoBit) may[without / 64] &= ~(Word(1) << without % 64);
   queue_.clear();
   for (std::uint32_t t = 0; (t = next_bit(may.data(), may.size(), t)) != kNoBit; ++t) queue_.push_back(t);
   while (!queue_.empty()) {
     const std::uint32_t t = queue_.back();
     queue_.pop_back();
-    for (const std::uint32_t p : net_.firings_[t].put) set_bit(marked_.data(), p);
+    for (const std::uint32_t p : net_.firings_[t].put) {
+      if (has_bit(marked_.data(), p)) continue;
+      set_bit(marked_.data(), p);
+      giver_[p] = t;
+    }
     for (const std::uint32_t u : net_.winners_[t])
-      if (u < end && !has_bit(may.data(), u) && net_.covers(marked_.data(), u)) {
+      if (u < end && u != without && !has_bit(may.data(), u) && net_.covers(marked_.data(), u)) {
         set_bit(may.data(), u);
         queue_.push_back(u);
       }
@@ -173,6 +188,47 @@ bool Stubborn::judge(std::uint32_t t, const std::vector<Word>& may) {
       }
   }
   return true;
+}
+
+void Stubborn::beside_others(const Word* marking, std::uint32_t t, Places& marked) {
+  const std::uint32_t end = net_.rank_end_[t];
+  const auto rival = [&](std::uint32_t u) {
+    for (const auto* others : {&rivals_[u], &crowders_[u]})
+      for (const std::uint32_t v : *others)
+        if (v < end && has_bit(here_.data(), v)) return v;
+    return kNoBit;
+  };
+  // What it brings about, up to the first that clashes with one in reach; and, backward, who brought that about.
+  std::vector<std::uint32_t> brought{t}, by{kNoBit}, asked;
+  std::fill(brought_.begin(), brought_.end(), 0);
+  set_bit(brought_.data(), t);
+  for (std::size_t at = 0; at < brought.size() && asked.empty(); ++at) {
+    if (const std::uint32_t other = rival(brought[at]); other != kNoBit) {
+      asked.push_back(other);
+      for (std::size_t of = at; by[of] != kNoBit; of = by[of]) asked.push_back(brought[of]);
+      break;
+    }
+    for (const std::uint32_t u : net_.winners_[brought[at]])
+      if (net_.rank_end_[u] < end && has_bit(here_.data(), u) && !has_bit(brought_.data(), u)) {
+        set_bit(brought_.data(), u);
+        brought.push_back(u);
+        by.push_back(std::uint32_t(at));
+      }
+  }
+  std::fill(brought_.begin(), brought_.end(), 0);  // from here on what is in reach by the places
+  for (const std::uint32_t u : asked) set_bit(brought_.data(), u);
+  while (!asked.empty()) {
+    const std::uint32_t u = asked.back();
+    asked.pop_back();
+    for (const std::uint32_t p : net_.firings_[u].need) {
+      if (has_bit(marking, p)) {
+        marked.push_back(p);
+      } else if (!has_bit(brought_.data(), giver_[p])) {
+        set_bit(brought_.data(), giver_[p]);
+        asked.push_back(giver_[p]);
+      }
+    }
+  }
 }
 
 // Whether none of some transitions before one of a later rank clashes with one; notes which would, were they there.

@@ -19,6 +19,8 @@ enum class Means : std::uint8_t { kOnly, kArcs, kUnits, kReach, kEvery };
 // is x or of D, and no place that these take from may come to hold two tokens, every run from M has one that begins with
 // x and has the same end (papers/mcpn.md, Proposition 3).
 //
+// Where D is empty, F need hold only what may fire as long as x does not: what waits for x is no rival of it.
+//
 // Two that need different places of a unit are never enabled at a time.
 class Stubborn {
  public:
@@ -38,10 +40,18 @@ class Stubborn {
   template <class Choose> bool alone_from(const Word* marking, std::uint32_t t, Choose choose) {
     const std::uint32_t end = net_.rank_end_[t];
     relax(marking, end, here_);
-    if (!judge(t, here_)) return false;
-    note_absence(end, [&](const Places& need) { return choose(need, marked_); });
+    std::uint32_t without = kNoBit;
+    if (!judge(t, here_)) {
+      if (brings_about(t)) return false;
+      relax(marking, end, here_, without = t);
+      if (!judge(t, here_)) return false;
+    }
+    note_absence(end, [&](const Places& need) { return choose(need, marked_); }, without);
     return true;
   }
+  // Of one that may not fire alone there, as alone_from has just found: marked places for which it may not in any marking
+  // that has them and enables it.
+  void beside_others(const Word* marking, std::uint32_t t, Places& marked);
   // Whether two transitions take and put the same, so that it makes no difference which of them fires.
   bool alike(std::uint32_t t, std::uint32_t u) const { return does_[t] == does_[u]; }
   // Whether two places are in one unit.
@@ -56,10 +66,11 @@ class Stubborn {
   enum class Known : std::uint8_t { kNot, kAlone, kBesideOthers };
 
   bool apart(std::uint32_t t, std::uint32_t u) const;
-  void relax(const Word* marking, std::uint32_t end, std::vector<Word>& may);
+  bool brings_about(std::uint32_t t) const;
+  void relax(const Word* marking, std::uint32_t end, std::vector<Word>& may, std::uint32_t without = kNoBit);
   bool judge(std::uint32_t t, const std::vector<Word>& may);
   bool free(std::uint32_t t, std::uint32_t end, const std::vector<Word>& may);
-  template <class Choose> void note_absence(std::uint32_t end, Choose choose);
+  template <class Choose> void note_absence(std::uint32_t end, Choose choose, std::uint32_t without);
 
   const SafeNet& net_;
   std::size_t units_ = 0;
@@ -74,7 +85,7 @@ class Stubborn {
   std::vector<Word> event_, behind_event_, here_;
   std::vector<Known> known_;
   std::vector<Word> marked_, brought_;                  // of relax and judge
-  std::vector<std::uint32_t> queue_;
+  std::vector<std::uint32_t> queue_, giver_;            // giver_: by place that relax has marked, what marked it
   std::vector<std::vector<std::uint32_t>> givers_;      // by place, the internal transitions that put into it
   std::vector<std::uint32_t> does_;                     // by transition, the number of what it takes and puts
   std::vector<std::uint32_t> absent_;                   // those that judge looked for, and that may not fire
@@ -84,7 +95,7 @@ class Stubborn {
 // Those that judge found absent may not fire, wherever places that they need are as empty as here, and those absent that
 // put into these. The others would only leave it more to judge. Nor does it matter of one that does the same as another
 // one that is brought about, and that clashes with none here.
-template <class Choose> void Stubborn::note_absence(std::uint32_t end, Choose choose) {
+template <class Choose> void Stubborn::note_absence(std::uint32_t end, Choose choose, std::uint32_t without) {
   for (const std::uint32_t u : missed_) {
     bool twin = false;
     for (std::uint32_t v = 0; !twin && (v = next_bit(brought_.data(), brought_.size(), v)) != kNoBit; ++v)
@@ -98,7 +109,7 @@ template <class Choose> void Stubborn::note_absence(std::uint32_t end, Choose ch
     absent_.pop_back();
     const std::uint32_t empty = choose(net_.firings_[u].need);
     for (const std::uint32_t t : givers_[empty])
-      if (t < end && !has_bit(brought_.data(), t)) {
+      if (t < end && t != without && !has_bit(brought_.data(), t)) {
         set_bit(brought_.data(), t);
         absent_.push_back(t);
       }

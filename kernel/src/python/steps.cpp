@@ -166,17 +166,19 @@ class PyBigSteps {
     if (!open(found.has_value())) return std::nullopt;
     return std::tuple(packed(found->first), found->first.size(), found->second);
   }
-  std::optional<Handle> after(const Handle& markings, std::uint32_t event) {
+  std::optional<std::tuple<Handle, Handle>> after(const Handle& markings, std::uint32_t event) {
     check(*markings.owner);
     if (!net_.is_event(event)) throw std::invalid_argument("no such event");
-    bool found = false;
+    std::optional<std::pair<Node, Node>> found;
+    std::optional<Handle> left;
     const Handle made = computed(markings.owner, [&](Store& store) {
       evolved_ = markings.owner;
-      const std::optional<Node> node = evolution_.after(store, markings.node, event);
-      found = node.has_value();
-      return node.value_or(0);
+      found = evolution_.after(store, markings.node, event);
+      if (found) left.emplace(markings.owner, found->second);
+      return found ? found->first : 0;
     });
-    return found ? std::optional(made) : std::nullopt;
+    if (!found) return std::nullopt;
+    return std::tuple(made, *left);
   }
   std::optional<nb::bytes> function(const Handle& markings, std::uint32_t event) {
     check(*markings.owner);

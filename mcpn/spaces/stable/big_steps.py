@@ -37,7 +37,7 @@ MOST_STEPS = 200_000
 """Big steps of all events together."""
 MOST_SINGLY = 20_000
 """Those that are found one by one before all markings are tried, which may be reached far sooner."""
-FEW_STEPS = 200
+FEW_STEPS = 50
 """Big steps of one event that are found one by one before it is run from whole sets of states."""
 MOST_KEPT = 100_000
 """Transient markings that the proof may keep behind one event."""
@@ -95,8 +95,8 @@ class _Reaching:
     """A search for all stable states.
 
     The big steps of an event are found one by one, until they are many. From then on it is run to completion
-    from whole sets of states; its function of states is computed when all states are known. Where that cannot
-    be done, its big steps are found one by one after all.
+    from whole sets of states; its function of states is computed when all states are known. States from
+    which it cannot be run so are told apart, and its big steps from these are found one by one.
 
     Args:
         prepared: A net with priorities.
@@ -123,8 +123,6 @@ class _Reaching:
         self._left = most
         self._done: dict[int, Zdd] = {}
         """By transition that is run from whole sets of states, those from which it has been run."""
-        self._single = set[int]()
-        """Transitions that cannot be run from whole sets: their big steps are found one by one."""
 
     def search(self) -> tuple[Zdd, dict[int, bytes]] | None:
         """All stable states and the big steps between them, as :func:`reach_in_big_steps` finds them."""
@@ -133,70 +131,84 @@ class _Reaching:
             assert reached is not None, "there is a fresh state"
             wider = reached
             for label, t in self._events:
-                if t not in self._done and not self._cover(label, t, fresh):
+                if t not in self._done and not self._cover_few(label, t, fresh):
                     return None
                 if t in self._done:
                     after = self._after_all(label, t, wider)
-                    if after is not None:
-                        wider |= after
-                    elif not self._cover(label, t, wider):
+                    if after is None:
                         return None
+                    wider |= after
             wider = wider.saturate(list(chain.from_iterable(self._ahead.values())))
             fresh, reached = wider - reached, wider
         return None if reached is None or not self._make_functions(reached) else (reached, self._steps)
 
     def _enabling(self, states: Zdd, t: int) -> Zdd:
-        return self._encoding.restricted(states, (*self._safe[t].consume, *self._safe[t].read))
+        """Those of some states in which an event may happen and no big step of it is known."""
+        enabling = self._encoding.restricted(states, (*self._safe[t].consume, *self._safe[t].read))
+        return enabling.without(self._known[t])
 
-    def _cover(self, label: int, t: int, states: Zdd) -> bool:
-        """Finds big steps of an event one by one; false where they are too many, or tell of no outcome."""
-        asked = self._enabling(states, t).without(self._known[t])
-        if not asked:
-            return True
-        most = self._left if t in self._single else min(self._few, self._left)
-        covering = self._kernel.cover(asked, label, most)
+    def _cover_few(self, label: int, t: int, states: Zdd) -> bool:
+        """Finds big steps one by one; where they are too many, the event is run from whole sets from now on.
+
+        Returns:
+            False where they tell of no outcome, or no more may be found.
+        """
+        asked = self._enabling(states, t)
+        most = min(self._few, self._left)
+        covering = self._kernel.cover(asked, label, most) if asked else (b"", 0, True)
         if covering is None:
             return False
         ways, count, complete = covering
-        if not complete and t not in self._single and most < self._left:
+        if complete:
+            self._keep(t, ways, count)
+        elif most < self._left:
             self._done[t] = self._encoding.store.empty()
+            self._known[t] = []
             self._steps.pop(t, None), self._ahead.pop(t, None)
-            return True
-        if not complete:
+            complete = True
+        return complete
+
+    def _cover(self, label: int, t: int, asked: Zdd) -> bool:
+        """Finds the big steps from some states one by one; false where there are too many, or no outcome."""
+        covering = self._kernel.cover(asked, label, self._left)
+        if covering is None:
             return False
+        ways, count, complete = covering
+        if complete:
+            self._keep(t, ways, count)
+        return complete
+
+    def _keep(self, t: int, ways: bytes, count: int) -> None:
+        if not count:
+            return
         store = self._encoding.store
         self._left -= count
         self._steps[t] = self._steps.get(t, b"") + ways
         self._ahead.setdefault(t, []).extend(choices(store, ways, "ahead", ()))
         self._known[t] += choices(store, ways, "where", ())
-        return True
 
     def _after_all(self, label: int, t: int, states: Zdd) -> Zdd | None:
-        """The states after an event from all from which it was not run yet; ``None`` where it cannot be."""
-        asked = self._enabling(states - self._done[t], t)
-        after = self._kernel.after(asked, label) if asked else asked
-        if after is None:
-            self._give_up_sets(t)
-        else:
-            self._done[t] = states
-        return after
+        """The states after an event from all from which it was not run yet; ``None`` where it has no outcome.
 
-    def _give_up_sets(self, t: int) -> None:
-        """From now on the big steps of this transition are found one by one."""
-        del self._done[t]
-        self._known[t] = []
-        self._single.add(t)
+        Those after big steps that are found one by one are not among them.
+        """
+        asked = self._enabling(states - self._done[t], t)
+        if not asked:
+            return asked
+        found = self._kernel.after(asked, label)
+        if found is None or (found[1] and not self._cover(label, t, found[1])):
+            return None
+        self._done[t] = states
+        return found[0]
 
     def _make_functions(self, states: Zdd) -> bool:
         """Computes the function of each event that was run from sets; false where one is too large."""
         for label, t in self._events:
-            if t in self._done:
-                function = self._kernel.function(self._enabling(states, t), label)
+            if t in self._done and (asked := self._enabling(states, t)):
+                function = self._kernel.function(asked, label)
                 if function is not None:
-                    self._steps[t] = function
-                    continue
-                self._give_up_sets(t)
-                if not self._cover(label, t, states):
+                    self._steps[t] = function + self._steps.get(t, b"")
+                elif not self._cover(label, t, asked):
                     return False
         return True
 

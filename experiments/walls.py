@@ -1,0 +1,135 @@
+"""Families of missions whose events concern everything at once: producers that crash, one sensor for all, pauses.
+
+They import nothing of ``growth.py``, which measures them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from mcpn.mission.model import SUCCEED, Block, Handler, Mission, Objective, Parallel, Recursive
+from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Fault, Hardware, Robot, Software
+
+
+def activity(
+    name: str, *ways: Sequence[str], produces: tuple[str, ...] = (), crashing: bool = False
+) -> Activity:
+    """An activity whose alternatives consume what each way names, and may crash."""
+    alternatives = tuple(
+        Alternative(name=f"{name}_{i}", consumes=tuple(way), faulty=crashing) for i, way in enumerate(ways)
+    )
+    return Activity(name=name, alternatives=alternatives, produces=produces)
+
+
+def mission(
+    hardware: Iterable[str],
+    activities: Sequence[Activity],
+    blocks: Sequence[Block],
+    handlers: tuple[Handler, ...] = (),
+    events: tuple[str, ...] = (),
+    faults: tuple[Fault, ...] = (),
+) -> Mission:
+    """A mission of one robot."""
+    robot = Robot(
+        name="robot",
+        hardware=tuple(Hardware(name=h) for h in hardware),
+        faults=faults,
+        software=tuple(Software(name=s) for a in activities for s in a.produces),
+        activities=tuple(activities),
+        events=tuple(DeclaredEvent(name=e) for e in events),
+    )
+    return Mission(name="grown", robots=(robot,), blocks=tuple(blocks), handlers=handlers)
+
+
+def crashing(size: int) -> Mission:
+    """Producers with two ways of their own, each of which may crash, and one consumer of all."""
+    makers = [activity(f"make{i}", (f"a{i}",), (f"b{i}",), produces=(f"d{i}",), crashing=True) for i in range(size)]
+    use = activity("use", tuple(f"d{i}" for i in range(size)))
+    hardware = [f"{side}{i}" for i in range(size) for side in "ab"]
+    return mission(hardware, [*makers, use], [Objective(name="go", activities=("use",))])
+
+
+def fused(size: int) -> Mission:
+    """Data of one camera, each with a fallback of its own, which one activity fuses."""
+    capture = activity("capture", ("cam",), produces=("image",))
+    makers = [activity(f"see{i}", ("image",), (f"h{i}",), produces=(f"d{i}",)) for i in range(size)]
+    fuse = activity("fuse", tuple(f"d{i}" for i in range(size)))
+    hardware = ["cam", *(f"h{i}" for i in range(size))]
+    return mission(hardware, [capture, *makers, fuse], [Objective(name="go", activities=("fuse",))])
+
+
+def overlapping(size: int) -> Mission:
+    """Common causes that each take two neighbours out of service, and one activity with a way for each."""
+    hardware = [f"h{i}" for i in range(size + 1)]
+    faults = tuple(Fault(name=f"f{i}", affects=(f"h{i}", f"h{i + 1}")) for i in range(size))
+    work = activity("work", *((f"h{i}",) for i in range(size)))
+    return mission(hardware, [work], [Objective(name="go", activities=("work",))], faults=faults)
+
+
+LOCALISATION = activity("localise", ("gps",), ("imu",), produces=("position",))
+
+
+def chains(branches: int, tasks: int, shared: bool = True) -> Mission:
+    """Branches of tasks in a row, each with hardware of its own, which all need one localisation."""
+    work = []
+    blocks: list[Block] = []
+    for b in range(branches):
+        of = [
+            activity(f"work{b}_{t}", ("position", f"h{b}_{t % 3}") if shared else (f"h{b}_{t % 3}",))
+            for t in range(min(tasks, 3))
+        ]
+        work += of
+        inside = tuple(
+            Objective(name=f"o{b}_{t}", activities=(f"work{b}_{t % 3}",)) for t in range(tasks)
+        )
+        blocks.append(Recursive(name=f"branch{b}", blocks=inside))
+    hardware = ["gps", "imu", *(f"h{b}_{t}" for b in range(branches) for t in range(min(tasks, 3)))]
+    return mission(hardware, [LOCALISATION, *work], [Parallel(name="all", blocks=tuple(blocks))])
+
+
+def pausing(size: int) -> Mission:
+    """Branches of two tasks that an event pauses all at once."""
+    work = [activity(f"work{b}_{t}", (f"h{b}_{t}",)) for b in range(size) for t in range(2)]
+    hide = activity("hide", ("hatch",))
+    branches = tuple(
+        Recursive(
+            name=f"branch{b}",
+            blocks=tuple(Objective(name=f"o{b}_{t}", activities=(f"work{b}_{t}",)) for t in range(2)),
+        )
+        for b in range(size)
+    )
+    block = Parallel(name="all", blocks=branches, handlers=(Handler(event="storm", pause="shelter"),), success=SUCCEED)
+    shelter = Objective(name="shelter", activities=("hide",))
+    hardware = ["hatch", *(f"h{b}_{t}" for b in range(size) for t in range(2))]
+    return mission(hardware, [hide, *work], [block, shelter], events=("storm",))
+
+
+def inspecting(sites: int) -> Mission:
+    """Sites that are each inspected with a retry, and may be skipped."""
+    go = activity("go", ("wheels", "pose"), ("wheels",))
+    pose = activity("locate", ("gps",), ("imu",), produces=("pose",))
+    look = activity("look", ("camera", "pose"), ("lidar",))
+    blocks: list[Block] = []
+    for i in range(sites):
+        onward = f"site{i + 1}" if i + 1 < sites else SUCCEED
+        inside = (
+            Objective(name=f"reach{i}", activities=("go",)),
+            Objective(name=f"inspect{i}", activities=("look",), retries=1),
+        )
+        blocks.append(Recursive(name=f"site{i}", blocks=inside, success=onward, failure=onward))
+    return mission(("wheels", "gps", "imu", "camera", "lidar"), [pose, go, look], blocks)
+
+
+def passing(size: int, contending: bool = True) -> Mission:
+    """Branches of which two could want one winch, and never do, as one is past it before the other begins."""
+    work = [activity(f"work{i}", ("position", f"h{i}"), ("position",)) for i in range(size)]
+    winch = [activity("lower", ("winch", "position")), activity("raise", ("winch" if contending else "winch2", "position"))]
+    first = Recursive(
+        name="first",
+        blocks=tuple(Objective(name=f"o{i}", activities=(f"work{i}",)) for i in range(size)),
+    )
+    down = Objective(name="down", activities=("lower",))
+    up = Objective(name="up", activities=("raise",))
+    block = Parallel(name="all", blocks=(first, down))
+    hardware = ["gps", "imu", "winch", "winch2", *(f"h{i}" for i in range(size))]
+    return mission(hardware, [LOCALISATION, *work, *winch], [block, up])
