@@ -1,4 +1,4 @@
-"""Families of missions whose events concern everything at once: producers that crash, one sensor for all, pauses.
+"""Families of missions whose events concern everything at once: crashes, one sensor for all, pauses.
 
 They import nothing of ``growth.py``, which measures them.
 """
@@ -43,7 +43,9 @@ def mission(
 
 def crashing(size: int) -> Mission:
     """Producers with two ways of their own, each of which may crash, and one consumer of all."""
-    makers = [activity(f"make{i}", (f"a{i}",), (f"b{i}",), produces=(f"d{i}",), crashing=True) for i in range(size)]
+    makers = [
+        activity(f"make{i}", (f"a{i}",), (f"b{i}",), produces=(f"d{i}",), crashing=True) for i in range(size)
+    ]
     use = activity("use", tuple(f"d{i}" for i in range(size)))
     hardware = [f"{side}{i}" for i in range(size) for side in "ab"]
     return mission(hardware, [*makers, use], [Objective(name="go", activities=("use",))])
@@ -79,9 +81,7 @@ def chains(branches: int, tasks: int, shared: bool = True) -> Mission:
             for t in range(min(tasks, 3))
         ]
         work += of
-        inside = tuple(
-            Objective(name=f"o{b}_{t}", activities=(f"work{b}_{t % 3}",)) for t in range(tasks)
-        )
+        inside = tuple(Objective(name=f"o{b}_{t}", activities=(f"work{b}_{t % 3}",)) for t in range(tasks))
         blocks.append(Recursive(name=f"branch{b}", blocks=inside))
     hardware = ["gps", "imu", *(f"h{b}_{t}" for b in range(branches) for t in range(min(tasks, 3)))]
     return mission(hardware, [LOCALISATION, *work], [Parallel(name="all", blocks=tuple(blocks))])
@@ -98,7 +98,9 @@ def pausing(size: int) -> Mission:
         )
         for b in range(size)
     )
-    block = Parallel(name="all", blocks=branches, handlers=(Handler(event="storm", pause="shelter"),), success=SUCCEED)
+    block = Parallel(
+        name="all", blocks=branches, handlers=(Handler(event="storm", pause="shelter"),), success=SUCCEED
+    )
     shelter = Objective(name="shelter", activities=("hide",))
     hardware = ["hatch", *(f"h{b}_{t}" for b in range(size) for t in range(2))]
     return mission(hardware, [hide, *work], [block, shelter], events=("storm",))
@@ -123,7 +125,10 @@ def inspecting(sites: int) -> Mission:
 def passing(size: int, contending: bool = True) -> Mission:
     """Branches of which two could want one winch, and never do, as one is past it before the other begins."""
     work = [activity(f"work{i}", ("position", f"h{i}"), ("position",)) for i in range(size)]
-    winch = [activity("lower", ("winch", "position")), activity("raise", ("winch" if contending else "winch2", "position"))]
+    winch = [
+        activity("lower", ("winch", "position")),
+        activity("raise", ("winch" if contending else "winch2", "position")),
+    ]
     first = Recursive(
         name="first",
         blocks=tuple(Objective(name=f"o{i}", activities=(f"work{i}",)) for i in range(size)),

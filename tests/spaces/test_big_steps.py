@@ -106,7 +106,14 @@ def test_big_steps_of_nets(net: PetriNet, few: int) -> None:
 
 
 @fewer(0.3)
-@given(missions() | missions(events=2, sections=4) | stacked_missions(), FEW, st.booleans())
+@given(
+    missions()
+    | missions(events=2, sections=4)
+    | missions(crashes=True, faults=2, sections=4, own_hardware=True)
+    | stacked_missions(),
+    FEW,
+    st.booleans(),
+)
 def test_big_steps_of_missions(of: Mission, few: int, by_clusters: bool) -> None:
     net = composed(of).net
     if settled(KernelNet(net), orders="one", max_states=50_000).states < 400:
@@ -174,6 +181,37 @@ def test_branches_that_share_a_producer_are_a_sum() -> None:
     assert few == 260  # as `mcpn alternatives --engine explicit` lists them
     assert many == 90_524
     assert long < short * 10
+
+
+def test_producers_that_crash_are_a_sum() -> None:
+    """No transition may fire alone in all markings behind the start: in some others are refused meanwhile."""
+
+    def of(count: int) -> PetriNet:
+        makers = (
+            replace(
+                made := activity(f"make{i}", (f"a{i}",), (f"b{i}",), produces=(f"d{i}",)),
+                alternatives=tuple(replace(way, faulty=True) for way in made.alternatives),
+            )
+            for i in range(count)
+        )
+        use = activity("use", tuple(f"d{i}" for i in range(count)))
+        hardware = (f"{side}{i}" for i in range(count) for side in "ab")
+        return compose(
+            mission(robot(hw(*hardware), *makers, use), Objective(name="o", activities=("use",)))
+        ).net
+
+    one, other = listed(of(2)), stepped(of(2), 0)
+    assert one is not None
+    assert other is not None
+    assert places_of(other[0], other[0].everything) == {*one[0]}
+    assert sum(other[0].firings(other[0].everything).values()) == len(one[1])
+    lengths = []
+    for count in (2, 4):
+        net = of(count)
+        found = stepped(net, 0, clustered(net))
+        assert found is not None
+        lengths.append(max(map(len, found[1].values())))
+    assert lengths[1] < lengths[0] * 8  # 5**count where the ways of each are multiplied
 
 
 def rows_in(steps: bytes) -> int:
