@@ -6,6 +6,7 @@ Each case is drawn from a seed of its own, so that a case that fails can be repe
 from __future__ import annotations
 
 import contextlib
+import io
 import json
 import random
 import shutil
@@ -15,7 +16,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 
-from tests.commands import mcpn
+from mcpn.runtime import Controller, ControllerFileError, SnapshotError
+from mcpn.runtime.__main__ import main as watch_log
+from tests.commands import Outcome, mcpn
 
 CODES = {0, 1, 2}
 SECONDS = 20
@@ -42,9 +45,10 @@ def complaint(arguments: Sequence[object]) -> str | None:
     """What is wrong with how the command line answers, or ``None``.
 
     Whatever it is given, it ends with a code of its contract, a sentence where it refuses, and one JSON value
-    where ``--json`` asks for it and the answer is 0 or 1.
+    where ``--json`` asks for it and the answer is 0 or 1. ``runtime`` in the place of a command stands for
+    what runs on a robot.
     """
-    found = mcpn(*arguments)
+    found = answer(arguments)
     told = f"{found.returncode}\n{found.stdout[-500:]}\n{found.stderr[-2000:]}"
     if found.returncode not in CODES:
         return f"exit code {told}"
@@ -62,6 +66,27 @@ def complaint(arguments: Sequence[object]) -> str | None:
         except ValueError as error:
             return f"no JSON value ({error}): {told}"
     return None
+
+
+def answer(arguments: Sequence[object]) -> Outcome:
+    """What a command, or what runs on a robot, answers."""
+    return _on_robot(*arguments[1:]) if arguments[0] == "runtime" else mcpn(*arguments)
+
+
+def _on_robot(*arguments: object) -> Outcome:
+    """``python -m mcpn.runtime``; or, with ``restore``, a controller that goes on from a snapshot."""
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        if arguments[0] != "restore":
+            return Outcome(
+                watch_log([str(argument) for argument in arguments]), out.getvalue(), err.getvalue()
+            )
+        controller, snapshot = (Path(str(argument)) for argument in arguments[1:])
+        try:
+            Controller.load(controller).restore(snapshot.read_text(errors="surrogateescape"))
+        except (ControllerFileError, SnapshotError) as error:
+            return Outcome(2, "", str(error))
+    return Outcome(0, "", "")
 
 
 def _refused(name: str) -> float:
@@ -139,6 +164,8 @@ class Seeds:
     nets: dict[str, tuple[bytes, ...]]
     properties: tuple[bytes, ...]
     formulas: tuple[str, ...]
+    made: dict[str, bytes]
+    """What mcpn made of the first mission and a robot reads, by its name."""
 
 
 DRIVERS = b"""never = ["GPS_EV_OOS",
@@ -155,6 +182,31 @@ port = 1883
 mqtt = {says = "robot/#"}
 lines = {"lost (?:GPS)" = "GPS_EV_OOS"}
 """
+ORDER = b"""# the lamp of its net
+on
+off
+broken
+"""
+RUN = b"""failure by GPS:
+  1. mission m starts: first.down begins  [MISSION_EV_START]
+  2. GPS fails, then
+     locate runs by_imu  [GPS_EV_OOS]
+  3. OBJ_first.down_EV_OK
+"""
+LINES = b"""# what a robot wrote
+MISSION_EV_START
+GPS_EV_OOS
+OBJ_first.down_EV_OK
+"""
+LISTED = b'["MISSION_EV_START", "GPS_EV_OOS", "OBJ_first.down_EV_OK"]'
+JOURNAL = b"""{"resumed": 0}
+{"number": 1, "event": "MISSION_EV_START", "refused": false, "actions": [], "section": "first.down"}
+{"number": 2, "event": "GPS_EV_OOS", "refused": false, "actions": [], "section": "first.down"}
+"""
+FAULTS = b"""0.5 GPS_EV_OOS
+1e-1 IMU_EV_OOS  # hours
+2 GPS_EV_RD
+"""
 LIMITS = ("--max-states", "200")
 
 
@@ -168,16 +220,9 @@ def a_case(seeds: Seeds, folder: Path, draw: random.Random) -> list[object]:
     at = folder / folder_name(draw)
     shutil.rmtree(at, ignore_errors=True)
     at.mkdir(parents=True)
-    kinds: list[Callable[[Seeds, Path, random.Random], list[object]]] = [
-        _mission_case,
-        _net_case,
-        _properties_case,
-        _formula_case,
-        _options_case,
-        _drivers_case,
-    ]
-    arguments = draw.choice(kinds)(seeds, at, draw)
-    if draw.random() < 0.5:
+    kind = draw.choice((*WRITTEN, *READ))
+    arguments = kind(seeds, at, draw)
+    if kind is not _runtime_case and draw.random() < 0.5:
         arguments.append("--json")
     return arguments
 
@@ -240,6 +285,46 @@ def _drivers_case(seeds: Seeds, at: Path, draw: random.Random) -> list[object]:
     return ["run", mission, "--drivers", path, "--check"]
 
 
+def _order_case(seeds: Seeds, at: Path, draw: random.Random) -> list[object]:
+    net, path = at / "n.net", at / "order.txt"
+    net.write_bytes(seeds.nets[".net"][0])
+    path.write_bytes(mutated(ORDER, draw))
+    return ["states", net, "--engine", "symbolic", "--order", path]
+
+
+def _events_case(seeds: Seeds, at: Path, draw: random.Random) -> list[object]:
+    mission, path = at / "m.xml", at / "events.txt"
+    mission.write_bytes(seeds.missions[0])
+    path.write_bytes(mutated(draw.choice((RUN, LISTED, JOURNAL)), draw))
+    return ["simulate", mission, "--events", path]
+
+
+def _log_case(seeds: Seeds, at: Path, draw: random.Random) -> list[object]:
+    mission, path = at / "m.xml", at / "robot.log"
+    mission.write_bytes(seeds.missions[0])
+    path.write_bytes(mutated(draw.choice((LINES, JOURNAL)), draw))
+    return ["monitor", mission, "--log", path, *draw.choice(((), ("--within-mission",)))]
+
+
+def _faults_case(seeds: Seeds, at: Path, draw: random.Random) -> list[object]:
+    mission, path = at / "m.xml", at / "faults.txt"
+    mission.write_bytes(seeds.missions[0])
+    path.write_bytes(mutated(FAULTS, draw))
+    return ["bench", mission, "--runs", "2", "--seed", "1", "--faults", path]
+
+
+def _runtime_case(seeds: Seeds, at: Path, draw: random.Random) -> list[object]:
+    """Files that a robot reads, one of them mutated."""
+    texts = dict(seeds.made) | {"robot.log": draw.choice((LINES, JOURNAL))}
+    changed = draw.choice(list(texts))
+    texts[changed] = mutated(texts[changed], draw)
+    for name, text in texts.items():
+        (at / name).write_bytes(text)
+    if changed in ("controller.json", "snapshot"):
+        return ["runtime", "restore", at / "controller.json", at / "snapshot"]
+    return ["runtime", at / "monitors.json", at / "robot.log"]
+
+
 def _formula_case(seeds: Seeds, at: Path, draw: random.Random) -> list[object]:
     path = at / "m.xml"
     path.write_bytes(seeds.missions[0])
@@ -269,3 +354,17 @@ def _options_case(seeds: Seeds, at: Path, draw: random.Random) -> list[object]:
                 *arguments,
                 *(("--severity", f"mission lost={odd}") if arguments[0] == "causes" else (odd,)),
             ]
+
+
+Kind = Callable[[Seeds, Path, random.Random], list[object]]
+WRITTEN: tuple[Kind, ...] = (
+    _mission_case,
+    _net_case,
+    _properties_case,
+    _formula_case,
+    _options_case,
+    _drivers_case,
+)
+"""Of what people write, the options of a command among it."""
+READ: tuple[Kind, ...] = (_order_case, _events_case, _log_case, _faults_case, _runtime_case)
+"""Of what beside a mission is read again: runs, logs, orders, controllers, snapshots."""

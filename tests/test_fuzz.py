@@ -10,7 +10,9 @@ import pytest
 from mcpn.drawing.compose import compose
 from mcpn.mission.xml import read_mission
 from mcpn.nets.formats import save_net
-from tests.mutation import SECONDS, Seeds, a_case, at_most, complaint
+from mcpn.runtime import Controller
+from tests.commands import mcpn
+from tests.mutation import READ, SECONDS, Seeds, a_case, answer, at_most, complaint
 
 MISSION = b"""<mission name="m" description="a &lt;small> mission" xmlns="urn:mcpn:mission:1">
   <robot name="r">
@@ -26,6 +28,8 @@ MISSION = b"""<mission name="m" description="a &lt;small> mission" xmlns="urn:mc
   <protocols><protocol name="look">
     <objective name="down" activities="dive" duration="0.5"/>
   </protocol></protocols>
+  <requirement name="deep" formula="G (objective(both.a) -> activity(dive))"/>
+  <requirement name="first"><precedence of="objective(both.b)" by="happens(MISSION_EV_START)"/></requirement>
   <use protocol="look" name="first" failure="both"/>
   <parallel name="both" failure="fail">
     <objective name="a" activities="dive" duration="1"/>
@@ -66,7 +70,7 @@ pl broken (0)
 tr press : on_event off -> on
 tr again on -> off
 tr burn on -> broken
-pr press > burn
+pr press again > burn
 """
 WELL = b"""net well
 pl p (2)
@@ -102,7 +106,27 @@ def seeds(tmp_path_factory: pytest.TempPathFactory) -> Seeds:
     for suffix in (".pnml", ".json", ".net"):
         save_net(net, folder / f"n{suffix}")
         written[suffix] = (*written.get(suffix, ()), (folder / f"n{suffix}").read_bytes())
-    return Seeds((MISSION, IMPORTING, UNUSED, CONTENTION, NEWER), written, (PROPERTIES,), FORMULAS)
+    assert mcpn("controller", folder / "m.xml", "-o", folder / "made").returncode == 0
+    assert mcpn("monitor", folder / "m.xml", "-o", folder / "made").returncode == 0
+    made = {name: (folder / "made" / name).read_bytes() for name in ("controller.json", "monitors.json")}
+    controller = Controller.load(folder / "made" / "controller.json")
+    controller.handle("MISSION_EV_START")
+    made["snapshot"] = controller.snapshot().encode()
+    missions = (MISSION, IMPORTING, UNUSED, CONTENTION, NEWER)
+    return Seeds(missions, written, (PROPERTIES,), FORMULAS, made)
+
+
+def test_what_is_mutated_is_read_as_it_is(
+    seeds: Seeds, tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
+    """Unchanged, every kind of file is accepted: what is drawn is near what is read."""
+    request.getfixturevalue("monkeypatch").setattr("tests.mutation.mutated", lambda data, _draw: data)
+    (tmp_path / "case").mkdir()
+    for kind in READ:
+        for case in range(12):
+            arguments = kind(seeds, tmp_path / "case", random.Random(case))
+            found = answer(arguments)
+            assert found.returncode == 0, f"{arguments}: {found.stderr}"
 
 
 def check_cases(seeds: Seeds, folder: Path, cases: range, request: pytest.FixtureRequest) -> None:
