@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import sys
 from pathlib import Path
 
@@ -128,6 +129,74 @@ def test_a_chain_too_large_has_no_numbers_and_the_rest_is_answered(tmp_path: Pat
     found = json.loads(run.stdout)
     assert (found["no_risk"], found["mission"]["cut_sets"], "risk" in found) == (why, [["H"]], False)
     assert output("causes", path, "--rates", "--engine", "explicit", "--max-chain", "9")["risk"]
+
+
+def convoy(carts: int) -> str:
+    """Carts that drive at the same time, each with a motor that can be repaired and one that cannot."""
+    motors = "".join(
+        f"""<hardware name="motor{i}" failure_rate="1e-4" repair_rate="0.1"/>
+        <hardware name="spare{i}" failure_rate="1e-4"/>
+        <activity name="drive{i}"><alternative name="by_motor" consumes="motor{i}"/>
+        <alternative name="by_spare" consumes="spare{i}"/></activity>"""
+        for i in range(carts)
+    )
+    driving = "".join(f'<objective name="go{i}" activities="drive{i}" duration="2"/>' for i in range(carts))
+    return f"""<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r">{motors}</robot>
+    <parallel name="convoy">{driving}</parallel></mission>"""
+
+
+def greenhouse(beds: int) -> str:
+    """Beds that are watered and lit at the same time, then a tour, which frost cuts short."""
+    each = "".join(
+        f"""<hardware name="valve{i}" failure_rate="1e-4" repair_rate="0.2"/>
+        <hardware name="lamp{i}" failure_rate="1e-3" repair_rate="0.1"/>
+        <activity name="water{i}" consumes="pump valve{i}"/><activity name="light{i}" consumes="lamp{i}"/>"""
+        for i in range(beds)
+    )
+    tended = "".join(
+        f"""<objective name="watering{i}" activities="water{i}" duration="2"/>
+        <objective name="lighting{i}" activities="light{i}" duration="6" mandatory="false"/>"""
+        for i in range(beds)
+    )
+    return f"""<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r"><event name="frost" rate="1e-3"/>
+    <hardware name="wheels" failure_rate="1e-4"/>
+    <hardware name="pump" failure_rate="1e-4" shared="true"/>{each}
+    <activity name="drive" consumes="wheels"/></robot>
+    <on event="frost" goto="home"/><parallel name="convoy">{tended}</parallel>
+    <objective name="tour" activities="drive" duration="1"/>
+    <objective name="home" activities="drive" duration="1"/>
+    </mission>"""
+
+
+@pytest.mark.parametrize("text", [convoy(4), greenhouse(3)], ids=["convoy", "greenhouse"])
+def test_of_a_large_mission_all_but_the_numbers_is_told(text: str, tmp_path: Path) -> None:
+    path, page = tmp_path / "m.xml", tmp_path / "page.html"
+    path.write_text(text)
+    assert mcpn("check", path).returncode == 0
+
+    run = mcpn("causes", path, "--rates", "--json")
+    assert run.returncode == 2
+    found = json.loads(run.stdout)
+    said = re.fullmatch(
+        r"numbers of risk: not computed: section convoy has ([0-9,]+) states: "
+        r"numbers of risk list every state, the limit is 50,000 \(--max-chain\)",
+        found["no_risk"],
+    )
+    assert said
+    assert found["mission"]["cut_sets"]
+    assert run.stderr == f"error: {found['no_risk']}\n"
+
+    assert mcpn("report", path, "-o", page).returncode == 0
+    assert f"section convoy has {said[1]} states: numbers of risk list every state" in page.read_text()
+
+
+def test_the_states_that_are_too_many_are_counted(tmp_path: Path) -> None:
+    """The mission is one section: its states are those that another engine counts of the whole net."""
+    path = tmp_path / "m.xml"
+    path.write_text(convoy(4))
+    run = mcpn("causes", path, "--rates", "--max-chain", "1000", "--engine", "local")
+    states = output("alternatives", path, "--engine", "symbolic")["states"]
+    assert f"not computed: section convoy has {states:,} states" in run.stderr
 
 
 def test_without_scipy_rates_name_their_extra_and_the_rest_is_answered(
