@@ -559,7 +559,7 @@ def test_a_controller_in_two_levels_is_the_default(tmp_path: Path) -> None:
     run = mcpn("controller", ULYSSE, "-o", tmp_path)
     assert "5 sections of 2 types" in run.stdout
     document = json.loads((tmp_path / "controller.json").read_text())
-    assert (document["format"], document["version"]) == ("mcpn-controller", 2)
+    assert (document["format"], document["version"]) == ("mcpn-controller", 1)
     assert (len(document["sections"]), len(document["types"])) == (5, 2)
 
 

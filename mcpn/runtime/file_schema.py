@@ -21,7 +21,9 @@ class ControllerFileError(DamagedFile):
     """A file is no controller, or no monitors, that this runtime can run."""
 
 
-FORMAT, VERSIONS, MODULAR = "mcpn-controller", (2, 3, 4, 5, 6), (4, 6)
+FORMAT, VERSION = "mcpn-controller", 1
+FORMS = ("flat", "hierarchical", "modular")
+"""Of a controller: machines with states, or in the last one rules."""
 ENDS = {"succeed": "success", "fail": "failure", "abort": "abort"}
 VERBS = {
     "stop": {"activity"},
@@ -123,16 +125,17 @@ def check_shape(document: Any) -> None:
     if not isinstance(document, dict) or document.get("format") != FORMAT:
         raise ControllerFileError(f"expected an object whose format is {FORMAT}")
     version = document.get("version")
-    if type(version) is not int or version not in VERSIONS:
-        raise ControllerFileError(f"version {version!r} found, {' or '.join(map(str, VERSIONS))} expected")
+    if type(version) is not int or version != VERSION:
+        raise ControllerFileError(f"version {version!r} found, {VERSION} expected")
     _CONTROLLER(document, "the controller")
-    rules = version in MODULAR
+    _member(document["form"], FORMS, "form")
+    rules = document["form"] == FORMS[-1]
     exits = []
     for number, row in enumerate(document["types"]):
         where = f"types[{number}]"
         (_RULES if rules else _MACHINE)(row, where)
         (_check_rules if rules else _check_machine)(row, where)
-        left = {of.get("to") for of in row["effects" if rules else "edges"]}
+        left = {of["to"] for of in row["effects" if rules else "edges"]}
         exits.append({outcome for outcome in left if type(outcome) is str})
     for number, row in enumerate(document["sections"]):
         where = f"sections[{number}]"
@@ -145,12 +148,12 @@ def check_shape(document: Any) -> None:
         raise ControllerFileError("sections: two have one name")
     _member(document["initial"], known, "initial")
     for key in ("out_of_service", "unrepairable", "crashing"):
-        for name in document.get(key, ()):
+        for name in document[key]:
             _member(name, document["hardware"], key)
-    for name in document.get("late", {}):
+    for name in document["late"]:
         _member(name, document["hardware"], "late")
-    flags = {flag for values in document.get("facts", {}).values() for of in values.values() for flag in of}
-    for event, change in document.get("changing", {}).items():
+    flags = {flag for values in document["facts"].values() for of in values.values() for flag in of}
+    for event, change in document["changing"].items():
         for flag in (*change["true"], *change["false"]):
             _member(flag, flags, f"changing.{event}")
     targets = known | ENDS.keys()
@@ -288,7 +291,9 @@ _CONTROLLER = _record(
         "initial": _text,
         "sections": _list(_SECTION),
         "types": _list(_object),
-        "objectives": _map(_record({"activities": _TEXTS, "parameters": _PARAMETERS}, {"timeout": _seconds})),
+        "objectives": _map(
+            _record({"activities": _TEXTS, "parameters": _PARAMETERS, "timeout": _perhaps(_seconds)})
+        ),
         "activities": _map(
             _record(
                 {
@@ -299,8 +304,6 @@ _CONTROLLER = _record(
             )
         ),
         "digest": _text,
-    },
-    {
         "facts": _map(_map(_names)),
         "changing": _map(_record({"true": _names, "false": _names})),
         "out_of_service": _names,
@@ -320,7 +323,7 @@ _CONTROLLER = _record(
 _STATE = _record(
     {**dict.fromkeys(LISTS, _TEXTS), **dict.fromkeys(MODES, _map(_text)), "out_of_service": _TEXTS}
 )
-_ENTRY = _record({"to": _number, "actions": _ACTIONS}, {"gained": _names, "lost": _names})
+_ENTRY = _record({"to": _number, "actions": _ACTIONS, "gained": _names, "lost": _names})
 _MACHINE = _record(
     {
         "hardware": _names,
@@ -328,8 +331,10 @@ _MACHINE = _record(
         "states": _list(_STATE),
         "entries": _list(_perhaps(_ENTRY)),
         "edges": _list(_object),
-    },
-    {"once": _names, "facts": _names, "entering": _number},
+        "once": _names,
+        "facts": _names,
+        "entering": _number,
+    }
 )
 _RULES = _record(
     {
@@ -339,15 +344,21 @@ _RULES = _record(
         "idle": _NUMBERS,
         "status": _list(_record({"changes": _NUMBERS, "when": _number})),
         "shown": _list(_record({"kind": _text, "name": _text, "when": _number})),
-        "effects": _list(_record({"changes": _NUMBERS, "actions": _ACTIONS}, {"to": _text})),
+        "effects": _list(_record({"changes": _NUMBERS, "actions": _ACTIONS, "to": _perhaps(_text)})),
         "entries": _list(_record({"if": _NUMBERS, "do": _number})),
         "rules": _list(_record({"event": _number, "if": _NUMBERS, "do": _number})),
-    },
-    {"once": _names, "facts": _names},
+        "once": _names,
+        "facts": _names,
+    }
 )
 _EDGE = _record(
-    {"from": _number, "event": _number, "to": _target, "actions": _ACTIONS},
-    {"open": _names, "happened": _names, "gained": _names, "lost": _names},
+    {
+        "from": _number,
+        "event": _number,
+        "to": _target,
+        "actions": _ACTIONS,
+        **dict.fromkeys(("open", "happened", "gained", "lost"), _names),
+    }
 )
 
 
@@ -355,15 +366,15 @@ _EDGE = _record(
 
 
 def _check_machine(row: Mapping[str, Any], where: str) -> None:
-    states, events, once = len(row["states"]), len(row["events"]), set(row.get("once", ()))
-    facts = row.get("facts", [])
-    _below(row.get("entering", 0), len(facts) + 1, f"{where}.entering")
-    if len(row["entries"]) != 1 << len(row["hardware"]) + row.get("entering", 0):
+    states, events, once = len(row["states"]), len(row["events"]), set(row["once"])
+    facts = row["facts"]
+    _below(row["entering"], len(facts) + 1, f"{where}.entering")
+    if len(row["entries"]) != 1 << len(row["hardware"]) + row["entering"]:
         raise _wrong(len(row["entries"]), f"{where}.entries", "one for each state of the hardware and facts")
     for number, entry in enumerate(row["entries"]):
         if entry is not None:
             _below(entry["to"], states, f"{where}.entries[{number}].to")
-            for flag in (*entry.get("gained", ()), *entry.get("lost", ())):
+            for flag in (*entry["gained"], *entry["lost"]):
                 _member(flag, facts, f"{where}.entries[{number}]")
     for number, edge in enumerate(row["edges"]):
         at = f"{where}.edges[{number}]"
@@ -373,10 +384,10 @@ def _check_machine(row: Mapping[str, Any], where: str) -> None:
         if type(edge["to"]) is not str:
             _below(edge["to"], states, f"{at}.to")
         for key in ("open", "happened"):
-            for handler in edge.get(key, ()):
+            for handler in edge[key]:
                 _member(handler, once, f"{at}.{key}")
         for key in ("gained", "lost"):
-            for flag in edge.get(key, ()):
+            for flag in edge[key]:
                 _member(flag, facts, f"{at}.{key}")
 
 
@@ -391,7 +402,7 @@ def _check_rules(row: Mapping[str, Any], where: str) -> None:
         _below(bit, bits, f"{where}: a bit")
     for literal in literals:
         _below(literal, 2 * bits, f"{where}: a literal")
-    carried = len(row["hardware"]) + len(row.get("once", ())) + len(row.get("facts", ()))
+    carried = len(row["hardware"]) + len(row["once"]) + len(row["facts"])
     if len(row["status"]) != carried:
         raise _wrong(len(row["status"]), f"{where}.status", "one for each of hardware, handlers, facts")
     for number, rule in enumerate((*row["entries"], *row["rules"])):

@@ -96,9 +96,9 @@ class TypeTables:
 
     def __init__(self, row: Mapping[str, Any]) -> None:
         self.hardware: list[str] = row["hardware"]
-        self.facts: list[str] = row.get("facts", [])
-        self.once: list[str] = row.get("once", []) + self.facts
-        self.entering = range(len(row.get("once", [])), len(row.get("once", [])) + row.get("entering", 0))
+        self.facts: list[str] = row["facts"]
+        self.once: list[str] = row["once"] + self.facts
+        self.entering = range(len(row["once"]), len(row["once"]) + row["entering"])
         self.states: list[Mapping[str, Any]] = row["states"]
         lists = _Lists()
         self.lists = lists.lists
@@ -175,8 +175,8 @@ class RuleTables:
 
     def __init__(self, row: Mapping[str, Any]) -> None:
         self.hardware: list[str] = row["hardware"]
-        self.facts: list[str] = row.get("facts", [])
-        self.once: list[str] = row.get("once", []) + self.facts
+        self.facts: list[str] = row["facts"]
+        self.once: list[str] = row["once"] + self.facts
         self.bits: int = row["bits"]
         lists = _Lists()
         self.lists = lists.lists
@@ -185,7 +185,7 @@ class RuleTables:
         self.of_hardware, self.of_once = status[: len(self.hardware)], status[len(self.hardware) :]
         self.show = [(s["kind"], s["name"], Bits.of([s["when"]])) for s in row["shown"]]
         self.effects: list[_Effect] = [
-            (_mask(e["changes"]), lists.number(e["actions"]), e.get("to")) for e in row["effects"]
+            (_mask(e["changes"]), lists.number(e["actions"]), e["to"]) for e in row["effects"]
         ]
         self.entries = [(Bits.of(rule["if"]), self.effects[rule["do"]]) for rule in row["entries"]]
         self.rules: list[list[tuple[Bits, _Effect]]] = [[] for _ in row["events"]]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from mcpn.runtime.file_schema import MODULAR, ControllerFileError, check_digest, check_shape, parsed
+from mcpn.runtime.file_schema import FORMS, ControllerFileError, check_digest, check_shape, parsed
 from mcpn.runtime.machines import MachineProtocol, RuleTables, TypeTables
 
 
@@ -214,7 +214,7 @@ class Laws:
     def __init__(self, document: Mapping[str, Any]) -> None:
         self.activities: Mapping[str, Any] = document["activities"]
         self.objectives: Mapping[str, Any] = document["objectives"]
-        self.timeouts = {name: float(s) for name, of in self.objectives.items() if (s := of.get("timeout"))}
+        self.timeouts = {name: float(s) for name, of in self.objectives.items() if (s := of["timeout"])}
         self.producers: dict[str, list[str]] = {}
         for name, row in self.activities.items():
             for software in row["produces"]:
@@ -247,7 +247,7 @@ class Tables:
     def __init__(self, document: Mapping[str, Any]) -> None:
         check_shape(document)
         self.digest = check_digest(document)
-        make = RuleTables if document["version"] in MODULAR else TypeTables
+        make = RuleTables if document["form"] == FORMS[-1] else TypeTables
         self.mission: str = document["mission"]
         self.hardware: list[str] = document["hardware"]
         self.laws = Laws(document)
@@ -255,22 +255,22 @@ class Tables:
         sections = [TableSection(row, types[row["type"]], self.laws) for row in document["sections"]]
         self.sections = {section.name: section for section in sections}
         # By fact and value, the flags that are then true; by event, the flags that it makes true and false.
-        self.facts: dict[str, dict[str, list[str]]] = document.get("facts", {})
-        self.changing: dict[str, dict[str, list[str]]] = document.get("changing", {})
+        self.facts: dict[str, dict[str, list[str]]] = document["facts"]
+        self.changing: dict[str, dict[str, list[str]]] = document["changing"]
         # By hardware that is detected late, the flag that says that its loss is known.
-        self.late: dict[str, str] = document.get("late", {})
+        self.late: dict[str, str] = document["late"]
         self.true = {said for values in self.facts.values() for true in values.values() for said in true}
         self.true |= {*self.late.values()}
         self.once = {handler for section in sections for handler in section.once} | self.true
         self.initial = self.sections[document["initial"]]
         # Failure and repair of all hardware that can fail, by event: they may happen outside sections, too.
         self.failures = {f"{name}_EV_OOS": name for name in self.hardware}
-        lasting = set(document.get("unrepairable", ()))
+        lasting = set(document["unrepairable"])
         self.repairs = {f"{name}_EV_RD": name for name in self.hardware if name not in lasting}
-        self.out_of_service = frozenset(document.get("out_of_service", ()))
+        self.out_of_service = frozenset(document["out_of_service"])
         self.true_at_first = frozenset(self.late[name] for name in self.out_of_service if name in self.late)
         # What fails only where a section has an edge or a rule for it.
-        self.crashing = frozenset(document.get("crashing", ()))
+        self.crashing = frozenset(document["crashing"])
         beside = (*self.changing, *self.failures, *self.repairs)
         self.known = {START, *beside, *(e for s in sections for e in s.events)}
 

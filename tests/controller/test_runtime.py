@@ -195,7 +195,7 @@ def test_no_text_is_taken_for_a_snapshot(text: str | bytes) -> None:
 def test_files_that_are_no_controllers_are_told(ulysse_document: dict[str, Any], tmp_path: Path) -> None:
     text = json.dumps(ulysse_document)
     path = tmp_path / "c.json"
-    for broken in ("", "[]", "{}", text[: len(text) // 2], text.replace('"version": 2', '"version": 1')):
+    for broken in ("", "[]", "{}", text[: len(text) // 2], text.replace('"version": 1', '"version": 2')):
         path.write_text(broken)
         with pytest.raises(ControllerFileError):
             Controller.load(path)

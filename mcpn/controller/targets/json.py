@@ -1,9 +1,9 @@
 """The controller as JSON, for programs that interpret it (:mod:`mcpn.runtime` is one).
 
-One object with these keys:
+One object with these keys, all of them always, whether there is something to say or not:
 
-- ``format``: ``mcpn-controller``; ``version``: 2, or 3 where types have ``once``, 4 of rules; ``mission``;
-  ``form``: ``flat``, ``hierarchical`` or ``modular``;
+- ``format``: ``mcpn-controller``; ``version``: 1; ``mission``; ``form``: ``flat``, ``hierarchical`` or
+  ``modular``;
   ``minimised``: true where states that cannot be told apart have been merged;
 - ``hardware``: the hardware that can fail; ``initial``: the section entered at the mission's start;
 - ``sections``: each with ``name``, ``type`` (index in ``types``), ``routes`` (outcome, ``success``,
@@ -11,43 +11,42 @@ One object with these keys:
   for an event ``E`` that interrupts the section, ``on E 2`` for its second handler of it, to the section
   entered next, or ``succeed``, ``fail`` or ``abort``), ``events`` (its own text of each event of the type)
   and ``names`` (by kind, from names in the type to its own; a name that is missing stays);
-- ``types``: machines, each with ``hardware``, ``events``, ``states``, ``entries`` and ``edges``:
+- ``types``: machines, each with ``hardware``, ``once`` (handlers of the type that happen once, by where they
+  are written: ``go_home.leak``), ``facts`` (what may be true of its facts), ``entering`` (how many of these,
+  the first ones, have bits in the numbers of entries, behind those of the hardware), ``events``, ``states``,
+  ``entries`` and ``edges``:
 
   - a state: ``objectives`` (running), ``pending`` (about to be entered), ``done`` (branches that have ended),
     ``mode`` (activity to alternative), ``waiting`` (activity to the alternative that waits for a resource),
     ``refused`` (activities with no possible alternative), ``out_of_service`` (the section's hardware);
-  - an entry: ``to`` and ``actions``, one for each number whose bit *i* says that ``hardware[i]`` is out of
-    service, or null;
-  - an edge: ``from``, ``event`` (an index), ``to`` (a state, or the outcome with which the section is left)
-    and ``actions`` in order, each with ``do`` (``disarm``, ``stop``, ``release``, ``select``, ``start``,
-    ``arm``) and ``activity``, ``alternative``, ``hardware`` or ``objective`` as it has them;
-  - where a hierarchical controller has handlers that happen once: ``once``, those of the type by where they
-    are written (``go_home.leak``), and on edges ``open``, those that must not have happened yet, and
-    ``happened``, those that must have; left out where there are none;
-- ``types`` of the modular form: rules, each with ``hardware``, ``events``, ``once`` as above, and on a state
-  of ``bits`` bits (a literal 2 *i* asks that bit *i* is not set, 2 *i* + 1 that it is):
+  - an entry: ``to``, ``actions``, ``gained`` and ``lost`` (of ``facts``), one for each number whose bit *i*
+    says that ``hardware[i]`` is out of service, or null;
+  - an edge: ``from``, ``event`` (an index), ``to`` (a state, or the outcome with which the section is left),
+    ``open`` (handlers of ``once`` that must not have happened yet), ``happened`` (those that must have),
+    ``gained`` and ``lost``, and ``actions`` in order, each with ``do`` (``disarm``, ``stop``, ``release``,
+    ``select``, ``start``, ``arm``) and ``activity``, ``alternative``, ``hardware`` or ``objective`` as it has
+    them;
+- ``types`` of the modular form: rules, each with ``hardware``, ``once``, ``facts``, ``events`` as above, and
+  on a state of ``bits`` bits (a literal 2 *i* asks that bit *i* is not set, 2 *i* + 1 that it is):
 
-  - ``idle``: the bits that are set before the entry; ``status``: for each of ``hardware``, then of ``once``,
-    ``changes``, the bits that change then if it is out of service, or has happened, and ``when``, the literal
-    that says so inside;
+  - ``idle``: the bits that are set before the entry; ``status``: for each of ``hardware``, then of ``once``
+    and of ``facts``, ``changes``, the bits that change then if it is out of service, has happened or is true,
+    and ``when``, the literal that says so inside;
   - ``shown``: what is so (``kind``: a key of a state above; ``name``, in modes ``activity.alternative``)
     where the literal ``when`` is true;
-  - ``effects``: ``changes``, ``actions``, and where the section is left, ``to``, the outcome;
+  - ``effects``: ``changes``, ``actions``, and ``to``, the outcome with which the section is left, or null;
   - ``entries`` and ``rules``: where the literals ``if`` are true, ``do`` an effect (an index); the latter on
     an ``event`` (an index); those of one event that fit a state do the same;
-- where the mission has facts (version 5, of rules 6): ``facts``, by name and value what is then true of it
-  that was not at the start, as texts; ``changing``, by event what it makes ``true`` and ``false``. Types have
-  ``facts``, what may be true of theirs; machines ``entering``, how many of these, the first ones, have bits
-  in the numbers of entries, behind those of the hardware; entries and edges ``gained`` and ``lost``; rules
-  have a ``status`` for each of ``facts``, behind ``once``;
-- where some hardware is out of service at the start, ``out_of_service``, its names; where some is never
-  repaired, ``unrepairable``; where activities or alternatives may crash, ``crashing``, those of ``hardware``
-  that stand for them: ``X_EV_OOS`` of these can be taken only by an edge or a rule;
-- where some hardware is detected late, ``late``: by its name the text that is true while it is out of service
-  and the robot knows it. It is one of the ``facts`` of types, though of no fact;
-- ``objectives`` and ``activities`` carry the parameters for the control laws, untouched; an objective that
-  ends when its time is over has ``timeout``, in seconds;
-- ``requirements``, where the mission has some: what it must satisfy, each with ``name``, ``formula``,
+- ``facts``: by name and value what is then true of it that was not at the start, as texts; ``changing``: by
+  event what it makes ``true`` and ``false``;
+- ``out_of_service``: hardware that is so at the start; ``unrepairable``: hardware that is never repaired;
+  ``crashing``: those of ``hardware`` that stand for activities or alternatives that may crash: ``X_EV_OOS``
+  of these can be taken only by an edge or a rule;
+- ``late``: by hardware that is detected late the text that is true while it is out of service and the robot
+  knows it. It is one of the ``facts`` of types, though of no fact;
+- ``objectives`` and ``activities`` carry the parameters for the control laws, untouched; ``timeout`` of an
+  objective is when it ends by its time, in seconds, or null;
+- ``requirements``: what the mission must satisfy, each with ``name``, ``formula``,
   ``sentence`` and ``description`` (or null), ``expected`` and ``severity``; nothing runs by them;
 - ``digest``: SHA-256, in hexadecimal digits, of the object without it as JSON in UTF-8 with sorted keys, no
   spaces, and no escapes but those that JSON demands. A file with another digest has been changed since.
@@ -77,7 +76,7 @@ from typing import Any
 from mcpn.answers.verdicts.modes import Situation
 from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import SectionMachine
-from mcpn.controller.modular import AnyController, ModularController, Rules
+from mcpn.controller.modular import AnyController, Rules
 from mcpn.drawing.compose import MissionNet
 from mcpn.mission.expansion.faults import noticed
 from mcpn.mission.flatten import requirements_of
@@ -85,10 +84,9 @@ from mcpn.mission.robot import Parameter
 from mcpn.mission.world.conditions import all_flags, flags
 from mcpn.mission.world.fact_usage import FactUsage
 from mcpn.nets.events import Event, What
-from mcpn.runtime.file_schema import FORMAT, digest_of
+from mcpn.runtime.file_schema import FORMAT, VERSION, digest_of
 
 FILE_NAME = "controller.json"
-VERSION, WITH_ONCE, OF_RULES, WITH_FACTS, OF_RULES_WITH_FACTS = 2, 3, 4, 5, 6
 
 
 def write_json(controller: AnyController, mission_net: MissionNet) -> str:
@@ -108,7 +106,7 @@ def document(controller: AnyController, mission_net: MissionNet) -> dict[str, An
     """The controller as a JSON object."""
     found = {
         "format": FORMAT,
-        "version": _version(controller, facts=bool(mission_net.usage.world.facts)),
+        "version": VERSION,
         "mission": controller.mission,
         "form": controller.form,
         "minimised": controller.minimised,
@@ -132,36 +130,24 @@ def document(controller: AnyController, mission_net: MissionNet) -> dict[str, An
         "types": [_type(type_) for type_ in controller.types],
         **laws(mission_net),
         **_world(mission_net.usage.world),
-        **_requirements(mission_net),
+        "requirements": _requirements(mission_net),
     }
     return found | {"digest": digest_of(found)}
 
 
-def _version(controller: AnyController, *, facts: bool) -> int:
-    facts = any(type_.facts for type_ in controller.types) or facts
-    if isinstance(controller, ModularController):
-        return OF_RULES_WITH_FACTS if facts else OF_RULES
-    if facts:
-        return WITH_FACTS
-    return WITH_ONCE if any(machine.once for machine in controller.types) else VERSION
-
-
 def _hardware(mission_net: MissionNet) -> dict[str, Any]:
-    """Hardware out of service at the start, never repaired or detected late, and what may crash, if any."""
+    """Hardware out of service at the start, never repaired or detected late, and what may crash."""
     hardware = mission_net.mission.hardware
-    found: dict[str, Any] = {
+    return {
         "out_of_service": [h.name for h in hardware if h.initial == "oos"],
         "unrepairable": [h.name for h in hardware if not h.repairable],
         "crashing": [crash.name for crash in mission_net.mission.crashes],
         "late": {h.name: noticed(h.name) for h in mission_net.mission.late},
     }
-    return {key: said for key, said in found.items() if said}
 
 
 def _world(world: FactUsage) -> dict[str, Any]:
     """What is true of facts by their values, and what events change beside a section."""
-    if not world.facts:
-        return {}
     changing = {}
     for event, changes in world.changing.items():
         every = {flag for name in changes for flag in all_flags(world.facts[name])}
@@ -175,12 +161,12 @@ def _world(world: FactUsage) -> dict[str, Any]:
     return {"facts": facts, "changing": changing}
 
 
-def _requirements(mission_net: MissionNet) -> dict[str, Any]:
+def _requirements(mission_net: MissionNet) -> list[dict[str, Any]]:
     if not requirements_of(mission_net.mission):
-        return {}
-    from mcpn.answers.requirements import asked_of
+        return []
+    from mcpn.answers.requirements import asked_of  # which loads temporal logic
 
-    return {"requirements": [asked.said for asked in asked_of(mission_net)]}
+    return [asked.said for asked in asked_of(mission_net)]
 
 
 def _type(type_: SectionMachine | Rules) -> dict[str, Any]:
@@ -190,8 +176,8 @@ def _type(type_: SectionMachine | Rules) -> dict[str, Any]:
 def _rules(rules: Rules) -> dict[str, Any]:
     return {
         "hardware": list(rules.hardware),
-        **({"once": list(rules.once)} if rules.once else {}),
-        **({"facts": list(rules.facts)} if rules.facts else {}),
+        "once": list(rules.once),
+        "facts": list(rules.facts),
         "events": [str(event) for event in rules.events],
         "bits": rules.bits,
         "idle": list(rules.idle),
@@ -201,7 +187,7 @@ def _rules(rules: Rules) -> dict[str, Any]:
             {
                 "changes": list(effect.changes),
                 "actions": [_action(a) for a in effect.actions],
-                **({} if effect.to is None else {"to": effect.to}),
+                "to": effect.to,
             }
             for effect in rules.effects
         ],
@@ -215,8 +201,9 @@ def _rules(rules: Rules) -> dict[str, Any]:
 def _machine(machine: SectionMachine) -> dict[str, Any]:
     return {
         "hardware": list(machine.hardware),
-        **({"once": list(machine.once)} if machine.once else {}),
-        **({"facts": list(machine.facts), "entering": machine.entering} if machine.facts else {}),
+        "once": list(machine.once),
+        "facts": list(machine.facts),
+        "entering": machine.entering,
         "events": [str(event) for event in machine.events],
         "states": [_state(state) for state in machine.states],
         "entries": [
@@ -224,8 +211,8 @@ def _machine(machine: SectionMachine) -> dict[str, Any]:
             and {
                 "to": entry.target,
                 "actions": [_action(a) for a in entry.actions],
-                **({"gained": list(entry.gained)} if entry.gained else {}),
-                **({"lost": list(entry.lost)} if entry.lost else {}),
+                "gained": list(entry.gained),
+                "lost": list(entry.lost),
             }
             for entry in machine.entries
         ],
@@ -235,10 +222,10 @@ def _machine(machine: SectionMachine) -> dict[str, Any]:
                 "event": move.event,
                 "to": move.target,
                 "actions": [_action(a) for a in move.actions],
-                **({"open": list(move.guard.open)} if move.guard.open else {}),
-                **({"happened": list(move.guard.happened)} if move.guard.happened else {}),
-                **({"gained": list(move.gained)} if move.gained else {}),
-                **({"lost": list(move.lost)} if move.lost else {}),
+                "open": list(move.guard.open),
+                "happened": list(move.guard.happened),
+                "gained": list(move.gained),
+                "lost": list(move.lost),
             }
             for move in machine.moves
         ],
@@ -275,7 +262,7 @@ def laws(mission_net: MissionNet) -> dict[str, Any]:
             section.name: {
                 "activities": list(section.activities),
                 "parameters": _parameters(section.parameters),
-                **({} if section.timeout is None else {"timeout": section.timeout}),
+                "timeout": section.timeout,
             }
             for section in mission_net.graph.walk()
         },
