@@ -7,6 +7,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
+from mcpn.controller.modular import ModularController
+from mcpn.controller.targets import TARGETS, files
+from mcpn.errors import InputError
+from mcpn.opening import open_study
 from tests.conftest import ROOT, ULYSSE
 
 PROGRAM = """
@@ -44,3 +50,25 @@ def test_the_files_are_the_same_byte_for_byte_in_every_process() -> None:
         said.append(run.stdout.splitlines())
     assert len(said[0]) == 2 * 2 * 2 * 6  # missions, forms, minimised or not, files
     assert said[0] == said[1]
+
+
+WRITTEN = ("natural/dumpster", "natural/hospital", "natural/sewer")
+WORKED = ("drone/mission", "rover/mission", "roscon/problem3", "roscon/problem4")
+
+
+@pytest.mark.parametrize(
+    "path", [*(f"tests/{name}.xml" for name in WRITTEN), *(f"experiments/{name}.xml" for name in WORKED)]
+)
+def test_a_mission_that_passes_gets_every_target(path: str) -> None:
+    """In the form that is taken by itself; the modular form has all but SCXML."""
+    study = open_study(ROOT / path)
+    net = study.mission_net
+    for target in TARGETS:
+        assert all(files(study.controller("auto"), net, target).values())
+        modular = study.controller("modular")
+        assert isinstance(modular, ModularController)
+        if target == "scxml":
+            with pytest.raises(InputError, match="the target scxml of a modular controller"):
+                files(modular, net, target)
+        else:
+            assert all(files(modular, net, target).values())
