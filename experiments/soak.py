@@ -121,7 +121,7 @@ def agree(folder: Path, whole: bool = True) -> tuple[Saved, Monitors, list[str]]
     """
     study = open_study(folder / "mission.xml")
     tables = Tables(document(study.controller("auto"), study.mission_net))
-    monitors = Monitors(json.loads(files(monitors_of(study.spaces))["monitors.json"]))
+    monitors = Monitors(json.loads(files(monitors_of(study.mission_spaces()))["monitors.json"]))
     saved = read_snapshot((folder / "at.json").read_text(), tables)
     data = (folder / "log.jsonl").read_bytes()
     lines = data[: data.rfind(b"\n") + 1].decode().splitlines(keepends=True)

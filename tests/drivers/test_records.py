@@ -17,16 +17,19 @@ from typing import Any
 import pytest
 
 import mcpn.files as mcpn_files
+from mcpn.cli.play.event_files import events_of_file
 from mcpn.controller.generate import generate
 from mcpn.controller.monitors.writing import files, monitors_of
 from mcpn.controller.targets.json import document, write_json
 from mcpn.drawing.compose import compose
+from mcpn.errors import InputError
 from mcpn.files import write_atomically, write_folder
 from mcpn.mission.xml import read_mission
 from mcpn.opening import open_study
 from mcpn.runtime import Controller, DamagedFile, Journal, Monitors
 from mcpn.runtime.file_schema import parsed, signed_line
 from mcpn.runtime.journal import read_journal
+from mcpn.runtime.monitors import watch
 from mcpn.runtime.restoring import read_snapshot
 from mcpn.runtime.tables import Tables, read
 from tests.commands import mcpn, output
@@ -467,6 +470,13 @@ def kinds(folder: Path) -> dict[str, tuple[bytes, Callable[[Path], object]]]:
             monitors.take(event)
         journal.resumed(3)
     beside = {"monitors": {"digest": monitors.digest, "state": monitors.state}}
+    text = files(monitors_of(open_study(path).mission_spaces()))["monitors.json"]
+
+    def watched(path: Path) -> object:
+        fresh = Monitors(json.loads(text))
+        watch(fresh, path.read_text().splitlines())
+        return fresh.count, fresh.state
+
     tables = controller._tables
 
     def snapshot(path: Path) -> object:
@@ -484,6 +494,8 @@ def kinds(folder: Path) -> dict[str, tuple[bytes, Callable[[Path], object]]]:
             log.read_bytes(),
             lambda path: [*map(meant, read_journal(path.read_text().splitlines()))],
         ),
+        "journal, replayed": (log.read_bytes(), lambda path: [*events_of_file(path)]),
+        "journal, watched": (log.read_bytes(), watched),
     }
 
 
@@ -504,7 +516,7 @@ def flipped(folder: Path, times: int) -> dict[str, int]:
             path.write_bytes(changed)
             try:
                 found = means(path)
-            except (DamagedFile, UnicodeDecodeError):
+            except (DamagedFile, InputError, UnicodeDecodeError):
                 continue
             assert found == expected, (kind, bit)
             same[kind] += 1

@@ -246,14 +246,15 @@ def _warnings() -> Iterator[WarningLines]:
 
     handler = WarningLines()
     silent = logging.NullHandler()
-    of_drivers, of_runtime = logging.getLogger("mcpn.drivers"), logging.getLogger("mcpn.runtime")
-    of_drivers.addHandler(handler)
-    of_runtime.addHandler(silent)
+    # What asyncio logs would else be written by the loop's thread, which must not wait for standard error.
+    handlers = {"mcpn.drivers": handler, "asyncio": handler, "mcpn.runtime": silent}
+    for name, of in handlers.items():
+        logging.getLogger(name).addHandler(of)
     try:
         yield handler
     finally:
-        of_drivers.removeHandler(handler)
-        of_runtime.removeHandler(silent)
+        for name, of in handlers.items():
+            logging.getLogger(name).removeHandler(of)
         handler.close()
 
 
