@@ -22,10 +22,12 @@ class ByTurns(DiagramMarkings):
     steps_of_layers = 1
     attempted = 0
 
-    def staying(self, along: Zdd, asked: Zdd | None = None) -> Zdd:
+    def staying(
+        self, along: Zdd, asked: Zdd | None = None, transitions: Collection[int] | None = None
+    ) -> Zdd:
         while True:
             try:
-                return super().staying(along, asked)
+                return super().staying(along, asked, transitions)
             except _Spent:
                 continue
 

@@ -12,7 +12,9 @@ from statistics import NormalDist
 
 from mcpn.bench.demands import StartDemand
 from mcpn.bench.places import ControllerPlace
-from mcpn.bench.world import World
+from mcpn.bench.world import BenchNode, World
+from mcpn.controller.nominal import awaited, nominal_run
+from mcpn.nets.events import Event
 from mcpn.runtime.machines import TypeTables
 from mcpn.runtime.tables import Tables
 
@@ -159,6 +161,24 @@ def one_run(
             elif action.verb == "disarm" and action.objective is not None:
                 timers.pop(action.objective, None)
     return BenchRun(node.place.outcome, now, degraded, tuple(events))
+
+
+def nominal_run_of(world: World) -> BenchRun:
+    """Plays the run on which nothing fails; it takes no time."""
+    node = world.start
+
+    def take(event: Event) -> BenchNode:
+        nonlocal node
+        step = world.after(node, str(event))
+        assert step is not None, "it is possible"
+        node = step[0]
+        return node
+
+    def possible() -> list[Event]:
+        return [Event.parse(event) for event in node.place.possible]
+
+    events = nominal_run(possible, take, awaited(world.mission_net.mission))
+    return BenchRun(node.place.outcome, 0.0, 0, tuple(TracedEvent(0.0, str(event)) for event in events))
 
 
 def one_run_of(

@@ -131,6 +131,10 @@ def _check_object(found: MissionCheck, seconds: float, internal: bool) -> dict[s
             for name, verdict in found.verdicts.items()
             if (runs := verdict.runs if internal else verdict.runs_of_events)
         },
+        "nominal": {
+            "left_out": list(found.verdicts["nominal_success"].left_out),
+            "cycle": found.verdicts["nominal_success"].cycle,
+        },
         **({"skipped": list(skipped)} if (skipped := found.verdicts["success_reachable"].skipped) else {}),
         **choice_object(found.choice),
         "seconds": seconds,

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     type=FILE,
     help="Replay a file: what check and causes print as a run, JSON, or a journal of the runtime.",
 )
+@click.option(
+    "--nominal", is_flag=True, help="Take the run on which nothing fails: after the start objectives succeed."
+)
 @click.option("--tokens", is_flag=True, help="Fire the transitions of the net one by one, internal ones too.")
 @click.option(
     "--random",
@@ -38,6 +41,7 @@ if TYPE_CHECKING:
 def simulate(
     file: Path,
     events: Path | None,
+    nominal: bool,
     tokens: bool,
     steps: int | None,
     seed: int,
@@ -49,18 +53,21 @@ def simulate(
     """Play FILE: a mission event by event, or a net (of a mission, with --tokens) firing by firing.
 
     What is shown of a mission is computed by its net, not by its controller. What happens is read from
-    standard input, unless a file or a number of random steps is given.
+    standard input, unless a file, a number of random steps or --nominal is given.
     """
     from mcpn.opening import open_study
 
     study = open_study(file, import_root=import_root, templates=templates)
     rng = random.Random(seed)
+    if nominal and (events is not None or steps is not None):
+        raise click.UsageError("--nominal takes a run of its own: no --events and no --random")
     if tokens or study.is_net:
-        if events is not None:
-            raise click.UsageError("--events are of a mission that is played without --tokens")
+        if events is not None or nominal:
+            option = "--nominal is" if nominal else "--events are"
+            raise click.UsageError(f"{option} of a mission that is played without --tokens")
         _play_tokens(study, steps, rng, as_json)
     else:
-        _play_events(study, events, steps, rng, max_states, as_json)
+        _play_events(study, events, nominal, steps, rng, max_states, as_json)
 
 
 def _play_tokens(study: Study, steps: int | None, rng: random.Random, as_json: bool) -> None:
@@ -85,6 +92,7 @@ def _play_tokens(study: Study, steps: int | None, rng: random.Random, as_json: b
 def _play_events(
     study: Study,
     events: Path | None,
+    nominal: bool,
     steps: int | None,
     rng: random.Random,
     max_states: int | None,
@@ -99,12 +107,14 @@ def _play_events(
     session = EventSession(simulation, quiet=as_json)
     if events is not None:
         session.replay(events)
+    if nominal:
+        session.play_nominal()
     for _ in range(steps or 0):
         possible = simulation.possible
         if not possible or simulation.situation.outcome:
             break
         session.take(drawn_event(possible, weight, rng))
-    if events is None and steps is None:
+    if events is None and steps is None and not nominal:
         session.prompt()
     elif not as_json:
         session.show()

@@ -239,6 +239,12 @@ class Glued:
         stuck = {s.name: (part & s.type.graph.dead).without(s.conditions()) for s, part in parts}
         return CompositeSet(self, stuck)
 
+    def _stuck(self, states: Mapping[str, Zdd], allowed: Filter) -> CompositeSet:
+        """Those of some states in which nothing happens that edges may carry."""
+        parts = ((self.stages[name], part, allowed(name)) for name, part in states.items())
+        idle = ((s, part - s.type.graph.enabling(own.local or ()), own) for s, part, own in parts)
+        return CompositeSet(self, {s.name: part.without(s.conditions(own)) for s, part, own in idle})
+
     # --- closures ---
 
     def worked(
@@ -293,16 +299,22 @@ class Glued:
         self.worked(targets, work)
         return CompositeSet(self, targets)
 
-    def staying(self, along: CompositeSet, asked: CompositeSet | None = None) -> CompositeSet:
-        """States from which some maximal run, endless or ending in a dead state, stays in a set."""
-        remaining = dict((along & self.everything).parts)
+    def staying(
+        self,
+        along: CompositeSet,
+        asked: CompositeSet | None = None,
+        transitions: Collection[int] | None = None,
+    ) -> CompositeSet:
+        """States from which a maximal run stays in a set; see :meth:`mcpn.spaces.algebra.Space.staying`."""
+        remaining, allowed = dict((along & self.everything).parts), self.filtered(transitions)
+        ends = self.dead if transitions is None else self._stuck(remaining, allowed)
 
         def work(name: str) -> Iterator[str]:
-            stage, part, before = self.stages[name], remaining[name], None
-            onward = self.dead.of(name) | stage.type.before_step(self.ends_into(stage, remaining), ALL)
+            stage, part, before, own = self.stages[name], remaining[name], None, allowed(name)
+            onward = ends.of(name) | stage.type.before_step(self.ends_into(stage, remaining), own)
             while before != part:
                 before = part
-                part = stage.back(part, ALL, part) | (part & onward)
+                part = stage.back(part, own, part) | (part & onward)
             if part != remaining[name]:
                 remaining[name] = part
                 yield from (earlier for earlier in self.into[name] if earlier in remaining)

@@ -23,6 +23,7 @@ from typing import Annotated, TypeAlias
 from mcpn.mission.expansion.faults import Crash, as_crashes, as_hardware, consuming
 from mcpn.mission.language.datatypes import (
     NAME,
+    NOMINAL,
     OUTCOME,
     QUORUM,
     ROUTE,
@@ -140,6 +141,12 @@ class BlockElement(Element):
     times: Annotated[
         Times, "With recover: how many times at most in one run of what is around; then it has failed."
     ] = 1
+    nominal: Annotated[
+        str,
+        NOMINAL,
+        "What is meant while nothing fails. entered: the mission comes to the block, and ends. endless: it "
+        "may go on in the block for ever. optional: it may leave the block out.",
+    ] = "entered"
     routes: tuple[FactRoute, ...] = ()
     handlers: tuple[Handler, ...] = ()
 

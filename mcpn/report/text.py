@@ -7,7 +7,7 @@ from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 from mcpn.report.terminal import Terminal
-from mcpn.report.words import in_words, modes_together, skipped_in_words, what_happens
+from mcpn.report.words import in_words, modes_together, skipped_in_words, what_happens, wrong_in_words
 
 if TYPE_CHECKING:
     from mcpn.answers.likeness import Likeness
@@ -20,8 +20,14 @@ if TYPE_CHECKING:
     from mcpn.nets.events import Event
     from mcpn.nets.petri import PetriNet
     from mcpn.spaces.engines import Choice, NoSpace
+    from mcpn.spaces.run import Run
 
 SENTENCES: Mapping[str, tuple[str, str, str]] = {
+    "nominal_success": (
+        "While nothing fails, the mission succeeds.",
+        "Even while nothing fails, the mission goes wrong.",
+        "Whether the mission succeeds while nothing fails is not known.",
+    ),
     "success_reachable": (
         "The mission can succeed.",
         "The mission can never succeed.",
@@ -260,9 +266,11 @@ def print_check(
     terminal.print(f"mission {check.mission_net.mission.name}", style="bold")
     _print_summary(terminal, check)
     terminal.print()
+    shown: set[Run] = set()
     for name in (*SENTENCES, *(name for name in check.verdicts if name not in SENTENCES)):
         if name in check.verdicts:
-            _print_verdict(terminal, check.mission_net, check.verdicts[name], internal)
+            _print_verdict(terminal, check.mission_net, check.verdicts[name], internal, shown)
+            shown.update(check.verdicts[name].runs)
     _print_requirements(terminal, check)
     if check.modes:
         terminal.print()
@@ -322,8 +330,17 @@ def _composite(check: MissionCheck) -> CompositeSpace | None:
     return check.alternatives if isinstance(check.alternatives, CompositeSpace) else None
 
 
-def _print_verdict(terminal: Terminal, mission_net: MissionNet, verdict: Verdict, internal: bool) -> None:
-    """A sentence and the verdict's name; why, where it is not as it should be; the runs that show it."""
+def _print_verdict(
+    terminal: Terminal,
+    mission_net: MissionNet,
+    verdict: Verdict,
+    internal: bool,
+    shown: Collection[Run],
+) -> None:
+    """A sentence and the verdict's name; why, where it is not as it should be; the runs that show it.
+
+    What goes wrong on a run to success is said before it, and a run that has been shown is not shown again.
+    """
     sentences = SENTENCES.get(verdict.name, (verdict.explanation,) * 3)
     sentence = sentences[{True: 0, False: 1, None: 2}[verdict.holds]]
     mark, colour = {True: ("ok", "green"), False: ("FAIL", "red"), None: ("?", "yellow")}[verdict.holds]
@@ -337,11 +354,19 @@ def _print_verdict(terminal: Terminal, mission_net: MissionNet, verdict: Verdict
         terminal.print(verdict.explanation, indent=7)
     elif verdict.skipped:
         terminal.print(skipped_in_words(verdict.skipped), indent=7)
+    if verdict.name == "success_reachable" and verdict.runs:
+        if verdict.runs[0] in shown:
+            terminal.print("by the run above", indent=7)
+            return
+        if wrong := wrong_in_words(mission_net, verdict.runs[0]):
+            terminal.print(wrong, indent=7)
     runs = verdict.runs if internal else verdict.runs_of_events
     for number, run in enumerate(runs, 1):
         if len(runs) > 1:
             terminal.print(f"run {number}", indent=7)
         print_steps(terminal, in_words(mission_net, run), indent=9)
+    if verdict.cycle is not None:
+        terminal.print(f"for ever from event {verdict.cycle + 1} on", indent=9)
 
 
 def _print_modes(terminal: Terminal, check: MissionCheck) -> None:

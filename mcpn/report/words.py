@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from mcpn.answers.verdicts.modes import Mode, Situation, said_by
 from mcpn.nets.events import Event, What
+from mcpn.sentences import enumeration
 from mcpn.spaces.run import Run
 
 if TYPE_CHECKING:
@@ -79,6 +80,16 @@ def what_happens(event: Event, mission: str) -> str:
             return f"event {name} happens"
         case What.NAMED:
             return name
+
+
+_WRONG = (What.FAILURE, What.TIMEOUT, What.OUT_OF_SERVICE, What.LOST, What.DECLARED)
+
+
+def wrong_in_words(mission_net: MissionNet, run: Run) -> str:
+    """What fails, is over or interrupts on a run; empty where nothing does."""
+    wrong = (event for event in run.events if event.what in _WRONG)
+    said = dict.fromkeys(what_happens(event, mission_net.mission.name) for event in wrong)
+    return f"on this run {enumeration([*said])}" if said else ""
 
 
 def changes(before: Situation, after: Situation) -> list[str]:

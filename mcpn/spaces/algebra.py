@@ -256,13 +256,16 @@ class Space(Protocol[S]):
             Each transition once, in ascending order.
         """
 
-    def staying(self, along: S, asked: S | None = None) -> S:
+    def staying(self, along: S, asked: S | None = None, transitions: Collection[int] | None = None) -> S:
         """States from which some maximal run, endless or ending in a dead state, stays in a set.
+
+        Where transitions are given, a run is maximal that none of these continues.
 
         Args:
             along: The set.
             asked: Where given, the caller asks only whether some of these are among them: a space may stop
                 as soon as it knows, with a set that meets these just where the exact one does.
+            transitions: What the edges of the run may carry.
         """
 
     # --- runs ---

@@ -221,8 +221,12 @@ class ArraySpace:
             return ArraySet(self.graph.reached(edges, begin.mask))
         return ArraySet(self.graph.reached(edges, (begin & along).mask, along.mask))
 
-    def staying(self, along: ArraySet, asked: ArraySet | None = None) -> ArraySet:
+    def staying(
+        self, along: ArraySet, asked: ArraySet | None = None, transitions: Collection[int] | None = None
+    ) -> ArraySet:
         """States from which a maximal run stays in a set; see :meth:`mcpn.spaces.algebra.Space.staying`."""
+        if transitions is not None:
+            return ArraySet(self.graph.staying(along.mask, self._carrying(transitions)))
         if asked is not None:
             return asked if self.graph.stays(asked.mask, along.mask) else self.nothing
         return ArraySet(self.graph.staying(along.mask))

@@ -63,6 +63,7 @@ class Node:
         deciding: Its own routes that facts decide, in order.
         pauses: What is run while it pauses, by the written name of that and the objective, or parallel block,
             that is stopped.
+        nominal: What its author says of it for runs on which nothing fails.
     """
 
     name: str
@@ -86,6 +87,7 @@ class Node:
     sets: tuple[FactChange, ...] = ()
     deciding: tuple[FactRoute, ...] = ()
     pauses: dict[tuple[str, str], Node] = field(default_factory=dict)
+    nominal: str = "entered"
 
     @property
     def first(self) -> Node:
@@ -227,6 +229,7 @@ class _Writing:
     def block(self, block: Block, parent: Node, scope: _Scope) -> Node:
         """A block without what its parent sees of it: rounds, in each its tries, in each the block."""
         node = Node(f"{scope.prefix}{block.name}{scope.suffix}", parent, written=block.name)
+        node.nominal = block.nominal
         if isinstance(block, Objective) and block.timeout_goto is not None:
             node.timed_out = TIMED_OUT  # of a copy; what its parent sees of a block comes later
         if block.recover is not None:

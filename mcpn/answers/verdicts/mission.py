@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.spaces import MissionSpaces, MissionSubject, spaces_of
 from mcpn.answers.verdicts.modes import Mode, functioning_modes
-from mcpn.answers.verdicts.success import no_way_to_success, skipped, without_skipping
+from mcpn.answers.verdicts.nominal import NominalRuns
+from mcpn.answers.verdicts.success import no_way_to_success, skipped
 from mcpn.answers.verdicts.unselectable import Never, never_happens
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, Problem, SemanticsError, UnsafeError
@@ -31,7 +32,17 @@ if TYPE_CHECKING:
 
     from mcpn.answers.requirements import AskedRequirement, RequirementAnswer
 
-REQUIRED = ("safe", "bounded", "confluent", "deadlock_free", "success_reachable", "can_always_finish")
+NOMINAL = "nominal_success"
+"""Whether every run on which nothing fails succeeds, and they leave nothing out."""
+REQUIRED = (
+    NOMINAL,
+    "safe",
+    "bounded",
+    "confluent",
+    "deadlock_free",
+    "success_reachable",
+    "can_always_finish",
+)
 INFORMATIVE = ("failure_reachable", "unselectable")
 ENDS_SAFELY, ABORT_REACHABLE = "can_always_end_safely", "abort_reachable"
 """The further required and the further informative verdict of a mission that can abort."""
@@ -79,6 +90,8 @@ class Verdict(Told):
         explanation: One sentence on what was found.
         runs: Witness or counterexample runs, the shortest first; two where two are needed.
         skipped: Objectives that begin on the run that shows success, and never succeed on it.
+        left_out: Objectives that no run enters on which nothing fails.
+        cycle: Index of the event of the run with which the part begins that goes on for ever, if it does.
     """
 
     name: str
@@ -86,6 +99,8 @@ class Verdict(Told):
     explanation: str = ""
     runs: tuple[Run, ...] = ()
     skipped: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
+    cycle: int | None = None
 
     @property
     def runs_of_events(self) -> tuple[Run, ...]:
@@ -350,6 +365,18 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
     if mission_net.abort is not None:
         abort = space.marked([mission_net.abort])
         finished |= abort
+    step(Doing.DECIDING, question=NOMINAL)
+    nominal_runs = NominalRuns(mission_net, space, settles=settles)
+    nominal = nominal_runs.decided()
+    nominal_run = () if nominal.run is None else (nominal.run,)
+    yield Verdict(
+        NOMINAL,
+        nominal.holds,
+        nominal.explanation,
+        nominal_run,
+        left_out=nominal.left_out,
+        cycle=nominal.cycle,
+    )
     step(Doing.FINDING_STUCK)
     goals = {
         "deadlock_free": space.dead - finished,
@@ -364,7 +391,7 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
         step(Doing.DECIDING, question=name)
         holds_if_found, found, nothing = RUNS[name]
         if goal is success:
-            yield _success(mission_net, space, goal, settles=settles)
+            yield _success(nominal_runs, goal)
             continue
         run = None
         if goal:
@@ -376,15 +403,17 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
             yield Verdict(name, holds_if_found, found, (shown,))
 
 
-def _success(mission_net: MissionNet, space: Space[S], goal: S, *, settles: bool) -> Verdict:
-    """Whether the mission can succeed; the run that shows it skips no objective if it need not."""
+def _success(nominal_runs: NominalRuns[S], goal: S) -> Verdict:
+    """Whether the mission can succeed; nothing fails on the run that shows it if such a run succeeds."""
+    mission_net, space, settles = nominal_runs.mission_net, nominal_runs.space, nominal_runs.settles
     _, found, nothing = RUNS["success_reachable"]
-    run = without_skipping(mission_net, space, goal) if settles else None
-    if run is not None:
-        found = f"a run without failures or interruptions {found.removeprefix('a run ')}"
-    elif goal:
-        run = space.run(space.initial.pick(), goal) if settles else run_of_fewest_events(space, goal)
-    if run is None:
+    if not goal:
         return Verdict("success_reachable", False, nothing + no_way_to_success(mission_net.graph))
-    shown = Run(space.net, transitions_of(run), settles=settles)
+    shown = nominal_runs.succeeding(goal)
+    if shown is not None:
+        found = f"a run without failures or interruptions {found.removeprefix('a run ')}"
+    else:
+        run = space.run(space.initial.pick(), goal) if settles else run_of_fewest_events(space, goal)
+        assert run is not None, "the goal is reachable"
+        shown = Run(space.net, transitions_of(run), settles=settles)
     return Verdict("success_reachable", True, found, (shown,), skipped(mission_net, shown))

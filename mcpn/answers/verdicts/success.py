@@ -1,4 +1,4 @@
-"""The run that shows that a mission can succeed, and what it skips on the way."""
+"""What a run skips that shows that a mission can succeed, and why no run does."""
 
 from __future__ import annotations
 
@@ -8,26 +8,9 @@ from mcpn.drawing.compose import MissionNet
 from mcpn.mission.flatten import ObjectivesGraph
 from mcpn.mission.model import SUCCEED
 from mcpn.nets.events import What
-from mcpn.spaces.algebra import Edge, S, Space
 from mcpn.spaces.run import Run
 
-MOST_READ = 200
-"""Most objectives of a mission whose success is shown by a nominal run, where one succeeds."""
-
 _TRY = re.compile(r"_run[0-9]+(?=[._]|$)|_try[0-9]+(?=[.]|$)")
-
-
-def without_skipping(mission_net: MissionNet, space: Space[S], goal: S) -> list[Edge] | None:
-    """A shortest run to success on which nothing fails or interrupts, where the mission is not long.
-
-    Args:
-        mission_net: The mission's net.
-        space: Its alternatives graph.
-        goal: The states in which it has succeeded.
-    """
-    if sum(1 for _ in mission_net.graph.walk()) > MOST_READ:
-        return None
-    return space.run(space.initial.pick(), goal, transitions=_nominal(mission_net))
 
 
 def skipped(mission_net: MissionNet, run: Run) -> tuple[str, ...]:
@@ -48,13 +31,6 @@ def skipped(mission_net: MissionNet, run: Run) -> tuple[str, ...]:
 def _untried(name: str) -> str:
     """The name of an objective without the numbers of its tries and runs."""
     return _TRY.sub("", name)
-
-
-def _nominal(mission_net: MissionNet) -> list[int]:
-    """The transitions of nominal runs: internal ones, the start, and successes."""
-    good = (None, What.START, What.SUCCESS)
-    events = ((t, transition.event) for t, transition in enumerate(mission_net.net.transitions))
-    return [t for t, event in events if (event.what if event else None) in good]
 
 
 def no_way_to_success(graph: ObjectivesGraph) -> str:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from mcpn.answers.verdicts.entered import selected_and_entered
 from mcpn.answers.verdicts.routing import Routing
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import Problem
@@ -39,7 +40,7 @@ def never_happens(mission_net: MissionNet, space: Space[S], firings: Mapping[int
     transitions = mission_net.net.transitions
     events = (transitions[t].event for t, count in firings.items() if count)
     happens = {event for event in events if event is not None}
-    selected, entered = _selected_and_entered(mission_net, space)
+    selected, entered = selected_and_entered(mission_net, space)
     sections = list(usage.graph.walk())
     begun = {activity for section in sections if section.name in entered for activity in section.activities}
     running = frozenset[str]().union(*map(usage.closure, begun))
@@ -63,25 +64,6 @@ def never_happens(mission_net: MissionNet, space: Space[S], firings: Mapping[int
     problems.extend(never_entered(usage))
     problems.extend(never_used(mission, used))
     return Never(tuple(in_order(problems)), tuple(in_order(routing.futile())))
-
-
-def _selected_and_entered(mission_net: MissionNet, space: Space[S]) -> tuple[set[str], set[str]]:
-    """Alternatives and objectives that run in some stable state; pieces of one kind are asked once."""
-    active, by_role = mission_net.saying("active"), mission_net.by_role
-    everywhere = tuple(mission_net.saying("objective").values())
-    selected, entered, known = set[str](), set[str](), dict[Hashable, list[int]]()
-    for piece in space.pieces(space.stable):
-        names = everywhere if piece.kind is None else piece.names
-        if piece.kind not in known:
-
-            def marks(place: int, states: S = piece.states) -> bool:
-                return bool(space.restricted(states, [place], ()))
-
-            selected |= {name for place, name in active.items() if name not in selected and marks(place)}
-            places = (by_role["objective", name] for name in names)
-            known[piece.kind] = [number for number, own in enumerate(places) if any(map(marks, own))]
-        entered.update(names[number] for number in known[piece.kind])
-    return selected, entered
 
 
 def _held(usage: Usage, activity: str, consumed: Sequence[str]) -> str:

@@ -76,6 +76,20 @@ class EventSession(Prompt):
             self.say(line)
         return True
 
+    def play_nominal(self) -> None:
+        """Takes the run on which nothing fails, and says where it does not succeed."""
+        from mcpn.controller.nominal import awaited, nominal_run
+
+        simulation = self.simulation
+
+        def take(event: Event) -> int:
+            self.take(event)
+            return simulation.marking
+
+        nominal_run(lambda: simulation.possible, take, awaited(simulation.mission_net.mission))
+        if simulation.situation.outcome is None:
+            self.say("the run without failures goes on for ever, or nothing can succeed here: see mcpn check")
+
     # --- from a file ---
 
     def replay(self, path: Path) -> None:

@@ -79,7 +79,7 @@ def bench(
     generated code does anything else than the runtime.
     """
     from mcpn.bench.runs import bench as played
-    from mcpn.bench.runs import one_run_of
+    from mcpn.bench.runs import nominal_run_of, one_run_of
     from mcpn.bench.script import read_script
     from mcpn.bench.world import World
     from mcpn.controller.targets.json import document
@@ -94,6 +94,7 @@ def bench(
     untimed = duration is None and any(of.duration is None for of in mission_net.graph.walk())
     controller = study.controller("auto", max_states=max_states)
     world = World(mission_net, Tables(document(controller, mission_net)), duration)
+    nominal = nominal_run_of(world)
     started = time.perf_counter()
     found = played(world, runs, seed, script)
     seconds = time.perf_counter() - started
@@ -110,6 +111,7 @@ def bench(
         "runs": runs,
         "seed": seed,
         "confidence": confidence,
+        "nominal": {"outcome": nominal.outcome, "events": [e.event for e in nominal.events]},
         **_shares(found, numbers, confidence),
         "hours": None if untimed else found.hours,
         "no_risk": why,
@@ -235,7 +237,9 @@ def _print(told: dict[str, Any]) -> None:
     from mcpn.report.text import print_counts
 
     click.echo(f"{told['form']} controller of {told['mission']}: {told['runs']:,} runs, seed {told['seed']}")
-    rows = {}
+    nominal = told["nominal"]
+    ends = f"ends in {nominal['outcome']}" if nominal["outcome"] else "does not end"
+    rows = {"nothing fails": f"the run {ends}, after {len(nominal['events']):,} events"}
     for name, of in (*told["outcomes"].items(), ("degraded modes", told["degraded_modes"])):
         text = f"{of['mean']:.6g}  [{of['low']:.6g}, {of['high']:.6g}]"
         if of["risk"] is not None:

@@ -35,6 +35,7 @@ class Standing:
         suffixes: Tell the copy from others, the outermost first.
         around: The block that it stands in; ``None`` for a block of the mission itself.
         protocol: What it uses; empty for a block of another kind.
+        nominal: What its author says of it for runs on which nothing fails.
     """
 
     prefix: str
@@ -42,6 +43,7 @@ class Standing:
     suffixes: tuple[str, ...] = ()
     around: Standing | None = None
     protocol: str = ""
+    nominal: str = "entered"
 
     @property
     def names(self) -> Iterator[str]:
@@ -166,6 +168,15 @@ class Copies:
                 for name in each.names:
                     found.setdefault(f"{each.prefix}{name}", []).append(objective)
         return {name: tuple(objectives) for name, objectives in found.items()}
+
+    def meant_as(self, nominal: str) -> set[str]:
+        """The objectives in blocks of which their author says something for runs on which nothing fails.
+
+        Args:
+            nominal: What is said, as the attribute of this name says it.
+        """
+        every = self.objectives.items()
+        return {name for name, standing in every if any(each.nominal == nominal for each in standing.chain)}
 
     # --- sentences ---
 

@@ -48,7 +48,7 @@ class Scope:
     def standing(self, block: Block) -> Standing:
         """Where a block stands here."""
         protocol = block.protocol if isinstance(block, Use) else ""
-        return Standing(self.prefix, block.name, self.suffixes, self.around, protocol)
+        return Standing(self.prefix, block.name, self.suffixes, self.around, protocol, block.nominal)
 
     def written_at(self, block: str, event: str) -> str:
         """Where a handler is written in this text, whichever copy of its block happens to run."""

@@ -280,12 +280,19 @@ class Diagrams:
         """The edges of one state."""
         raise NotImplementedError
 
-    def staying(self, along: Zdd, asked: Zdd | None = None) -> Zdd:
+    def staying(
+        self, along: Zdd, asked: Zdd | None = None, transitions: Collection[int] | None = None
+    ) -> Zdd:
         """States from which some maximal run stays in a set; see :meth:`mcpn.spaces.algebra.Space.staying`.
 
         What was left off because its time was spent goes on where it was; see
         :mod:`mcpn.spaces.diagrams.staying`.
         """
+        if transitions is not None:
+            ends, left = along - self.enabling(transitions), along
+            while (kept := self.continuing(left, transitions) | (left & ends)) != left:
+                left = kept
+            return left
         search = self._left_off.setdefault((along, asked), Staying(self, along, asked))
         states_left = search.states()
         del self._left_off[along, asked]

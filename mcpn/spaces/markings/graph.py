@@ -210,19 +210,24 @@ class StateGraph(Drawn):
         """Whether a maximal run from one of some states stays in a set; both of shape (states,)."""
         return stays(*self._onward, begin, along)
 
-    def staying(self, along: Mask) -> Mask:
+    def staying(self, along: Mask, edges: Mask | None = None) -> Mask:
         """States from which some maximal run stays in a set: it is endless, or ends in a state without edges.
 
         States without a next one in the set are dropped, and those that led to these alone after them.
 
         Args:
             along: The set, shape (states,).
+            edges: Shape (edges,): those of the graph that is asked; all by default.
 
         Returns:
             Shape (states,). Linear in the size of the graph.
         """
-        left, all_ = sweep_staying(*self._onward, along)
-        return left if all_ else staying(*self._onward, *self._back, left)
+        onward = self._onward
+        if edges is not None:
+            kept = np.concatenate((np.zeros(1, np.int64), np.cumsum(edges, dtype=np.int64)))
+            onward = kept[self.offsets], onward[1][edges]
+        left, all_ = sweep_staying(*onward, along)
+        return left if all_ else staying(*onward, *(self._back if edges is None else incoming(*onward)), left)
 
     def run_to(
         self, goal: Mask, start: int = 0, edges: Mask | None = None, along: Mask | None = None

@@ -1,0 +1,234 @@
+"""What a mission does while nothing fails: whether every such run succeeds, and what all of them leave out.
+
+A run is *nominal* if no hardware is lost, no objective fails, no declared event happens and no time is over:
+after the start objectives succeed, in any order, and that is all. Hardware that is out of service at first
+has come back before it, where it can be repaired. Nominal runs are the paths of the space along the
+transitions of the start and of successes, so every engine decides by one formula: no state in which they end
+but success is reached, and no cycle of them but in a block that is meant to be endless.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Generic
+
+from mcpn.answers.verdicts.entered import objectives_run
+from mcpn.drawing.compose import MissionNet
+from mcpn.mission.graph import ElementarySection, ObjectivesGraph, Section
+from mcpn.mission.static.warnings import names_of_objectives
+from mcpn.nets.events import Event, What
+from mcpn.nets.petri import Marking
+from mcpn.sentences import enumeration, shortened
+from mcpn.spaces.algebra import Edge, S, Space
+from mcpn.spaces.run import Run, transitions_of
+
+MOST_READ = 200
+"""Most objectives of a mission whose nominal run is looked for: nobody reads a longer one."""
+LONGEST = 2_000
+"""Most events of a loop that are followed one by one."""
+MOST_TOLD = 6
+"""Objectives of a loop that a sentence names."""
+
+ENDLESS = (
+    '; by default success leads to the next block: the block after which all is done says success="succeed"; '
+    'where the loop is meant, a block of it says nominal="endless"'
+)
+OPTIONAL = '; where that is meant, write nominal="optional" on the block'
+"""What an author writes who means what a nominal run does."""
+
+
+@dataclass(frozen=True)
+class Nominal:
+    """What nominal runs do.
+
+    Args:
+        holds: Whether all of them succeed, and enter every objective that they are meant to enter.
+        explanation: One sentence.
+        run: A run that succeeds; or one that does not, if there is one.
+        cycle: Index of the event of the run with which a loop begins, where it goes on for ever.
+        left_out: Objectives that no nominal run enters, and that no text says may be left out.
+    """
+
+    holds: bool
+    explanation: str
+    run: Run | None = None
+    cycle: int | None = None
+    left_out: tuple[str, ...] = ()
+
+
+def nominal_transitions(mission_net: MissionNet) -> list[int]:
+    """The transitions of nominal runs: internal ones, the start, and successes."""
+    good = (None, What.START, What.SUCCESS)
+    events = ((t, transition.event) for t, transition in enumerate(mission_net.net.transitions))
+    return [t for t, event in events if (event.what if event else None) in good]
+
+
+class NominalRuns(Generic[S]):
+    """The nominal runs of a mission, as paths of a space.
+
+    Args:
+        mission_net: The mission's net.
+        space: Its alternatives graph, or its markings graph.
+        settles: Whether it is the alternatives graph.
+
+    Attributes:
+        transitions: What they fire.
+        begin: Where they begin.
+        reached: Where they lead.
+    """
+
+    def __init__(self, mission_net: MissionNet, space: Space[S], *, settles: bool) -> None:
+        self.mission_net, self.space, self.settles = mission_net, space, settles
+        self.transitions = frozenset(nominal_transitions(mission_net))
+        out = {h.name for h in mission_net.mission.hardware if h.initial == "oos" and h.repairable}
+        self.begin, self._repairs = space.initial, frozenset[int]()
+        if out:
+            events = ((t, transition.event) for t, transition in enumerate(mission_net.net.transitions))
+            self._repairs = frozenset(
+                t for t, e in events if e is None or (e.what is What.REPAIRED and e.element in out)
+            )
+            places = [place for name in out for place in mission_net.by_role["oos", name]]
+            back = space.reached(space.initial, transitions=self._repairs) & space.stable
+            self.begin = space.restricted(back, (), places)
+        self.reached = space.reached(self.begin, transitions=self.transitions)
+
+    def succeeding(self, success: S) -> Run | None:
+        """A short run to success; ``None`` where there is none, or the mission is long.
+
+        Args:
+            success: The states in which it has succeeded.
+        """
+        if sum(1 for _ in self.mission_net.graph.walk()) > MOST_READ or not self.reached & success:
+            return None
+        return self._shown(self._run_to(success))
+
+    def decided(self) -> Nominal:
+        """Whether every one succeeds, and all together enter what they are meant to enter."""
+        space, copies = self.space, self.mission_net.graph.copies
+        success = space.marked([self.mission_net.success])
+        meant = copies.meant_as("endless")
+        endless = [place for place, name in self.mission_net.saying("objective").items() if name in meant]
+        unfinished = self.reached - success
+        ends = unfinished - space.enabling(self.transitions)
+        lasting = unfinished - ends
+        circling = space.staying(
+            lasting - space.marked(endless) if endless else lasting, transitions=self.transitions
+        )
+        run, cycle, said = None, None, list[str]()
+        if ends:
+            edges = self._run_to(ends)
+            run = self._shown(edges)
+            said.append(self._how_it_ends(edges))
+        elif circling:
+            edges, first = self._lasso(circling)
+            run, cycle = self._shown(edges), len(self._events(edges[:first]))
+            around = [event.element for event in self._events(edges[first:])]
+            said.append(f"goes on for ever: {shortened(around, MOST_TOLD)}, and so on")
+        else:
+            run = self.succeeding(success)
+        left_out = self._left_out()
+        if left_out:
+            told = copies.told(left_out, names_of_objectives(self.mission_net.graph))
+            said.append(f"never enters {shortened(told)}")
+        if not said:
+            explanation = "while nothing fails every run succeeds, and nothing is left out"
+            if endless and space.staying(lasting, transitions=self.transitions):
+                explanation = f"{explanation}; it may go on for ever in a block that is meant to be endless"
+            return Nominal(True, explanation, run)
+        explanation = f"while nothing fails the mission {' and '.join(said)}"
+        if not ends:
+            explanation += ENDLESS if cycle is not None else OPTIONAL
+        return Nominal(False, explanation, run, cycle, left_out)
+
+    def _left_out(self) -> tuple[str, ...]:
+        """Objectives that none of them enters, and that are meant to be entered."""
+        graph = self.mission_net.graph
+        entered = objectives_run(self.mission_net, self.space, self.reached)
+        allowed = entered | graph.copies.meant_as("optional")
+        return tuple(name for name in meant_to_be_entered(graph) if name not in allowed)
+
+    def _events(self, edges: Sequence[Edge]) -> list[Event]:
+        events = (self.space.net.transitions[edge.transition].event for edge in edges)
+        return [event for event in events if event is not None]
+
+    def _shown(self, edges: Sequence[Edge]) -> Run:
+        return Run(self.space.net, transitions_of(edges), settles=self.settles)
+
+    def _run_to(self, goal: S) -> list[Edge]:
+        """A short run into a goal that some of them reach."""
+        first = self.space.initial.pick()
+        run = self._path(first, self.begin, self._repairs) if self._repairs else []
+        return [*run, *self._path(run[-1].target if run else first, goal, self.transitions)]
+
+    def _path(self, start: object, goal: S, transitions: Collection[int]) -> list[Edge]:
+        run = self.space.run(start, goal, transitions=transitions)
+        assert run is not None, "it is reached"
+        return run
+
+    def _lasso(self, circling: S) -> tuple[list[Edge], int]:
+        """A run that goes on for ever in some states, and after how many edges its loop begins.
+
+        Args:
+            circling: States that each have a next one among them.
+        """
+        run = self._run_to(circling)
+        here = run[-1].target if run else self.space.initial.pick()
+        seen: dict[Marking, int] = {}
+        while (marking := self.space.marking(here)) not in seen and len(seen) < LONGEST:
+            seen[marking] = len(run)
+            run.append(next(edge for edge in self.space.edges(here) if self._leads(edge, circling)))
+            here = run[-1].target
+        return run, seen.get(marking, 0)
+
+    def _leads(self, edge: Edge, into: S) -> bool:
+        return edge.transition in self.transitions and bool(self.space.single(edge.target) & into)
+
+    def _how_it_ends(self, run: Sequence[Edge]) -> str:
+        """How a run ends that does not succeed."""
+        marking = self.space.marking(run[-1].target if run else self.space.initial.pick())
+        for end, place in self.mission_net.ends.items():
+            if marking[place]:
+                return f"ends in {end}"
+        running = [name for place, name in self.mission_net.saying("objective").items() if marking[place]]
+        if not running:
+            return "comes to where nothing can succeed"
+        return f"comes to where {enumeration(running)} cannot succeed"
+
+
+def meant_to_be_entered(graph: ObjectivesGraph) -> Iterator[str]:
+    """The objectives that routes of success lead to, and those that no route leads to.
+
+    What a failure, an abort, a timeout, an event or a fact leads to is a helper, which may be left out. So
+    may what successes of helpers alone lead to.
+    """
+    wanted = _by_success([graph.entry], {section.name: section for section in graph.sections})
+    aside = {section.name: section for section in graph.unreached}
+    helping = {h for s in graph.unreached for h in _by_success(_led_otherwise(s), aside, but=s.name)}
+    reached = (section for section in graph.sections if section.name in wanted)
+    for section in (*reached, *(section for section in graph.unreached if section.name not in helping)):
+        if isinstance(section, ElementarySection):
+            yield section.name
+        else:
+            for branch in section.branches:
+                yield from meant_to_be_entered(branch.graph)
+
+
+def _by_success(begin: Iterable[str], among: Mapping[str, Section], but: str | None = None) -> set[str]:
+    """Sections that successes lead to from some, those included; facts choose what is led to otherwise."""
+    found, stack = set[str](), [*begin]
+    while stack:
+        name = stack.pop()
+        if name in among and name not in found and name != but:
+            found.add(name)
+            stack += () if among[name].cases_of("success") else (among[name].success,)
+    return found
+
+
+def _led_otherwise(section: Section) -> Iterator[str]:
+    """Where a section leads but by its success alone."""
+    for outcome, _ in section.outcomes:
+        if outcome != "success" or section.cases_of(outcome):
+            yield from section.led(outcome)
+    for interruption in section.interruptions:
+        yield from interruption.routes

@@ -1,0 +1,170 @@
+"""What a mission does while nothing fails: every engine against the interpreter, all orders of successes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from hypothesis import event, given
+from hypothesis import strategies as st
+
+from mcpn.answers.verdicts.mission import check
+from mcpn.drawing.compose import compose
+from mcpn.errors import LimitError
+from mcpn.mission.model import Block, Each, FactRoute, Handler, Mission, Objective, Parallel, Recursive
+from mcpn.mission.robot import Fact, Hardware
+from mcpn.spaces.engines import Engine
+from tests.draws import composed, fewer
+from tests.judge import drawn
+from tests.judge.interpreter import Undetermined
+from tests.judge.nominal import WhileNothingFails, played
+from tests.small import activity, mission, robot
+
+ENGINES: tuple[Engine, ...] = ("explicit", "symbolic", "local")
+
+
+@st.composite
+def said(draw: st.DrawFn, missions: st.SearchStrategy[Mission]) -> Mission:
+    """Missions of which some blocks say what is meant while nothing fails."""
+    of, words = draw(missions), ("entered", "entered", "endless", "optional")
+
+    def block(each: Block) -> Block:
+        each = replace(each, nominal=draw(st.sampled_from(words)))
+        if isinstance(each, Recursive | Parallel | Each):
+            return replace(each, blocks=tuple(map(block, each.blocks)))
+        return each
+
+    if not draw(st.booleans()):
+        return of
+    return replace(of, blocks=tuple(map(block, of.blocks)))
+
+
+def judged(of: Mission) -> str:
+    """All engines say what the interpreter finds; how that is."""
+    try:
+        found = played(of)
+    except Undetermined:
+        return "undetermined"
+    if found is None:
+        return "too large"
+    for engine in ENGINES:
+        try:
+            checked = check(composed(of), engine=engine)
+        except LimitError:
+            return "too large"
+        if not (checked.verdicts["safe"].holds and checked.verdicts["confluent"].holds):
+            return "not confluent"
+        agrees(engine, checked.verdicts["nominal_success"], found)
+    words = ("dead end" * bool(found.ends), "goes on" * found.circles, "left out" * bool(found.left_out))
+    return ", ".join(filter(None, words)) or "succeeds"
+
+
+def agrees(engine: str, verdict: Any, found: WhileNothingFails) -> None:
+    assert verdict.holds is found.holds, (engine, verdict, found)
+    assert {*verdict.left_out} == found.left_out, (engine, verdict, found)
+    assert (verdict.cycle is not None) is (found.circles and not found.ends), (engine, verdict, found)
+    for run in verdict.runs:
+        assert not [e for e in run.events if e.what.name not in ("START", "SUCCESS", "REPAIRED")]
+
+
+@given(said(st.one_of(drawn.ANY, drawn.EARLY, drawn.APART, drawn.SHARING, drawn.IN_ROUNDS)))
+def test_drawn_missions(of: Mission) -> None:
+    event(judged(of))
+
+
+@given(said(st.one_of(drawn.INTERRUPTED, drawn.ABORTED, drawn.TIMED, drawn.LASTING, drawn.CRASHING)))
+def test_missions_with_events_aborts_timeouts_and_what_is_out_at_first(of: Mission) -> None:
+    event(judged(of))
+
+
+@given(said(st.one_of(drawn.RECOVERING, drawn.PAUSING, drawn.LED, drawn.PAUSING_APART)))
+def test_missions_with_blocks_that_are_run_for_others(of: Mission) -> None:
+    event(judged(of))
+
+
+@fewer(0.5)
+@given(said(st.one_of(drawn.WORLD, drawn.WORLD_ABORTED, drawn.PAUSING_FACTS)))
+def test_missions_with_facts(of: Mission) -> None:
+    event(judged(of))
+
+
+def one(name: str, **others: Any) -> Objective:
+    return Objective(name=name, activities=("do",), **others)
+
+
+def of(*blocks: Block, hardware: tuple[Hardware, ...] = (Hardware(name="h"),), **others: Any) -> Mission:
+    own = robot(hardware, activity("do", ("h",)), events=("rain",))
+    own = replace(own, facts=(Fact(name="dry"),)) if others.pop("facts", False) else own
+    return mission(own, *blocks, **others)
+
+
+MEANT: dict[str, tuple[Mission, str]] = {
+    "a helper behind the last block": (of(one("dig", failure="move"), one("move", success="dig")), "goes on"),
+    "its success ends all": (
+        of(one("dig", failure="move", success="succeed"), one("move", success="dig")),
+        "succeeds",
+    ),
+    "an end of success that is an abort": (of(one("dig", success="abort")), "dead end"),
+    "a block that no route leads to": (of(one("a", success="succeed"), one("b")), "left out"),
+    "left out on purpose": (of(one("a", success="succeed"), one("b", nominal="optional")), "succeeds"),
+    "a patrol": (of(one("a", success="b"), one("b", success="a")), "goes on"),
+    "a patrol that is meant": (
+        of(one("a", success="b"), one("b", success="a", nominal="endless")),
+        "succeeds",
+    ),
+    "a patrol, and a loop beside": (
+        of(
+            one("a", success="b"),
+            Recursive(name="b", nominal="endless", blocks=(one("x"),), success="c"),
+            one("c", success="c"),
+        ),
+        "goes on",
+    ),
+    "what is out of service at first": (
+        of(one("a"), hardware=(Hardware(name="h", initial="oos"),)),
+        "succeeds",
+    ),
+    "what stays out of service": (
+        of(one("a"), hardware=(Hardware(name="h", initial="oos", repairable=False),)),
+        "dead end",
+    ),
+    "a shelter": (
+        of(
+            Recursive(
+                name="rows",
+                handlers=(Handler(event="rain", pause="cover"),),
+                blocks=(one("row"),),
+                success="succeed",
+            ),
+            one("cover"),
+        ),
+        "succeeds",
+    ),
+    "what facts choose": (
+        of(
+            one("a", routes=(FactRoute(when=("dry",), goto="b"),), success="succeed"),
+            one("b"),
+            facts=True,
+        ),
+        "succeeds",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", MEANT)
+def test_what_is_meant(name: str) -> None:
+    found, expected = MEANT[name]
+    assert judged(found) == expected
+
+
+def test_what_is_left_out_and_what_goes_round_is_named() -> None:
+    left = check(compose(MEANT["a block that no route leads to"][0])).verdicts["nominal_success"]
+    assert left.left_out == ("b",)
+    assert 'never enters b; where that is meant, write nominal="optional"' in left.explanation
+    loop = check(compose(MEANT["a helper behind the last block"][0])).verdicts["nominal_success"]
+    assert "goes on for ever: dig, move, and so on" in loop.explanation
+    assert (list(map(str, loop.runs[0].events)), loop.cycle) == (
+        ["MISSION_EV_START", "OBJ_dig_EV_OK", "OBJ_move_EV_OK"],
+        1,
+    )
