@@ -36,6 +36,7 @@ def test_check_passes_on_ulysse() -> None:
         "undecided",
         "warnings",
         "witnesses",
+        "nominal",
         "engine",
         "why",
         "seconds",
@@ -44,6 +45,7 @@ def test_check_passes_on_ulysse() -> None:
     assert found["markings"] == {"states": None, "edges": None}  # which are not listed
     assert found["alternatives"] == {"states": 260, "edges": 1332}
     assert found["verdicts"] == {
+        "nominal_success": True,
         "safe": True,
         "bounded": True,
         "confluent": True,

@@ -166,6 +166,7 @@ def test_every_engine_announces_its_steps(
     steps = [record.getMessage() for record in caplog.records]
     announced = [record.args[0] for record in caplog.records if isinstance(record.args, tuple)]
     assert [s.question for s in announced if isinstance(s, WorkStep) and s.doing is Doing.DECIDING] == [
+        "nominal_success",
         "deadlock_free",
         "success_reachable",
         "can_always_finish",
