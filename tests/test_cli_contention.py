@@ -91,4 +91,6 @@ def test_what_is_not_decided_is_not_said_to_fail(contended: Path) -> None:
     assert run.returncode == 1
     fails, undecided = run.stdout.splitlines()[1:3]
     assert fails == "verdicts fail: confluent"
-    assert undecided.startswith("not decided: nominal_success, safe, bounded, deadlock_free, success_reachable, ")
+    assert undecided.startswith(
+        "not decided: nominal_success, safe, bounded, deadlock_free, success_reachable, "
+    )

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission
-from tests.judge.blocks import TIMED_OUT, Node
+from tests.judge.blocks import TIMED_OUT, Node, objectives
 from tests.judge.interpreter import REPAIRED, START, SUCCESS, Interpreter, State
 
 MOST_STATES = 3_000
@@ -128,12 +128,10 @@ class Level:
     def meant(self) -> Iterator[Node]:
         """Objectives on the way of successes from the first, and those that nothing leads to."""
         wanted, reached = closed([entry(self.of)], self.by_success), self.reached
-        helpers = set[int]()
+        left = [unit for unit in self.units if id(unit) not in reached]
+        left = [unit for unit in left if not all(map(helps, objectives(unit)))]
         for unit in self.units:
-            if id(unit) not in reached:
-                helpers |= closed(self.otherwise[id(unit)], {**self.by_success, id(unit): []}) - {id(unit)}
-        for unit in self.units:
-            if id(unit) in wanted or id(unit) not in reached | helpers:
+            if id(unit) in wanted or unit in left:
                 if unit.parallel:
                     for level in self.within[id(unit)]:
                         yield from level.meant()
@@ -185,6 +183,29 @@ def entry(node: Node) -> Node:
     while node.children and not node.parallel:
         node = node.first
     return node
+
+
+def led_otherwise(node: Node) -> bool:
+    """Whether its text leads to it by anything but success, or runs it for a sibling."""
+    assert node.parent is not None
+    siblings, root = node.parent.children, node.parent.parent is None
+    targets: set[str | Node | None] = {handler.goto for handler in node.parent.handlers if root}
+    for key, of in siblings.items():
+        if of.written == node.written and key != node.written:
+            return True
+        targets |= {of.failure, of.abort, of.timed_out, *(route.goto for route in of.deciding)}
+        targets |= {handler.goto for handler in of.handlers}
+    return node.written in targets
+
+
+def helps(leaf: Node) -> bool:
+    """Whether it is a helper, or stands in one."""
+    node = leaf
+    while node.parent is not None:
+        if not node.copy and led_otherwise(node):
+            return True
+        node = node.parent
+    return False
 
 
 def only_helps(unit: Node) -> bool:

@@ -15,7 +15,7 @@ from mcpn.errors import LimitError
 from mcpn.mission.model import Block, Each, FactRoute, Handler, Mission, Objective, Parallel, Recursive
 from mcpn.mission.robot import Fact, Hardware
 from mcpn.spaces.engines import Engine
-from tests.draws import composed, fewer
+from tests.draws import fewer
 from tests.judge import drawn
 from tests.judge.interpreter import Undetermined
 from tests.judge.nominal import WhileNothingFails, played
@@ -50,7 +50,7 @@ def judged(of: Mission) -> str:
         return "too large"
     for engine in ENGINES:
         try:
-            checked = check(composed(of), engine=engine)
+            checked = check(compose(of), engine=engine)
         except LimitError:
             return "too large"
         if not (checked.verdicts["safe"].holds and checked.verdicts["confluent"].holds):
@@ -94,7 +94,8 @@ def one(name: str, **others: Any) -> Objective:
 
 
 def of(*blocks: Block, hardware: tuple[Hardware, ...] = (Hardware(name="h"),), **others: Any) -> Mission:
-    own = robot(hardware, activity("do", ("h",)), events=("rain",))
+    do = replace(activity("do", ("h",)), requires=others.pop("requires", ()))
+    own = robot(hardware, do, events=("rain",))
     own = replace(own, facts=(Fact(name="dry"),)) if others.pop("facts", False) else own
     return mission(own, *blocks, **others)
 
@@ -125,10 +126,7 @@ MEANT: dict[str, tuple[Mission, str]] = {
         of(one("a"), hardware=(Hardware(name="h", initial="oos"),)),
         "succeeds",
     ),
-    "what stays out of service": (
-        of(one("a"), hardware=(Hardware(name="h", initial="oos", repairable=False),)),
-        "dead end",
-    ),
+    "what a fact forbids": (of(one("a"), requires=("dry",), facts=True), "dead end"),
     "a shelter": (
         of(
             Recursive(

@@ -9,13 +9,15 @@ but success is reached, and no cycle of them but in a block that is meant to be 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence, Set
 from dataclasses import dataclass
 from typing import Generic
 
 from mcpn.answers.verdicts.entered import objectives_run
 from mcpn.drawing.compose import MissionNet
-from mcpn.mission.graph import ElementarySection, ObjectivesGraph, Section
+from mcpn.mission.expansion.copies import Copies, Written
+from mcpn.mission.graph import ElementarySection, ObjectivesGraph
+from mcpn.mission.model import Mission, Objective, walk
 from mcpn.mission.static.warnings import names_of_objectives
 from mcpn.nets.events import Event, What
 from mcpn.nets.petri import Marking
@@ -146,7 +148,7 @@ class NominalRuns(Generic[S]):
         graph = self.mission_net.graph
         entered = objectives_run(self.mission_net, self.space, self.reached)
         allowed = entered | graph.copies.meant_as("optional")
-        return tuple(name for name in meant_to_be_entered(graph) if name not in allowed)
+        return tuple(name for name in meant_to_be_entered(self.mission_net) if name not in allowed)
 
     def _events(self, edges: Sequence[Edge]) -> list[Event]:
         events = (self.space.net.transitions[edge.transition].event for edge in edges)
@@ -196,39 +198,42 @@ class NominalRuns(Generic[S]):
         return f"comes to where {enumeration(running)} cannot succeed"
 
 
-def meant_to_be_entered(graph: ObjectivesGraph) -> Iterator[str]:
+def meant_to_be_entered(mission_net: MissionNet) -> Iterator[str]:
     """The objectives that routes of success lead to, and those that no route leads to.
 
     What a failure, an abort, a timeout, an event or a fact leads to is a helper, which may be left out. So
     may what successes of helpers alone lead to.
     """
-    wanted = _by_success([graph.entry], {section.name: section for section in graph.sections})
-    aside = {section.name: section for section in graph.unreached}
-    helping = {h for s in graph.unreached for h in _by_success(_led_otherwise(s), aside, but=s.name)}
-    reached = (section for section in graph.sections if section.name in wanted)
-    for section in (*reached, *(section for section in graph.unreached if section.name not in helping)):
+    graph = mission_net.graph
+    return _meant(graph, graph.copies, frozenset(_helpers(mission_net.mission)))
+
+
+def _meant(graph: ObjectivesGraph, copies: Copies, helpers: Set[Written]) -> Iterator[str]:
+    sections = {section.name: section for section in graph.sections}
+    wanted, stack = set[str](), [graph.entry]
+    while stack:
+        name = stack.pop()
+        if name in sections and name not in wanted:
+            wanted.add(name)
+            # Where facts choose what success leads to, that is a helper.
+            stack += () if sections[name].cases_of("success") else (sections[name].success,)
+    left = (s for s in graph.unreached if not all(copies.around(leaf.name) & helpers for leaf in s.walk()))
+    for section in (*(section for section in graph.sections if section.name in wanted), *left):
         if isinstance(section, ElementarySection):
             yield section.name
         else:
             for branch in section.branches:
-                yield from meant_to_be_entered(branch.graph)
+                yield from _meant(branch.graph, copies, helpers)
 
 
-def _by_success(begin: Iterable[str], among: Mapping[str, Section], but: str | None = None) -> set[str]:
-    """Sections that successes lead to from some, those included; facts choose what is led to otherwise."""
-    found, stack = set[str](), [*begin]
-    while stack:
-        name = stack.pop()
-        if name in among and name not in found and name != but:
-            found.add(name)
-            stack += () if among[name].cases_of("success") else (among[name].success,)
-    return found
-
-
-def _led_otherwise(section: Section) -> Iterator[str]:
-    """Where a section leads but by its success alone."""
-    for outcome, _ in section.outcomes:
-        if outcome != "success" or section.cases_of(outcome):
-            yield from section.led(outcome)
-    for interruption in section.interruptions:
-        yield from interruption.routes
+def _helpers(mission: Mission) -> Iterator[Written]:
+    """The blocks that a text leads to by anything but success, and those that are run for others."""
+    yield from (("", handler.goto) for handler in mission.handlers if handler.goto is not None)
+    for text, blocks in (("", mission.blocks), *((p.name, p.blocks) for p in mission.protocols)):
+        for block in walk(blocks):
+            late = block.timeout_goto if isinstance(block, Objective) else None
+            events = (target for handler in block.handlers for target in (handler.goto, handler.pause))
+            chosen = (route.goto for route in block.routes)
+            for target in (block.failure, block.abort, late, block.recover, *events, *chosen):
+                if target is not None:
+                    yield text, target

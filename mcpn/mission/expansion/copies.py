@@ -156,6 +156,14 @@ class Copies:
         here, *around = self._blocks[name].chain
         return next((each.protocol for each in around if each.protocol), ""), here.block
 
+    def around(self, objective: str) -> frozenset[Written]:
+        """An objective and the blocks that it stands in, as they are written."""
+        found, text = list[Written](), ""
+        for each in reversed([*self.objectives[objective].chain]):
+            found.append((text, each.block))
+            text = each.protocol or text
+        return frozenset(found)
+
     @cached_property
     def held(self) -> dict[str, tuple[str, ...]]:
         """By name of a block the objectives that it holds, at any depth, in document order.
