@@ -142,6 +142,7 @@ def test_each_element_is_in_some_mission() -> None:
         "repeat",
         "recover",
         "times",
+        "nominal",
     }
     scoped = {name for name, tag in language().items() if {"after", "before"} <= tag.attributes.keys()}
     for tag, names in every().items():
