@@ -337,10 +337,12 @@ class OwnSpace:
             if states := self.before(into, [t], among=among):
                 yield t, states
 
-    def staying(self, along: OwnSet, asked: OwnSet | None = None) -> OwnSet:
+    def staying(
+        self, along: OwnSet, asked: OwnSet | None = None, transitions: Collection[int] | None = None
+    ) -> OwnSet:
         """Markings from which some maximal run stays in a set; see the algebra."""
-        stays = along
-        while lost := stays - (self.before(stays) | self.dead):
+        stays, ends = along, self.dead if transitions is None else along - self.enabling(transitions)
+        while lost := stays - (self.before(stays, transitions) | ends):
             stays = stays - lost
         return stays
 
