@@ -7,7 +7,7 @@ import os
 import shutil
 import signal
 import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
@@ -20,7 +20,6 @@ from mcpn.errors import InputError
 from tests.commands import mcpn, output
 from tests.drivers.robots import MISSION, NEVER, numbers, until
 from tests.drivers.runs import Runs
-from tests.drivers.test_topics import broker  # noqa: F401  (a fixture)
 
 Made = Callable[..., Runs]
 NOTHING = """
@@ -45,17 +44,9 @@ DRIVES = 'process = ["{python}", "{robot}", "drive"]\nlines = {arrived = "succes
 
 
 @pytest.fixture
-def made(tmp_path: Path) -> Iterator[Made]:
-    """Makes a folder of runs."""
-    every: list[Runs] = []
-
-    def make(drivers: str, **how: str) -> Runs:
-        every.append(Runs(tmp_path, NOTHING + drivers, **how))
-        return every[-1]
-
-    yield make
-    for runs in every:
-        runs.close()
+def made(runs_of: Made) -> Made:
+    """Makes a folder of runs, of a courier of which only the drive is a driver's."""
+    return lambda drivers: runs_of(NOTHING + drivers)
 
 
 @pytest.mark.parametrize(
@@ -150,10 +141,7 @@ def test_a_program_beside_the_file_is_found_from_wherever(
         (tmp_path / "true").unlink()
 
 
-def test_what_runs_behind_a_broker_is_told_to_stop_when_a_run_goes_on(
-    made: Made,
-    broker: int,  # noqa: F811
-) -> None:
+def test_what_runs_behind_a_broker_is_told_to_stop_when_a_run_goes_on(made: Made, broker: int) -> None:
     """Killed, mcpn tells nobody to stop; the run that goes on does, and its starts have other numbers."""
     paho = pytest.importorskip("paho.mqtt.client", reason="needs mcpn[mqtt]")
     from paho.mqtt.enums import CallbackAPIVersion

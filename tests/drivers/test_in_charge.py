@@ -10,7 +10,7 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast
 
@@ -57,17 +57,9 @@ Made = Callable[..., Runs]
 
 
 @pytest.fixture
-def made(tmp_path: Path) -> Iterator[Made]:
+def made(runs_of: Made) -> Made:
     """Makes a folder of runs."""
-    every: list[Runs] = []
-
-    def make(drivers: str = PARTS, **how: str) -> Runs:
-        every.append(Runs(tmp_path, drivers, **how))
-        return every[-1]
-
-    yield make
-    for runs in every:
-        runs.close()
+    return lambda drivers=PARTS, **how: runs_of(drivers, **how)
 
 
 def going(runs: Runs) -> None:

@@ -10,7 +10,7 @@ import resource
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -62,17 +62,9 @@ Made = Callable[..., Runs]
 
 
 @pytest.fixture
-def made(tmp_path: Path) -> Iterator[Made]:
+def made(runs_of: Made) -> Made:
     """Makes a folder of runs."""
-    every: list[Runs] = []
-
-    def make(drivers: str, requirement: str = "") -> Runs:
-        every.append(Runs(tmp_path, drivers, LOOP.format(requirement=requirement)))
-        return every[-1]
-
-    yield make
-    for runs in every:
-        runs.close()
+    return lambda drivers, requirement="": runs_of(drivers, mission=LOOP.format(requirement=requirement))
 
 
 def little_room() -> None:

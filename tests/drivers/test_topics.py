@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import json
-import shutil
-import socket
-import subprocess
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +12,7 @@ import pytest
 
 from tests.commands import mcpn, output
 from tests.drivers.robots import MISSION, NEVER, until
+from tests.drivers.runs import free_port
 
 
 def drivers(kind: str, options: str) -> str:
@@ -100,38 +98,6 @@ def ran(folder: Path, robot: Robot, in_order: bool = True) -> None:
         ("start", "hand_over", "hand_over"),
         ("stop", "hand_over", "hand_over"),
     ]
-
-
-def free_port() -> int:
-    with socket.socket() as found:
-        found.bind(("127.0.0.1", 0))
-        number: int = found.getsockname()[1]
-        return number
-
-
-def answers(port: int) -> bool:
-    try:
-        socket.create_connection(("127.0.0.1", port), 1).close()
-    except OSError:
-        return False
-    return True
-
-
-@pytest.fixture
-def broker() -> Iterator[int]:
-    """The port of a broker."""
-    program = shutil.which("mosquitto") or shutil.which("mosquitto", path="/usr/sbin:/usr/local/sbin")
-    if program is None:
-        pytest.skip("needs mosquitto, a broker for MQTT")
-    port = free_port()
-    run = subprocess.Popen([program, "-p", str(port)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    try:
-        until(lambda: answers(port) or run.poll() is not None, 20)
-        assert run.poll() is None
-        yield port
-    finally:
-        run.terminate()
-        run.wait()
 
 
 def test_over_mqtt(broker: int, tmp_path: Path) -> None:
