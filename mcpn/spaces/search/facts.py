@@ -36,6 +36,8 @@ arcs, as if each net had some more."""
 MOST_TOGETHER = 20
 """Sums whose walks have their full number of firings."""
 SIPHON_STEPS = 500
+WALKS = 6
+"""Walks, each twice as long as the one before, after which it is looked whether a transition is dead."""
 MOST_ARCS = 5_000
 """Where a net has more, its siphons are not looked for."""
 
@@ -104,7 +106,7 @@ class Facts:
         """Finds out, once, which transitions fire and which are dead, as far as that is told."""
         if self.fires or self.dead:
             return
-        self.dead |= set(range(len(self.net.transitions))) - self._possible()
+        self.dead |= set(range(len(self.net.transitions))) - possible(self.net, self.net.initial)
         self._fire(STEPS)
         for t in self._affordable(self.unknown):
             solution = self.equation.solve(fireable(self.net, t))
@@ -129,29 +131,6 @@ class Facts:
         goals = [fireable(self.net, t) for t in open_ones]
         found = self._met(goals, steps + STEPS_OF_TRANSITION * len(goals))
         self.fires.update(open_ones[goal] for goal in found)
-
-    def _possible(self) -> set[int]:
-        """Transitions whose places can be marked one after the other: all others need an empty siphon."""
-        marked_ones = {p for p, tokens in enumerate(self.net.initial) if tokens}
-        waiting: dict[int, list[int]] = {}
-        missing = []
-        ready = []
-        for t in range(len(self.net.transitions)):
-            wanted = needs(self.net, t).keys() - marked_ones
-            missing.append(len(wanted))
-            for place in wanted:
-                waiting.setdefault(place, []).append(t)
-            if not wanted:
-                ready.append(t)
-        found = set(ready)
-        while ready:
-            for place, _ in self.net.transitions[ready.pop()].produce:
-                for t in waiting.pop(place, ()):
-                    missing[t] -= 1
-                    if not missing[t]:
-                        found.add(t)
-                        ready.append(t)
-        return found
 
     # --- examinations ---
 
@@ -264,6 +243,9 @@ class Facts:
                     return commoner(self.net, max_steps=SIPHON_STEPS) is None, (STRUCTURE,)
             except LimitError:
                 pass
+        ends = self.searches.ends(self.net.initial, steps=STEPS + len(every), walks=WALKS)
+        if any(len(possible(self.net, end)) < len(every) for end in ends):
+            return False, (RANDOM_WALK, STRUCTURE)  # a siphon has emptied
         return None, ()
 
     # --- walks ---
@@ -290,3 +272,32 @@ def exceeding(places: Sequence[int], bound: int) -> Goal:
 
 def _proved(traps: int) -> Ways:
     return (STATE_EQUATION, TRAPS) if traps else (STATE_EQUATION,)
+
+
+def possible(net: PetriNet, marking: Sequence[int]) -> set[int]:
+    """Transitions whose places can be marked one after the other: all others need an empty siphon.
+
+    Args:
+        net: The net.
+        marking: Where they begin.
+    """
+    marked_ones = {p for p, tokens in enumerate(marking) if tokens}
+    waiting: dict[int, list[int]] = {}
+    missing = []
+    ready = []
+    for t in range(len(net.transitions)):
+        wanted = needs(net, t).keys() - marked_ones
+        missing.append(len(wanted))
+        for place in wanted:
+            waiting.setdefault(place, []).append(t)
+        if not wanted:
+            ready.append(t)
+    found = set(ready)
+    while ready:
+        for place, _ in net.transitions[ready.pop()].produce:
+            for t in waiting.pop(place, ()):
+                missing[t] -= 1
+                if not missing[t]:
+                    found.add(t)
+                    ready.append(t)
+    return found

@@ -6,7 +6,8 @@ to the goal first, and says also that nothing more is reachable.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import random
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, TypeAlias, cast
@@ -106,6 +107,44 @@ class Searches:
         length = max(self._length, 2 * sum(counts))
         return self.kernel.walk(self.net.initial, encoded, roots, steps, length, seed, False, list(counts))
 
+    def ends(self, start: Sequence[int], *, steps: int, walks: int, seed: int = 0) -> Iterator[list[int]]:
+        """Markings that random walks come to, of a net without priorities; a dead one ends its walk.
+
+        Args:
+            start: Where each begins.
+            steps: Firings of all together.
+            walks: How many, each twice as long as the one before.
+            seed: The same seed walks the same way.
+        """
+        draw = random.Random(seed)
+        count = range(len(self.net.transitions))
+        required = [needs(self.net, t) for t in count]
+        changed = [list(changes(self.net, t).items()) for t in count]
+        users: list[list[int]] = [[] for _ in self.net.places]
+        for t in count:
+            for place in required[t]:
+                users[place].append(t)
+        for walk in range(walks):
+            marking, enabled = list(start), _Drawn()
+            missing = [sum(marking[p] < weight for p, weight in required[t].items()) for t in count]
+            for t in count:
+                if not missing[t]:
+                    enabled.add(t)
+            for _ in range(steps >> (walks - walk)):
+                if not enabled.members:
+                    break
+                for place, change in changed[draw.choice(enabled.members)]:
+                    before = marking[place]
+                    marking[place] = after = before + change
+                    for t in users[place]:
+                        if (before < required[t][place]) != (after < required[t][place]):
+                            was, missing[t] = missing[t], missing[t] + (1 if after < before else -1)
+                            if not missing[t]:
+                                enabled.add(t)
+                            elif not was:
+                                enabled.remove(t)
+            yield marking
+
     def walk_unsafe(self, *, steps: int, seed: int = 0) -> UnsafeError | None:
         """Walks until a firing puts a second token in a place, if one does within so many steps.
 
@@ -146,6 +185,25 @@ class Searches:
             self.net.initial, encoded, root, stubborn, max_states, max_bytes
         )
         return Search(cast(Outcome, outcome), states, shortened(self.net, run))
+
+
+class _Drawn:
+    """A set of numbers of which each is drawn as soon as the others."""
+
+    def __init__(self) -> None:
+        self.members: list[int] = []
+        self._at: dict[int, int] = {}
+
+    def add(self, number: int) -> None:
+        self._at[number] = len(self.members)
+        self.members.append(number)
+
+    def remove(self, number: int) -> None:
+        last = self.members.pop()
+        at = self._at.pop(number)
+        if last != number:
+            self.members[at] = last
+            self._at[last] = at
 
 
 def replay(net: PetriNet, run: Sequence[int]) -> tuple[int, ...]:
