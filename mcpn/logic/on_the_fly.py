@@ -6,13 +6,29 @@ has it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Literal
 
 from mcpn._kernel import Checker
 from mcpn.logic.formulas import EG, EU, EX
 from mcpn.nets.petri import PetriNet
-from mcpn.spaces.search.goal import FALSE, TRUE, And, Formula, Goal, Not, Or, as_goal, encode
+from mcpn.nets.reduce.reduction import reduce_for_branching
+from mcpn.spaces.search.goal import (
+    FALSE,
+    TRUE,
+    And,
+    AtMost,
+    Deadlock,
+    Fires,
+    Formula,
+    Goal,
+    Not,
+    Or,
+    as_goal,
+    encode,
+    renamed,
+    wanted,
+)
 from mcpn.spaces.search.searches import Searches
 
 MAX_BYTES = 1 << 30
@@ -83,3 +99,50 @@ class OnTheFlyCheck:
     def markings(self) -> int:
         """Markings looked at."""
         return self._kernel.markings
+
+
+class LocalChecks:
+    """Decides formulas on the fly: those that say nothing of single steps on a net reduced for all of them.
+
+    Args:
+        net: A net without priorities, whose numbers fit.
+        searches: Walks on it.
+    """
+
+    def __init__(self, net: PetriNet, searches: Searches) -> None:
+        self._net, self._searches = net, searches
+        self._by: dict[Formula, tuple[OnTheFlyCheck, Formula]] = {}
+
+    def ask(self, formulas: Sequence[Formula]) -> None:
+        """Makes ready for formulas; what was found out of others is forgotten where some are new."""
+        if all(formula in self._by for formula in formulas):
+            return
+        self._by.clear()
+        insensitive = [f for f in formulas if not any(isinstance(part, EX | Deadlock) for part in f.walk())]
+        goals = {atom: as_goal(atom, self._net) for f in insensitive for atom in f.walk() if _is_atom(atom)}
+        kept = {place for goal in goals.values() if goal for place in wanted(goal)}
+        reduction = reduce_for_branching(self._net, kept)
+        if len(reduction.net.transitions) < len(self._net.transitions):
+
+            def there(formula: Formula) -> Formula:
+                if goal := goals.get(formula):
+                    return renamed(goal, reduction.place_index.__getitem__)
+                return formula.mapped(there)
+
+            self._put({formula: there(formula) for formula in insensitive}, reduction.net, None)
+        self._put({f: f for f in formulas if f not in self._by}, self._net, self._searches)
+
+    def _put(self, formulas: Mapping[Formula, Formula], net: PetriNet, searches: Searches | None) -> None:
+        searches = searches or Searches(net)
+        if formulas and searches.fits:
+            check = OnTheFlyCheck(net, formulas.values(), searches)
+            self._by.update((formula, (check, same)) for formula, same in formulas.items())
+
+    def decide(self, formula: Formula, max_steps: int, seed: int = 0) -> bool | None:
+        """Whether a formula holds at first, as :meth:`OnTheFlyCheck.decide` says it."""
+        check, same = self._by[formula]
+        return check.decide(same, max_steps, seed)
+
+
+def _is_atom(formula: Formula) -> bool:
+    return isinstance(formula, AtMost | Fires)

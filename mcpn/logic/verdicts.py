@@ -35,7 +35,7 @@ from mcpn.steps import Doing, step
 if TYPE_CHECKING:
     from mcpn.logic.contest import Property
     from mcpn.logic.ltl.parts import PathParts
-    from mcpn.logic.on_the_fly import OnTheFlyCheck
+    from mcpn.logic.on_the_fly import LocalChecks
     from mcpn.spaces.search.facts import Facts
     from mcpn.spaces.search.portfolio import Round
     from mcpn.spaces.search.searches import Searches
@@ -65,6 +65,8 @@ EFFORT_OF_LIVENESS = 30
 """The number of operators of a formula that takes about as long: closures forward and backward."""
 LOCAL_STEPS = (20_000, 200_000, 1_000_000, 5_000_000, 25_000_000, 125_000_000)
 """For each part of a formula, in rounds."""
+PACED, FEWEST_STEPS = 1_000, 2_000
+"""Places and transitions of a net up to which steps are not made fewer, and the fewest of each round."""
 BESIDE = 4
 """How many of these rounds take turns with the race for the space; others stand between rounds of slices."""
 
@@ -157,7 +159,7 @@ class _Answers:
         self.typed, self.asked = typed, dict(waiting)
         self.ways: dict[str, dict[str, None]] = {name: {} for name in waiting}  # that decided parts of it
         self.known = Known(self.net, settled=questions.on == "alternatives")
-        self.on_the_fly: OnTheFlyCheck | None = None
+        self.local: LocalChecks | None = None
         self.paths: PathParts | None = None
         self.facts: Facts | None = None
         self._weighed: set[Formula] = set()
@@ -267,6 +269,11 @@ class _Answers:
         """What to ask between searches: whether the space, where it was not there yet, has come meanwhile."""
         waits = self.questions.searchable and not (self.typed or self.questions.made)
         return self.questions.brief if waits else lambda: False
+
+    def paced(self, steps: int) -> int:
+        """Fewer steps where each takes longer, since the net is large."""
+        size = len(self.net.places) + len(self.net.transitions)
+        return max(FEWEST_STEPS, steps * PACED // max(size, PACED))
 
     def parts(self) -> list[Formula]:
         """The parts whose values in the initial marking are asked for, each once, cheap ones first."""
@@ -418,18 +425,18 @@ class _Answers:
         ]
         if not parts or self.net.priorities:  # whose atoms are no conditions on tokens alone
             return
-        if self.on_the_fly is None:
-            from mcpn.logic.on_the_fly import OnTheFlyCheck
+        if not self.searches.fits:
+            return
+        if self.local is None:
+            from mcpn.logic.on_the_fly import LocalChecks
 
-            if not self.searches.fits:
-                return
-            asked = [part for part in self.parts() if not says_paths(part)]
-            self.on_the_fly = OnTheFlyCheck(self.net, asked, self.searches)
+            self.local = LocalChecks(self.net, self.searches)
+        self.local.ask([part for part in self.parts() if not says_paths(part)])
         came = self.raced()
         for part in parts:
             if came():
                 return
-            value = self.on_the_fly.decide(part, steps, seed=self.rounds)
+            value = self.local.decide(part, self.paced(steps), seed=self.rounds)
             # EX is shown by one step; other parts that hold need a run, which is not known.
             if value is False or (value and (runs or not self.typed or isinstance(part, EX))):
                 yield from self.learn(part, value, EXPLICIT)
@@ -443,8 +450,9 @@ class _Answers:
             enrich: Whether to ask first what holds always, or never.
         """
         yield from self.bounded()
-        parts = [part for part in self.parts() if says_paths(part)]
-        parts += [part for part in self.bounding if self.known.goal(part) is None]
+        every = enrich and not self.typed
+        parts = [*(part for part in self.parts() if every or says_paths(part)), *self.bounding]
+        parts = [part for part in parts if self.known.goal(part) is None]
         if not parts or not self.questions.searchable or self.net.priorities:
             return
         if self.paths is None:
@@ -459,7 +467,7 @@ class _Answers:
             path = on_one_path(part, self.net)
             if path is None:
                 continue
-            found = self.paths.decide(path, steps, self.path_rounds, enrich=enrich)
+            found = self.paths.decide(path, self.paced(steps), self.path_rounds, enrich=enrich)
             if found is None or found.outcome not in ("found", "none"):
                 continue
             if found.outcome == "found":

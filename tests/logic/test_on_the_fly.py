@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from mcpn._kernel import Checker, Goals, TokenNet
 from mcpn.logic.formulas import EG, EU, EX
-from mcpn.logic.on_the_fly import OnTheFlyCheck
+from mcpn.logic.on_the_fly import LocalChecks, OnTheFlyCheck
 from mcpn.nets.petri import NetBuilder, PetriNet
+from mcpn.nets.reduce.reduction import reduce_for_branching
 from mcpn.spaces.search.goal import TRUE, AtMost
+from mcpn.spaces.search.searches import Searches
 from tests.draws import fewer
 from tests.logic.formulas import edges_of, formulas, read, satisfying
 from tests.nets.nets import graph_of, nets, state_machines, token_nets
@@ -44,6 +48,52 @@ def test_it_agrees_with_the_definitions(net: PetriNet, data: st.DataObject) -> N
             if isinstance(inside, EX | EU | EG):
                 assert check.decide(inside, 10**6) is not None
         assert check.decide(core, 10**6) == (net.initial in satisfying(formula, net, edges))
+
+
+def _stretched(net: PetriNet, transitions: Collection[int]) -> PetriNet:
+    """The net with some transitions in two steps: what they take they take before they put."""
+    builder = NetBuilder(net.name)
+    names = [builder.place(place.name, initial=place.initial) for place in net.places]
+    for t, transition in enumerate(net.transitions):
+        consume, produce, read = (
+            {names[p]: weight for p, weight in side}
+            for side in (transition.consume, transition.produce, transition.read)
+        )
+        if t in transitions:
+            between = builder.place(f"in {transition.name}")
+            builder.transition(transition.name, consume=consume, produce=[between], read=read)
+            builder.transition(f"end of {transition.name}", consume=[between], produce=produce)
+        else:
+            builder.transition(transition.name, consume=consume, produce=produce, read=read)
+    return builder.build()
+
+
+@fewer(0.5)
+@given(PLAIN, st.data())
+def test_a_net_reduced_for_formulas_answers_the_same(net: PetriNet, data: st.DataObject) -> None:
+    net = _stretched(net, data.draw(st.sets(st.sampled_from(range(max(len(net.transitions), 1))))))
+    assume(graph_of(net) is not None)
+    edges = edges_of(net)
+    places, transitions = [p.name for p in net.places], [t.name for t in net.transitions]
+    drawn = data.draw(st.lists(formulas(places[:3], transitions[:2], leaves=5), min_size=1, max_size=3))
+    cores = {read(formula, net): net.initial in satisfying(formula, net, edges) for formula in drawn}
+    checks = LocalChecks(net, Searches(net))
+    checks.ask(list(cores))
+    for core, value in cores.items():
+        assert checks.decide(core, 10**6) == value
+
+
+def test_steps_that_nothing_disables_are_fired_at_once() -> None:
+    builder = NetBuilder("beside")
+    for line in "abcd":
+        for step in range(4):
+            builder.place(f"{line}{step}", initial=int(step == 0))
+        for step in range(3):
+            builder.transition(f"{line}{step}", consume=[f"{line}{step}"], produce=[f"{line}{step + 1}"])
+    net = builder.build()
+    reduced = reduce_for_branching(net, {0, 3})
+    kept = [place.name for place in reduced.net.places]
+    assert kept == ["a0", "a2", "a3"], "the last step of the line is seen, the other lines are not"
 
 
 def _counter(limit: int) -> PetriNet:

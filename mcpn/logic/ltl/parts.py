@@ -42,6 +42,8 @@ RESTARTS = (*[64] * 8, *[8] * 4, 1)
 
 MOST_ASKED = 8
 """Limit on conditions that are tested for holding at some time on every path."""
+MOST_KNOWN = 2_000
+"""Places and transitions of a net up to which conditions are searched that hold always, or never."""
 FEW_STEPS = 2_000
 """Limit on steps of the product in such a test."""
 
@@ -145,7 +147,8 @@ class PathParts:
         path, net, reduction = normal(path), self._net, None
         try:
             if enrich:
-                path = normal(self._with_constants(path))
+                if sum(_size(self._net)) <= MOST_KNOWN:
+                    path = normal(self._with_constants(path))
                 path = FALSE if self._refuted(path) else path
                 if (smaller := self._reduced(path)) is not None:
                     reduction, path = smaller

@@ -14,7 +14,9 @@ from mcpn.nets.reduce.draft import LONGEST, Draft
 MOST_FIRED_AT_FIRST = 1000
 
 
-def agglomerate(draft: Draft, kept: Set[int], *, growth: int, paths: bool = False) -> bool:
+def agglomerate(
+    draft: Draft, kept: Set[int], *, growth: int, paths: bool = False, branching: bool = False
+) -> bool:
     """Agglomerates around every place that allows it.
 
     Args:
@@ -22,6 +24,8 @@ def agglomerate(draft: Draft, kept: Set[int], *, growth: int, paths: bool = Fals
         kept: Places that the question speaks of; empty for deadlocks.
         growth: How many more transitions a place may cost than it takes away.
         paths: Whether the question speaks of what those places hold along whole paths.
+        branching: Whether it speaks of the paths from any marking on the way. Then the transition behind a
+            place must be the only one: nothing disables it, so that it makes no difference when it fires.
 
     Returns:
         Whether something has changed.
@@ -31,11 +35,15 @@ def agglomerate(draft: Draft, kept: Set[int], *, growth: int, paths: bool = Fals
         if place in kept:
             continue
         before, after = draft.feeders[place], draft.users[place]
-        if not before or not after or before & after:
+        if not (before or branching) or not after or before & after:
             continue
         if len(before) * len(after) > len(before) + len(after) + growth:
             continue
-        if _post_allowed(draft, place, kept, paths) or _pre_allowed(draft, place, kept):
+        if branching:
+            allowed = len(after) == 1 and _post_allowed(draft, place, kept, paths=True)
+        else:
+            allowed = _post_allowed(draft, place, kept, paths) or _pre_allowed(draft, place, kept)
+        if allowed:
             changed |= _fuse(draft, place)
     return changed
 
@@ -87,7 +95,7 @@ def _fuse(draft: Draft, place: int) -> bool:
     that no other place is between them.
     """
     before, after = sorted(draft.feeders[place]), sorted(draft.users[place])
-    if max(draft.lengths[t] for t in before) + max(draft.lengths[t] for t in after) > LONGEST:
+    if max((draft.lengths[t] for t in before), default=0) + max(draft.lengths[t] for t in after) > LONGEST:
         return False
     for first in before:
         for second in after:
