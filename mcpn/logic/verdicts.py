@@ -450,8 +450,9 @@ class _Answers:
             enrich: Whether to ask first what holds always, or never.
         """
         yield from self.bounded()
-        every = enrich and not self.typed
-        parts = [*(part for part in self.parts() if every or says_paths(part)), *self.bounding]
+        every = enrich and not (self.typed or self.questions.made)  # the space is quicker, once it is there
+        parts = [part for part in self.parts() if every or says_paths(part)]
+        parts += () if self.questions.made else self.bounding
         parts = [part for part in parts if self.known.goal(part) is None]
         if not parts or not self.questions.searchable or self.net.priorities:
             return
