@@ -175,17 +175,19 @@ class _Answers:
             if not self.typed:
                 yield from self.bounds_by_space() if questions.brief() else self.by_equation()
             yield from self.by_need(LOCAL_STEPS[0], searched=False)
+            if not self.typed:
+                yield from self.by_paths(LOCAL_STEPS[0])
             # The space of a mission is not far, once a search has found nothing; in a small one it has the
             # shortest runs.
             if not questions.small or questions.engine == "search":
                 yield from self.by_search(short=self.net.priorities)
             yield from self.by_need(LOCAL_STEPS[1], searched=False)
-            for steps in () if self.typed else LOCAL_STEPS[:BESIDE]:
+            for steps in () if self.typed else LOCAL_STEPS[1:BESIDE]:
                 if steps > LOCAL_STEPS[1]:
                     if questions.made:
                         break
                     yield from self.by_need(steps)
-                yield from self.by_paths(steps, enrich=steps > LOCAL_STEPS[0])
+                yield from self.by_paths(steps, enrich=True)
         try:
             yield from self.one_safe()
             if self.waiting and isinstance(questions.space, DiagramMarkings | DiagramAlternatives):
@@ -450,7 +452,8 @@ class _Answers:
             enrich: Whether to ask first what holds always, or never.
         """
         yield from self.bounded()
-        every = enrich and not (self.typed or self.questions.made)  # the space is quicker, once it is there
+        # Others are asked marking by marking as well, and the space is quicker, once it is there.
+        every = enrich and steps <= LOCAL_STEPS[1] and not (self.typed or self.questions.made)
         parts = [part for part in self.parts() if every or says_paths(part)]
         parts += () if self.questions.made else self.bounding
         parts = [part for part in parts if self.known.goal(part) is None]

@@ -125,7 +125,7 @@ class Searches:
             for place in required[t]:
                 users[place].append(t)
         for walk in range(walks):
-            marking, enabled = list(start), _Drawn()
+            marking, enabled = list(start), _EnabledSet()
             missing = [sum(marking[p] < weight for p, weight in required[t].items()) for t in count]
             for t in count:
                 if not missing[t]:
@@ -187,7 +187,7 @@ class Searches:
         return Search(cast(Outcome, outcome), states, shortened(self.net, run))
 
 
-class _Drawn:
+class _EnabledSet:
     """A set of numbers of which each is drawn as soon as the others."""
 
     def __init__(self) -> None:
