@@ -13,7 +13,7 @@ from mcpn.mission.language.forms import form_of
 from mcpn.mission.near import did_you_mean
 from mcpn.mission.validate import valid
 from mcpn.report.findings import Findings
-from mcpn.report.pages.story import StoryLine, story, verdict_of_all
+from mcpn.report.pages.story import StoryLine, headline, story
 from mcpn.report.words import modes_in_words
 from mcpn.study import Study
 
@@ -157,8 +157,9 @@ def _told(study: Study, engine: Asked, max_states: int | None) -> Iterator[Story
     checked = study.verdicts(engine=engine, max_states=max_states)
     sound = checked.verdicts["safe"].holds and checked.verdicts["confluent"].holds
     causes = study.causes(engine=engine, max_states=max_states) if sound else None
-    yield verdict_of_all(checked)
-    yield from story(Findings(checked, causes))
+    found = Findings(checked, causes)
+    yield headline(found)
+    yield from story(found)
     for name, modes in checked.modes.items():
         words = (way or "the alternatives named like their activities" for way in modes_in_words(modes))
         yield StoryLine("note", f"{MODES}{name}", "; ".join(words) or "none")

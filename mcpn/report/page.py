@@ -1,6 +1,6 @@
 """A mission's report as one page of HTML that needs nothing else: no network, no other file.
 
-The page begins with whether the mission may be flown, then has the mission as drawn beside its controller,
+The page begins with whether the mission may go, then has the mission as drawn beside its controller,
 run in the browser by a small script, then verdicts with their runs and tables. Every text of the mission is
 escaped, and the page forbids itself all scripts but its own.
 """
@@ -19,7 +19,8 @@ from mcpn import __version__
 from mcpn.report.assets import environment
 from mcpn.report.pages.identity import date, identity
 from mcpn.report.pages.live import live_data
-from mcpn.report.pages.story import runs_of, story, verdict_of_all
+from mcpn.report.pages.preflight import preflight
+from mcpn.report.pages.story import headline, runs_of, story
 from mcpn.report.pages.tables import tables
 from mcpn.report.pictures.boxes import boxes
 from mcpn.report.pictures.layout import lay_out
@@ -68,7 +69,8 @@ def page(findings: Findings, *, served: int = 0, robot: bool = False) -> str:
             ways=list(_ways(mission_net.mission)) if served else [],
             played="net" in live,
             verdicts=list(runs_of(findings.check)),
-            verdict=verdict_of_all(findings.check),
+            verdict=headline(findings),
+            preflight=list(preflight(findings)),
             story=list(story(findings)),
             local=findings.local,
             undrawn=findings.undrawn,

@@ -68,7 +68,7 @@ def test_who_knows_the_address_is_answered(ulysse_served: PageServer) -> None:
     server = ulysse_served
     status, text, headers = asked(server, "GET", f"/{server.token}/")
     assert status == 200
-    assert "May it fly?" in text
+    assert "May it go?" in text
     assert headers["Cache-Control"] == "no-store"
     assert "Access-Control-Allow-Origin" not in headers
     assert asked(server, "GET", f"/{server.token}/nothing")[0] == 404
@@ -232,7 +232,7 @@ def test_the_command_serves_until_it_is_ended() -> None:
         assert process.stdout is not None
         address = process.stdout.readline().strip()
         with urllib.request.urlopen(address, timeout=30) as page:
-            assert b"May it fly?" in page.read()
+            assert b"May it go?" in page.read()
         process.terminate()
         _, told = process.communicate(timeout=30)
     assert process.returncode == 143

@@ -45,7 +45,7 @@ def told(text: str, tmp_path: Path) -> tuple[Findings, dict[str, tuple[str, str]
 def test_a_mission_that_may_fly(tmp_path: Path) -> None:
     _, said = told('<objective name="a" activities="go"/>', tmp_path)
     stated = "the mission states no requirements of its own"
-    assert said["May it fly?"] == ("holds", f"Yes. All required verdicts hold; {stated}.")
+    assert said["May it go?"] == ("holds", f"Yes. All required verdicts hold; {stated}.")
     assert said["Can it succeed?"][0] == "holds"
     assert said["What endangers the robot?"][1].startswith("Not known: the mission never says abort")
     assert "What is taken for granted?" not in said
@@ -60,7 +60,7 @@ def test_a_requirement_that_is_violated(tmp_path: Path) -> None:
         '<requirement name="never_done" description="It never ends"><absence of="success"/></requirement>'
     )
     _, said = told(f'{required}<objective name="a" activities="go"/>', tmp_path)
-    assert said["May it fly?"] == ("fails", "No. It does not meet what it requires: never_done.")
+    assert said["May it go?"] == ("fails", "No. It does not meet what it requires: never_done.")
     assert said["What must hold?"] == (
         "fails",
         "0 of 1 requirements are met; violated: 'It never ends'.",
@@ -84,7 +84,7 @@ def test_a_yes_says_what_it_leaves_open(severities: tuple[str, ...], answer: str
         for i, of in enumerate(severities)
     )
     _, said = told(f'{stated}<objective name="a" activities="go"/>', tmp_path)
-    assert said["May it fly?"] == ("holds", f"Yes. All required verdicts hold{answer}.")
+    assert said["May it go?"] == ("holds", f"Yes. All required verdicts hold{answer}.")
 
 
 def test_hardware_that_never_fails_is_taken_for_granted(tmp_path: Path) -> None:
@@ -116,7 +116,7 @@ def test_an_end_that_is_not_safe_is_no_safe_end(tmp_path: Path) -> None:
 def test_what_is_not_confluent_is_not_proved() -> None:
     found = findings(compose(read_mission(ROOT / "tests" / "natural" / "inspection.xml")))
     every = {answer.asked: answer for answer in [verdict_of_all(found.check), *story(found)]}
-    assert every["May it fly?"].said.startswith("No. The reaction to an event depends on chance")
+    assert every["May it go?"].said.startswith("No. The reaction to an event depends on chance")
     assert every["What is not proved?"].state == "unknown"
     assert not every["Can it succeed?"].chips
     page(found)

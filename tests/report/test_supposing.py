@@ -114,7 +114,7 @@ def test_a_page_shows_what_would_be(browser: Any, ulysse_served: Any) -> None:
     assert localisation.locator("bdi").all_inner_texts()[1:] == ["imu_localisation", "gps_localisation"]
     tab.locator('#lost input[value="thruster_actuator"]').check()
     tab.get_by_role("button", name="Verify it so").click()
-    lost = tab.locator("#supposed tr.other", has_text="May it fly?")
+    lost = tab.locator("#supposed tr.other", has_text="May it go?")
     lost.wait_for()
     assert lost.locator("td").last.inner_text().startswith("No.")
     for activity in localisation.locator("input").all():

@@ -203,7 +203,13 @@
     if (key.key.length > 1 && key.target.closest(".drawing, .wide, aside")) return;
     if (key.key === " " && key.target.closest("button, summary, a")) return;
     const does = KEYS.get(key.key);
-    if (!does || (key.key.length > 1 && !film.length)) return;
+    if (!does) return;
+    if (key.key.length > 1 && !film.length) { // no run is loaded yet: they move in the one that the page tells
+      const told = document.querySelector(".replay")?.dataset.events;
+      if (!told) return;
+      load(JSON.parse(told));
+      place = 0;
+    }
     if (key.key === " " || key.key.length > 1) key.preventDefault();
     does();
   });

@@ -1,16 +1,17 @@
-"""The first screen of a page: may the mission be flown, and a sentence for each thing that decides it."""
+"""The first screen of a page: may the mission go, and a sentence for each thing that decides it."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.causes.cutsets import CutSet
 from mcpn.nets.events import Event
 from mcpn.report.failures.sentences import without_a_rate
 from mcpn.report.pages.live import nominal_run, strip
+from mcpn.report.pages.preflight import single_losses
 from mcpn.report.text import SENTENCES
 from mcpn.report.words import folded, in_words, skipped_in_words, what_happens
 from mcpn.sentences import enumeration
@@ -49,9 +50,45 @@ class StoryLine:
     events: str = ""
 
 
+def headline(findings: Findings) -> StoryLine:
+    """Whether the mission may go, and under which conditions."""
+    line = verdict_of_all(findings.check)
+    if line.state != "holds":
+        return line
+    conditions = "; ".join(_conditions(findings))
+    return replace(
+        line, said=f"{line.said} {conditions[0].upper()}{conditions[1:]}." if conditions else line.said
+    )
+
+
+def _conditions(findings: Findings) -> Iterator[str]:
+    """What a yes depends on, each in a few words."""
+    causes = findings.causes
+    if causes is not None:
+        defeats, endangers = single_losses(findings)
+        if len(defeats) == 1:
+            yield f"the loss of {defeats[0]} alone defeats it"
+        elif defeats:
+            yield f"{len(defeats)} losses, each alone, defeat it ({_few(defeats)})"
+        else:
+            yield "no single loss defeats it"
+        if causes.safety is None:
+            yield "none of its failures is told to be safe"
+        elif endangers:
+            yield f"the loss of {_few(endangers)} alone endangers the robot"
+        else:
+            yield "no single loss endangers the robot"
+    if late := [h.name for h in findings.check.mission_net.mission.late]:
+        yield f"the loss of {_few(late)} is noticed late"
+
+
+def _few(names: Sequence[str]) -> str:
+    return enumeration(names if len(names) <= 3 else [*names[:2], f"{len(names) - 2} more"])
+
+
 def verdict_of_all(check: MissionCheck) -> StoryLine:
-    """Whether the mission may be flown."""
-    asked = "May it fly?"
+    """Whether the mission may go."""
+    asked = "May it go?"
     if check.failing:
         wrong = (SENTENCES[name][1].rstrip(".") for name in check.failing if name in SENTENCES)
         return StoryLine("fails", asked, f"No. {'; '.join(wrong)}.")
@@ -139,9 +176,12 @@ def _listed(cut_sets: Sequence[CutSet]) -> str:
 
 def _survived(findings: Findings) -> Iterator[StoryLine]:
     """Which hardware may be lost alone: so that success is still possible, and so that only an abort is."""
-    causes, faulty = findings.causes, [h for h in findings.check.mission_net.mission.hardware if h.faulty]
+    causes, mission_net = findings.causes, findings.check.mission_net
     if causes is None:
         return
+    used = {r for a in mission_net.usage.activities.values() for w in a.alternatives for r in w.consumes}
+    spare = {h.name for robot in mission_net.mission.robots for h in robot.hardware} - used
+    faulty = [h for h in mission_net.mission.hardware if h.faulty and h.name not in spare]
     asked = "What does it survive?"
 
     def left(cut_sets: Sequence[CutSet]) -> list[str]:

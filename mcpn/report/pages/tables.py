@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -27,6 +27,12 @@ _NAME = re.compile(r"\w(?:[\w.-]*\w)?")
 MOST_ROWS = 2000
 """Rows of one table of a page."""
 
+MOST_COLUMNS = 6
+"""Columns of a matrix that a sheet has room for."""
+
+MOST_BITS = 10_000
+"""Of a count that is written in full."""
+
 UNCHANGED = "–"
 """Says that a failure changes nothing."""
 
@@ -43,7 +49,7 @@ class Table:
         heads: Of its columns.
         rows: Texts.
         needs: By row the hardware that it needs, where the page strikes out what is lost; else nothing.
-        wide: Whether it is printed in landscape format.
+        tools: Whether it is for those who look after mcpn, and not printed.
         more: Rows that the page has no room for.
     """
 
@@ -52,7 +58,7 @@ class Table:
     heads: Texts
     rows: Sequence[Texts]
     needs: Sequence[Texts] = ()
-    wide: bool = False
+    tools: bool = False
     more: int = 0
 
 
@@ -115,14 +121,44 @@ def _what_if(rows: Sequence[Row], mission_net: MissionNet) -> Table:
     table = [
         (objective, *(found.get(name, "") for name in hardware)) for objective, found in by_objective.items()
     ]
+    effects = [effect for found in by_objective.values() for effect in found.values()]
+    if len(hardware) > MOST_COLUMNS or sum(e == UNCHANGED for e in effects) * 2 > len(effects):
+        return _differences(by_objective, mission_net)
     return Table(
         "What happens when hardware fails",
         "A row is what the robot is doing, a column what fails then, alone; the cell is what follows "
         f"({UNCHANGED}: nothing changes).",
         heads,
         fold_rows(mission_net, table),
-        wide=len(hardware) > 3,
     )
+
+
+def _differences(effects: Mapping[str, Mapping[str, str]], mission_net: MissionNet) -> Table:
+    """What failures change, as a list: hardware with one effect together, objectives with equal rows too."""
+    rows = list[Texts]()
+    for objective, found in effects.items():
+        together: dict[str, list[str]] = {}
+        for hardware, effect in found.items():
+            together.setdefault(effect, []).append(hardware)
+        rows += ((objective, ", ".join(h), e) for e, h in together.items() if e != UNCHANGED)
+    return Table(
+        "What happens when hardware fails",
+        "While an objective runs one hardware resource fails, alone. What is not listed changes nothing.",
+        ("while this runs", "one of these fails", "what follows"),
+        merged(fold_rows(mission_net, rows)),
+    )
+
+
+def merged(rows: Iterable[Texts], column: int = 0) -> list[Texts]:
+    """Rows that are equal but for one column as one row, which lists what stands in it.
+
+    >>> merged([("dive", "fails"), ("climb", "fails"), ("wait", "goes on")])
+    [('dive, climb', 'fails'), ('wait', 'goes on')]
+    """
+    same: dict[tuple[str, ...], list[str]] = {}
+    for row in rows:
+        same.setdefault((*row[:column], *row[column + 1 :]), []).append(row[column])
+    return [(*rest[:column], ", ".join(names), *rest[column:]) for rest, names in same.items()]
 
 
 def _effect(row: Row) -> str:
@@ -133,16 +169,27 @@ def _effect(row: Row) -> str:
 
 def _fmeca(rows: Sequence[Row], mission_net: MissionNet) -> Table:
     """The table of failure modes, effects and criticality; severity stands in front."""
-    order = ("hardware", "objective", "severity", *(c for c in COLUMNS[2:] if c != "severity"))
-    texts = [tuple(row[column] for column in order) for row in fmeca_rows(rows)]
+    order = (
+        "hardware",
+        "objective",
+        "severity",
+        *(c for c in COLUMNS[2:] if c not in ("severity", "section")),
+    )
+    worst = sorted((row for row in rows if _changes(row)), key=lambda row: row.worst, reverse=True)
+    texts = [tuple(row[column] for column in order) for row in fmeca_rows(worst)]
     return Table(
         "FMECA: what each failure does",
         "One row for each hardware resource that fails while an objective runs: how bad it is with all else "
-        "in service, what changes at once, for the objective and for the mission, and what makes up for it.",
+        "in service, what changes at once, for the objective and for the mission, and what makes up for it. "
+        "A failure that changes nothing, with whatever else is out of service, has no row.",
         [column.replace("_", " ") for column in order],
-        fold_rows(mission_net, texts, 1),
-        wide=True,
+        merged(merged(fold_rows(mission_net, texts, 1), 1)),
     )
+
+
+def _changes(row: Row) -> bool:
+    """Whether a failure changes anything, with whatever else is out of service."""
+    return row.local_effect != "none" or bool(row.with_others)
 
 
 def _modes(check: MissionCheck) -> Table:
@@ -225,13 +272,19 @@ def _sizes(findings: Findings) -> Table:
     rows = [("places", str(len(net.places))), ("transitions", str(len(net.transitions)))]
     for sizes, what in ((check.sizes_seen, ("markings", "edges")), (check.stable_sizes, _STABLE)):
         if sizes is not None:
-            rows += [(name, str(size)) for name, size in zip(what, sizes, strict=True)]
+            rows += [(name, _count(size)) for name, size in zip(what, sizes, strict=True)]
     if findings.controller is not None:
         form, sections = findings.controller["form"], findings.controller["sections"]
         rows.append((f"sections of the controller of this page, {form}", str(len(sections))))
     rows.append(("engine", findings.engine))
-    rows += [(f"seconds: {what}", f"{took:.2f}") for what, took in findings.seconds.items()]
-    return Table("Sizes and times", "For those who look after mcpn.", ("what", "value"), rows)
+    return Table("Sizes", "For those who look after mcpn.", ("what", "value"), rows, tools=True)
+
+
+def _count(number: int) -> str:
+    """A count in full; of one with thousands of digits, which Python may refuse to write, how many it has."""
+    if number.bit_length() < MOST_BITS:
+        return str(number)
+    return f"a number of some {int(number.bit_length() * 0.30103)} digits"
 
 
 _STABLE = ("stable states", "event edges")

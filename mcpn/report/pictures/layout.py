@@ -2,7 +2,8 @@
 
 Blocks of a series stand below each other, branches of a parallel block side by side. Routes run in lanes
 beside a series: failures on the left, all else on the right, one lane for each target. Success that leads to
-the next block is an arrow between the two.
+the next block is an arrow between the two. A route with a label has a line of its own beside the block that
+it leaves: the label stands behind all lanes, where nothing else is drawn.
 """
 
 from __future__ import annotations
@@ -15,9 +16,11 @@ from typing import TypeAlias
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission
 from mcpn.report.pictures.boxes import Box, facts_said
 
-PAD, LANE, GAP, ROW, HEAD, EXIT = 12, 14, 28, 19, 24, 22
+PAD, LANE, GAP, ROW, HEAD, EXIT, LINE = 12, 14, 28, 19, 24, 22, 15
 MOST_CHARACTERS, MOST_LABEL = 48, 24
 ROBOT_WIDTH = 860
+LABELLED = ("event", "abort")
+"""Kinds of lanes that have a label."""
 BOLD = 16.5
 """Size of a plain text that is as wide as a name, which is bold."""
 
@@ -91,7 +94,7 @@ class _Lanes:
     @property
     def right_width(self) -> float:
         widths = [
-            text_width(shown(label, MOST_LABEL), 11.5) for kind, label, _ in self.right if kind == "event"
+            text_width(shown(label, MOST_LABEL), 11.5) for kind, label, _ in self.right if kind in LABELLED
         ]
         return LANE * (len(self.right) + 1) + max(widths, default=0)
 
@@ -152,7 +155,8 @@ class _Layout:
             return max(width, inside + 2 * PAD), head + max(h for _, h in sizes) + PAD
         lanes = self._lanes[box.key] = _lanes(box)
         inside = max(w for w, _ in sizes) + lanes.left_width + lanes.right_width
-        height = sum(h for _, h in sizes) + GAP * len(sizes) + len(_exits(box)) * EXIT
+        slots = sum(max(h, _slot(lines)) for (_, h), lines in zip(sizes, _labelled(box), strict=True))
+        height = slots + GAP * len(sizes) + len(_exits(box)) * EXIT + LINE * len(_own_events(box))
         return max(width, inside + 2 * PAD), head + height + PAD
 
     # --- places ----------------------------------------------------------------------------------------
@@ -187,15 +191,22 @@ class _Layout:
         lanes = self._lanes[box.key]
         middle = x + lanes.left_width + (width - lanes.left_width - lanes.right_width) / 2
         inner = max(self.size(child)[0] for child in box.children)
-        y = top + GAP / 2
+        y = top + GAP / 2 + LINE * len(_own_events(box))
         spots: dict[str, tuple[float, float, float]] = {}
         ends: dict[str, float] = {}
-        for child in box.children:
+        lines: dict[tuple[str, str, str], float] = {}
+        """By lane with a label, the height of its line."""
+        for number, lane in enumerate(_own_events(box)):
+            lines.setdefault(lane, top + LINE * (number + 1))
+        for child, labelled in zip(box.children, _labelled(box), strict=True):
             w, h = self.size(child)
             self.place(child, middle - w / 2, y)
             spots[child.name] = (middle - w / 2, middle + w / 2, y + 10)
             ends[child.name] = y + h
-            y += h + GAP
+            slot = max(h, _slot(labelled))
+            for number, lane in enumerate(labelled):
+                lines[lane] = y + slot - 8 - LINE * (len(labelled) - 1 - number)
+            y += slot + GAP
         for exit_name, word in _exits(box).items():
             half = text_width(word) / 2 + 10
             spots[exit_name] = (middle - half, middle + half, y - GAP / 2 + EXIT / 2)
@@ -211,7 +222,7 @@ class _Layout:
             y += EXIT
         self._straight(box, spots, ends, middle)
         edges = (middle - inner / 2, middle + inner / 2)
-        self._routes(box, lanes, spots, ends, edges)
+        self._routes(box, spots, ends, edges, lines)
 
     def _straight(
         self,
@@ -230,12 +241,14 @@ class _Layout:
     def _routes(
         self,
         box: Box,
-        lanes: _Lanes,
         spots: dict[str, tuple[float, float, float]],
         ends: dict[str, float],
         edges: tuple[float, float],
+        lines: dict[tuple[str, str, str], float],
     ) -> None:
         """Routes in the lanes: from each source a stub to the lane, from the lane an arrow to the target."""
+        lanes = self._lanes[box.key]
+        behind = edges[1] + LANE * (len(lanes.right) + 0.6)
         using: dict[tuple[str, str, str], list[Box]] = {}
         for index, child in enumerate(box.children):
             for lane in dict.fromkeys(_of_child(box, index)):
@@ -245,19 +258,21 @@ class _Layout:
                 kind, label, target = lane
                 at = edges[side] + LANE * number * (1 if side else -1)
                 heights = [spots[target][2]]
+                first = lines.get(lane)
                 for child in using.get(lane, ()):
                     y = ends[child.name] - 8 - (5 * (number % 4) if side else 0)
+                    if first is not None and lane not in _own_events(box) and child is using[lane][0]:
+                        y = first
                     heights.append(y)
                     title = f"{child.name}: {label} leads to {target}"
-                    stub = ((spots[child.name][side], y), (at, y))
+                    stub = ((min(spots[child.name][1], at) if side else spots[child.name][0], y), (at, y))
                     self.picture.lines.append(Line(stub, kind, False, title))
-                if box.kind == "mission" and kind == "event" and lane in _own_events(box):
-                    y = spots[box.children[0].name][2] - 12 - GAP / 4
-                    heights.append(y)
-                    self.picture.labels.append(Label(at + 4, y, shown(label, MOST_LABEL), "note"))
-                elif kind == "event":
+                if first is not None:
+                    heights.append(first)
+                    leads = ((at, first), (behind - 2, first))
+                    self.picture.lines.append(Line(leads, "leader", False, label))
                     self.picture.labels.append(
-                        Label(at + 3, min(heights) - 3, shown(label, MOST_LABEL), "note")
+                        Label(behind, first + 4, shown(label, MOST_LABEL), f"note route-label {kind}")
                     )
                 self.picture.lines.append(
                     Line(((at, min(heights)), (at, max(heights))), kind, False, f"{label} leads to {target}")
@@ -284,7 +299,7 @@ def _of_child(box: Box, index: int) -> list[tuple[str, str, str]]:
     if (success := _success(box, index)) != _next(box, index):
         routes.append(("success", "success", success))
     if child.abort is not None:
-        routes.append(("event", "abort", child.abort))
+        routes.append(("abort", "abort", child.abort))
     if child.recover is not None:
         routes.append(("event", "recover", child.recover))
     if child.timeout_goto is not None:
@@ -317,6 +332,23 @@ def _on_events(box: Box) -> list[tuple[str, str, str]]:
         )
         for h in box.handlers
     ]
+
+
+def _labelled(box: Box) -> list[list[tuple[str, str, str]]]:
+    """For each child the lanes whose labels stand beside it: those that no child before it uses."""
+    seen, found = dict.fromkeys(_own_events(box)), []
+    for index in range(len(box.children)):
+        new = [
+            each for each in dict.fromkeys(_of_child(box, index)) if each[0] in LABELLED and each not in seen
+        ]
+        seen |= dict.fromkeys(new)
+        found.append(new)
+    return found
+
+
+def _slot(labelled: Sequence[object]) -> float:
+    """The height that the labels beside a block need."""
+    return 12 + LINE * len(labelled) if labelled else 0
 
 
 def _lanes(box: Box) -> _Lanes:

@@ -1,0 +1,113 @@
+"""The pre-flight list of a page: what people test before the mission goes, for no proof covers it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from mcpn.sentences import enumeration
+
+if TYPE_CHECKING:
+    from mcpn.report.findings import Findings
+
+MOST_NAMED = 12
+"""Names of one item."""
+
+
+@dataclass(frozen=True)
+class Item:
+    """Something to tick.
+
+    Args:
+        what: What to do.
+        why: Why the proof does not do it.
+    """
+
+    what: str
+    why: str
+
+
+def preflight(findings: Findings) -> Iterator[Item]:
+    """What is to be tested before the mission goes, the most dangerous first."""
+    yield from _single_losses(findings)
+    yield from _late(findings)
+    yield from _granted(findings)
+    yield from _open(findings)
+    yield Item(
+        "Run each driver once, with its hardware unplugged too: does it report what is lost?",
+        "The proof speaks of the mission and its controller. Drivers are no part of it.",
+    )
+
+
+def single_losses(findings: Findings) -> tuple[list[str], list[str]]:
+    """Hardware whose loss alone leaves no success, and hardware whose loss alone leaves no safe end."""
+    causes = findings.causes
+    if causes is None:
+        return [], []
+    goals = (causes.mission, causes.safety or causes.mission)
+    defeats, endangers = ([lost[0] for lost in goal.cut_sets if len(lost) == 1] for goal in goals)
+    return defeats, endangers if causes.safety is not None else []
+
+
+def _single_losses(findings: Findings) -> Iterator[Item]:
+    defeats, endangers = single_losses(findings)
+    if endangers:
+        why = f"{_each(endangers)} alone leaves no success and no safe abort."
+        yield Item(f"Test {_named(endangers)}: single points of failure.", why)
+    if only := [name for name in defeats if name not in endangers]:
+        why = f"{_each(only)} alone leaves no way to success."
+        yield Item(f"Test {_named(only)}.", why)
+
+
+def _late(findings: Findings) -> Iterator[Item]:
+    mission = findings.check.mission_net.mission
+    for hardware in mission.late:
+        finders = [a.name for a in mission.activities if hardware.name in a.detects]
+        by = f"{_named(finders)} runs, or " if finders else ""
+        yield Item(
+            f"Test {hardware.name}: its loss is noticed late.",
+            f"The robot learns of it only while {by}as an objective fails; until then it goes on.",
+        )
+
+
+def _granted(findings: Findings) -> Iterator[Item]:
+    if sound := [h.name for h in findings.check.mission_net.mission.hardware if not h.faulty]:
+        yield Item(
+            f"Check that {_named(sound)} cannot fail.", "The mission says so, and the proof believes it."
+        )
+
+
+def _open(findings: Findings) -> Iterator[Item]:
+    check = findings.check
+    for name in check.undecided:
+        yield Item(f"Decide {name} in another way.", "The verdict is not known.")
+    for answer in check.requirements:
+        if answer.met is None:
+            yield Item(
+                f"Decide '{answer.asked.words}' in another way.", answer.reason or "The answer is not known."
+            )
+        elif not answer.met and not answer.required:
+            yield Item(f"Accept that it does not hold: '{answer.asked.words}'.", "It is only advised.")
+        elif answer.says_nothing_of:
+            yield Item(f"Read '{answer.asked.words}' again.", answer.says_nothing_of)
+    if idle := list(dict.fromkeys(problem.message for problem in check.unselectable)):
+        yield Item(
+            f"Accept what never runs: {'; '.join(idle[:3])}.", "It is declared, and no run comes to it."
+        )
+    for note in findings.notes:
+        yield Item("Find out what this page does not know.", note)
+    if count := len(findings.warnings):
+        yield Item(
+            f"Read the {count} warning{'s' if count > 1 else ''} below.",
+            "They are legal, and often not meant.",
+        )
+
+
+def _each(names: Sequence[str]) -> str:
+    return "Its loss" if len(names) == 1 else "The loss of any one of them"
+
+
+def _named(names: Sequence[str]) -> str:
+    more = len(names) - MOST_NAMED
+    return enumeration(names if more <= 0 else [*names[:MOST_NAMED], f"{more} more"])
