@@ -17,9 +17,9 @@ from mcpn.drawing.compose import compose
 from mcpn.mission.model import Handler, Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware, Robot
 from mcpn.mission.xml import read_mission
-from mcpn.report.failures.tables import fmeca_rows
 from mcpn.report.findings import Findings, findings
 from mcpn.report.page import page
+from mcpn.report.pages.tables import tables
 from mcpn.runtime import Controller, Journal, Refused
 from tests.commands import mcpn, output
 from tests.conftest import ROOT, ULYSSE
@@ -213,9 +213,10 @@ def test_tables_sort_and_filter(browser: Any, ulysse_findings: Findings, tmp_pat
     section = tab.locator("section", has=tab.locator("h2", has_text="FMECA"))
     assert ulysse_findings.fmeca is not None
     rows = section.locator("tbody tr:visible")
-    assert rows.count() == len(ulysse_findings.fmeca)
+    (table,) = (t for t in tables(ulysse_findings) if t.name.startswith("FMECA"))
+    assert rows.count() == len(table.rows)
     section.locator("input").fill("gps_sensor transect.diving")
-    told = [" ".join(row.values()).lower() for row in fmeca_rows(ulysse_findings.fmeca)]
+    told = [" ".join(row).lower() for row in table.rows]
     wanted = [text for text in told if "gps_sensor" in text and "transect.diving" in text]
     assert 0 < len(wanted) < len(told)
     assert rows.count() == len(wanted)
