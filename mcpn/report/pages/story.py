@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.causes.cutsets import CutSet
+from mcpn.answers.verdicts.mission import NOMINAL
 from mcpn.nets.events import Event
 from mcpn.report.failures.sentences import without_a_rate
 from mcpn.report.pages.live import nominal_run, strip
 from mcpn.report.pages.preflight import single_losses
 from mcpn.report.text import SENTENCES
-from mcpn.report.words import folded, in_words, skipped_in_words, what_happens
+from mcpn.report.words import folded, in_words, skipped_in_words, what_happens, wrong_in_words
 from mcpn.sentences import enumeration
 
 if TYPE_CHECKING:
@@ -116,6 +117,7 @@ def _with_requirements(check: MissionCheck) -> str:
 
 def story(findings: Findings) -> Iterator[StoryLine]:
     """The answers of the first screen, each in a sentence."""
+    yield from _nominal(findings)
     yield _success(findings)
     if findings.causes is not None:
         mission, safety = findings.causes.mission, findings.causes.safety
@@ -136,6 +138,23 @@ def story(findings: Findings) -> Iterator[StoryLine]:
     yield _unproved(findings)
 
 
+def _nominal(findings: Findings) -> Iterator[StoryLine]:
+    """Whether the mission succeeds while nothing fails, and if not, what goes wrong."""
+    verdict = findings.check.verdicts.get(NOMINAL)
+    if verdict is None:
+        return
+    said = SENTENCES[NOMINAL][{True: 0, False: 1, None: 2}[verdict.holds]]
+    state = {True: "holds", False: "fails", None: "unknown"}[verdict.holds]
+    if verdict.holds is not False:
+        yield StoryLine(state, "If nothing fails?", said)
+        return
+    run = verdict.runs[0] if verdict.runs and not verdict.runs[0].tail else None
+    events = [] if run is None else [str(event) for event, _ in in_words(findings.check.mission_net, run)]
+    chips = strip(findings, events) if events and findings.controller is not None else []
+    said = f"{said} {verdict.explanation[:1].upper()}{verdict.explanation[1:]}."
+    yield StoryLine(state, "If nothing fails?", said, chips, json.dumps(events) if chips else "")
+
+
 def _success(findings: Findings) -> StoryLine:
     """Whether it can succeed, and the run without failures."""
     verdict = findings.check.verdicts["success_reachable"]
@@ -145,7 +164,8 @@ def _success(findings: Findings) -> StoryLine:
         found = nominal_run(findings)
         if found is None and verdict.runs and not verdict.runs[0].tail:
             found = [str(event) for event, _ in in_words(findings.check.mission_net, verdict.runs[0])]
-            said += " Its shortest run to success:"
+            wrong = wrong_in_words(findings.check.mission_net, verdict.runs[0])
+            said += f" Its shortest run to success{f', and {wrong}' if wrong else ''}:"
         elif found is not None:
             said += " The run on which nothing fails:"
         if found is not None:
