@@ -16,7 +16,7 @@ MOST_NAMED = 12
 
 
 @dataclass(frozen=True)
-class Item:
+class Tick:
     """Something to tick.
 
     Args:
@@ -28,13 +28,13 @@ class Item:
     why: str
 
 
-def preflight(findings: Findings) -> Iterator[Item]:
+def preflight(findings: Findings) -> Iterator[Tick]:
     """What is to be tested before the mission goes, the most dangerous first."""
     yield from _single_losses(findings)
     yield from _late(findings)
     yield from _granted(findings)
     yield from _open(findings)
-    yield Item(
+    yield Tick(
         "Run each driver once, with its hardware unplugged too: does it report what is lost?",
         "The proof speaks of the mission and its controller. Drivers are no part of it.",
     )
@@ -50,55 +50,55 @@ def single_losses(findings: Findings) -> tuple[list[str], list[str]]:
     return defeats, endangers if causes.safety is not None else []
 
 
-def _single_losses(findings: Findings) -> Iterator[Item]:
+def _single_losses(findings: Findings) -> Iterator[Tick]:
     defeats, endangers = single_losses(findings)
     if endangers:
         why = f"{_each(endangers)} alone leaves no success and no safe abort."
-        yield Item(f"Test {_named(endangers)}: single points of failure.", why)
+        yield Tick(f"Test {_named(endangers)}: single points of failure.", why)
     if only := [name for name in defeats if name not in endangers]:
         why = f"{_each(only)} alone leaves no way to success."
-        yield Item(f"Test {_named(only)}.", why)
+        yield Tick(f"Test {_named(only)}.", why)
 
 
-def _late(findings: Findings) -> Iterator[Item]:
+def _late(findings: Findings) -> Iterator[Tick]:
     mission = findings.check.mission_net.mission
     for hardware in mission.late:
         finders = [a.name for a in mission.activities if hardware.name in a.detects]
         by = f"{_named(finders)} runs, or " if finders else ""
-        yield Item(
+        yield Tick(
             f"Test {hardware.name}: its loss is noticed late.",
             f"The robot learns of it only while {by}as an objective fails; until then it goes on.",
         )
 
 
-def _granted(findings: Findings) -> Iterator[Item]:
+def _granted(findings: Findings) -> Iterator[Tick]:
     if sound := [h.name for h in findings.check.mission_net.mission.hardware if not h.faulty]:
-        yield Item(
+        yield Tick(
             f"Check that {_named(sound)} cannot fail.", "The mission says so, and the proof believes it."
         )
 
 
-def _open(findings: Findings) -> Iterator[Item]:
+def _open(findings: Findings) -> Iterator[Tick]:
     check = findings.check
     for name in check.undecided:
-        yield Item(f"Decide {name} in another way.", "The verdict is not known.")
+        yield Tick(f"Decide {name} in another way.", "The verdict is not known.")
     for answer in check.requirements:
         if answer.met is None:
-            yield Item(
+            yield Tick(
                 f"Decide '{answer.asked.words}' in another way.", answer.reason or "The answer is not known."
             )
         elif not answer.met and not answer.required:
-            yield Item(f"Accept that it does not hold: '{answer.asked.words}'.", "It is only advised.")
+            yield Tick(f"Accept that it does not hold: '{answer.asked.words}'.", "It is only advised.")
         elif answer.says_nothing_of:
-            yield Item(f"Read '{answer.asked.words}' again.", answer.says_nothing_of)
+            yield Tick(f"Read '{answer.asked.words}' again.", answer.says_nothing_of)
     if idle := list(dict.fromkeys(problem.message for problem in check.unselectable)):
-        yield Item(
+        yield Tick(
             f"Accept what never runs: {'; '.join(idle[:3])}.", "It is declared, and no run comes to it."
         )
     for note in findings.notes:
-        yield Item("Find out what this page does not know.", note)
+        yield Tick("Find out what this page does not know.", note)
     if count := len(findings.warnings):
-        yield Item(
+        yield Tick(
             f"Read the {count} warning{'s' if count > 1 else ''} below.",
             "They are legal, and often not meant.",
         )
