@@ -25,7 +25,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1]))
 from drawing import drawn
 
 from mcpn.mission.writer import write_mission
-from tests.judge.drawn import MISSIONS
+from mcpn.testing.elements import MISSIONS
 from tests.judge.lockstep import Disagreement, Judge
 
 SHARE = 100

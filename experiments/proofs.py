@@ -35,7 +35,7 @@ from mcpn.nets.petri import PetriNet
 from mcpn.spaces.diagrams.symbolic import reach
 from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.stable.completion import settled
-from tests.judge.drawn import MISSIONS
+from mcpn.testing.elements import MISSIONS
 
 MEANS = ("one at a time", "no arcs conflict", "units exclude", "out of reach", "every way tried")
 TWO = "two outcomes"

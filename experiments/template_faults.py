@@ -1,6 +1,6 @@
 """Faults seeded in templates, and what of mcpn's kit finds each, in how many CPU seconds.
 
-Run: python experiments/template_faults.py [--profile ci] [WORDS...] (a quarter of an hour)
+Run: python experiments/template_faults.py [--profile ci] [WORDS...] (some fifteen minutes)
 
 Each fault is a set of templates in which, whatever the mission, one kind of transition is not as the paper
 draws it. The kit is asked in its order: drawn missions and the corpus, property by property as it says, then

@@ -14,7 +14,7 @@ import pytest
 from tests.conftest import ROOT
 
 FOLDER = ROOT / "experiments"
-LIBRARIES = {"callers", "drawing", "limits", "plots"}
+LIBRARIES = {"callers", "dd_engine", "drawing", "limits", "plots"}
 """Modules that scripts share and that are no scripts."""
 SCRIPTS = sorted(path.stem for path in FOLDER.glob("*.py") if path.stem not in LIBRARIES)
 PAPER = ROOT / "papers" / "mcpn.md"
@@ -65,6 +65,38 @@ def test_counts_of_the_paper_are_those_of_today() -> None:
     )
     found = python("-c", script)
     assert found.returncode == 0, found.stderr
+
+
+def test_the_paper_is_measured_without_the_tests() -> None:
+    """The package and the folder of experiments are enough."""
+    found = python(
+        "-c", "import paper, sys; assert not [m for m in sys.modules if m.split('.')[0] == 'tests']"
+    )
+    assert found.returncode == 0, found.stderr
+
+
+NOT_MEASURED = {
+    *("133", "150", "155", "764", "3628", "765", "2017"),  # what the paper prints, and what is near it
+    "4,096",  # firings behind an event after which each marking is kept
+    "5,000",  # milliseconds that a run which was stopped counts
+}
+
+
+def test_numbers_in_the_prose_of_the_paper_are_constants() -> None:
+    """What is measured stands in tables, which are written anew; Table 1 is held elsewhere."""
+    prose, _, _ = PAPER.read_text().partition("## References")
+    prose = re.sub(r"<!-- measured: \w+ -->\n.*?<!-- end -->", "", prose, flags=re.DOTALL)
+    assert {*re.findall(r"(?<![\w.])\d[\d,]*\d\d(?![\w.]*\w)", prose)} <= NOT_MEASURED
+    assert not re.findall(r"\d ?ms\b|\d\.\d+ s\b", prose)
+    assert "kUnkept = 4096;" in (ROOT / "kernel" / "src" / "markings" / "settling.cpp").read_text()
+    assert table1_sizes() == {"133", "150"}
+
+
+def table1_sizes() -> set[str]:
+    """Places and transitions of the paper's net, as its table on the page says."""
+    rows = re.findall(r"^\| (?:places|transitions) \| (\d+) \| (\d+) \|$", PAPER.read_text(), re.MULTILINE)
+    assert all(one == other for one, other in rows)
+    return {one for one, _ in rows}
 
 
 def test_no_table_of_the_paper_is_empty_or_typed_by_hand() -> None:

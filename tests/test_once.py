@@ -31,12 +31,12 @@ from mcpn.nets.events import Event
 from mcpn.spaces.engines import Choice, Engine
 from mcpn.spaces.stable.alternatives import direct_with_proof
 from mcpn.testing import missions
+from mcpn.testing.elements import IN_ROUNDS
 from tests.controller.test_c import build, run_lines
 from tests.controller.test_lockstep import walk
 from tests.controller.test_scxml import check as check_scxml
 from tests.controller.traces import Traced, random_events
 from tests.draws import composed
-from tests.judge.drawn import IN_ROUNDS
 from tests.shares import returns_early
 
 ENGINES: tuple[Engine, ...] = ("explicit", "symbolic", "local")

@@ -19,10 +19,10 @@ from mcpn.mission.xml import read_mission
 from mcpn.report.findings import findings
 from mcpn.report.page import page
 from mcpn.testing import missions
+from mcpn.testing.elements import PAUSING, PAUSING_APART
 from tests.commands import mcpn
 from tests.conftest import ROOT
 from tests.draws import composed, fewer
-from tests.judge.drawn import PAUSING, PAUSING_APART
 from tests.shares import returns_early
 
 ROBOT = """<robot name="r">

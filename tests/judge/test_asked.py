@@ -15,9 +15,9 @@ from mcpn.mission.flatten import flatten
 from mcpn.mission.model import Mission
 from mcpn.mission.requirement import Requirement
 from mcpn.spaces.engines import Choice, Engine
+from mcpn.testing.elements import LED
 from tests.draws import fewer
 from tests.judge.asked import Claim, Runs, claims
-from tests.judge.drawn import LED
 from tests.judge.interpreter import Undetermined
 from tests.judge.named import ambiguous, meant
 from tests.shares import returns_early

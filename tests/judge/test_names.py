@@ -25,8 +25,8 @@ from mcpn.nets.events import ENDING, Event
 from mcpn.opening import open_study
 from mcpn.spaces.search.goal import Fires, Formula, marked
 from mcpn.study import Study
+from mcpn.testing.elements import LED, MISSIONS
 from tests.draws import composed
-from tests.judge.drawn import LED, MISSIONS
 from tests.judge.named import ambiguous, meant
 from tests.judge.test_faults import fault
 from tests.logic.asked import ENGINES

@@ -19,6 +19,8 @@ from mcpn.errors import InputError, LimitError
 from mcpn.mission.model import Mission, walk
 from mcpn.mission.robot import Fact, Hardware
 from mcpn.mission.xml import read_mission
+from mcpn.testing.elements import LATE, LATE_APART
+from mcpn.testing.elements import MISSIONS as MISSIONS_OF_ANY_KIND
 from mcpn.testing.kit.contract import PARTS, WORDS, contract_of_arcs
 from mcpn.testing.kit.corpus import MISSIONS
 from mcpn.testing.kit.machines import MACHINES
@@ -38,8 +40,6 @@ from mcpn.testing.shape import Shape
 from mcpn.testing.small import hw
 from tests.conftest import ULYSSE
 from tests.draws import fewer
-from tests.judge.drawn import LATE, LATE_APART
-from tests.judge.drawn import MISSIONS as MISSIONS_OF_ANY_KIND
 from tests.shares import returns_early
 
 pytest_plugins = ["pytester"]

@@ -1,4 +1,4 @@
-"""Missions that are drawn for the judge: all elements of the language, contended and not."""
+"""Missions with all elements of the language, contended and not, by what is drawn most in them."""
 
 from __future__ import annotations
 
