@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     from mcpn.answers.causes.find import Causes
+    from mcpn.answers.found import FoundStates
     from mcpn.answers.spaces import MissionSpaces
     from mcpn.answers.verdicts.mission import MissionCheck
     from mcpn.controller.generate import Form
@@ -257,6 +258,43 @@ class Study:
             LimitError: A limit was hit.
         """
         return self.questions(on=on, fair=fair, engine=engine, max_states=max_states).answer(formula)
+
+    def satisfying(
+        self,
+        formula: str = "true",
+        *,
+        on: On | None = None,
+        fair: Sequence[str] = (),
+        engine: Asked = "auto",
+        max_states: int | None = None,
+    ) -> FoundStates:
+        """The states that satisfy a formula, to be counted, sampled, walked, or handed to other libraries.
+
+        Args:
+            formula: As of :meth:`ctl`; by default all states.
+            on: As of :meth:`ctl`.
+            fair: As of :meth:`ctl`.
+            engine: Who holds the states.
+            max_states: Limit on states that are listed.
+
+        Raises:
+            InputError: The formula is none, or does not fit the net.
+            SemanticsError: The net is not 1-safe, or internal evolution is not confluent.
+            LimitError: A limit was hit.
+
+        Examples:
+            >>> import mcpn
+            >>> study = mcpn.open("experiments/ulysse/mission.xml")
+            >>> able = study.satisfying("EF success", engine="symbolic")
+            >>> able.count, able.sample(1, seed=3)[0].out_of_service
+            (244, ('GPS_sensor',))
+        """
+        from mcpn.answers.found import FoundStates
+
+        questions = self.questions(on=on, fair=fair, engine=engine, max_states=max_states)
+        states = questions.evaluation.states(questions.formula(formula))
+        mission_net = None if self.is_net else self.mission_net
+        return FoundStates(formula, questions.space, states, questions.choice.engine, mission_net)
 
     def causes(
         self,

@@ -20,9 +20,9 @@ from mcpn.runtime import ControllerFileError, Refused, SnapshotError
 from mcpn.runtime.machines import RuleTables
 from mcpn.runtime.restoring import snapshot_text
 from mcpn.spaces.stable import big_steps
+from mcpn.testing import elements as drawn
 from mcpn.testing import missions
 from tests.draws import composed, fewer
-from tests.judge import drawn
 from tests.runtime.damage import signed
 from tests.small import activity, hw, mission, robot
 

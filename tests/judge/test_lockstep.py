@@ -11,8 +11,8 @@ from hypothesis import event, given
 from mcpn.drawing.compose import compose
 from mcpn.mission.flatten import ParallelSection, flatten
 from mcpn.mission.model import Handler, Mission, Objective, Parallel, Recursive, walk
+from mcpn.testing import elements as drawn
 from tests.draws import composed, fewer
-from tests.judge import drawn
 from tests.judge.interpreter import Seen
 from tests.judge.lockstep import Disagreement, Judge
 from tests.judge.players import MODULAR, OfGraph

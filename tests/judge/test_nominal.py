@@ -15,8 +15,8 @@ from mcpn.errors import LimitError
 from mcpn.mission.model import Block, Each, FactRoute, Handler, Mission, Objective, Parallel, Recursive
 from mcpn.mission.robot import Fact, Hardware
 from mcpn.spaces.engines import Engine
+from mcpn.testing import elements as drawn
 from tests.draws import fewer
-from tests.judge import drawn
 from tests.judge.interpreter import Undetermined
 from tests.judge.nominal import WhileNothingFails, played
 from tests.small import activity, mission, robot

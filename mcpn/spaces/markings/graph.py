@@ -135,6 +135,17 @@ class StateGraph(Drawn):
         targets = self.targets[self.offsets[state] : self.offsets[state + 1]]
         yield from zip(self.labels_of(np.array([state])).tolist(), targets.tolist(), strict=True)
 
+    def __len__(self) -> int:
+        """How many states."""
+        return self.states
+
+    def __iter__(self) -> Iterator[Mapping[str, int]]:
+        """The states in the order of their numbers, each as tokens by the name of a marked place."""
+        names = [place.name for place in self.net.places]
+        for state in range(self.states):
+            tokens = zip(names, self.marking(state), strict=True)
+            yield {name: count for name, count in tokens if count}
+
     def to_networkx(self) -> nx.MultiDiGraph[int]:
         """The graph in networkx, whose algorithms say what mcpn does not ask.
 
@@ -146,10 +157,8 @@ class StateGraph(Drawn):
         import networkx
 
         graph: nx.MultiDiGraph[int] = networkx.MultiDiGraph(name=self.net.name)
-        names = [place.name for place in self.net.places]
-        for state in range(self.states):
-            tokens = zip(names, self.marking(state), strict=True)
-            graph.add_node(state, marking={name: count for name, count in tokens if count})
+        for state, marking in enumerate(self):
+            graph.add_node(state, marking=marking)
         fired = [(t.name, None if t.event is None else str(t.event)) for t in self.net.transitions]
         edges = zip(self.sources.tolist(), self.targets.tolist(), self.labels.tolist(), strict=True)
         for source, target, label in edges:
