@@ -19,7 +19,7 @@ MAX_NODES = 5_000
 
 
 @dataclass(frozen=True)
-class Node:
+class DiagramNode:
     """A node of a zero-suppressed diagram.
 
     Args:
@@ -45,7 +45,7 @@ class Diagram:
         nodes: From the root on, by number; children come after who leads to them first.
     """
 
-    nodes: tuple[Node, ...]
+    nodes: tuple[DiagramNode, ...]
 
     def __len__(self) -> int:
         return len(self.nodes)
@@ -124,7 +124,7 @@ def diagram_of(levels: Levels, net: PetriNet, states: Zdd) -> Diagram:
                 queue.append(child)
     return Diagram(
         tuple(
-            Node(
+            DiagramNode(
                 level,
                 ", ".join(said.get(level, [f"level {level}"])),
                 *(numbers[child] if child else EMPTY for child in (low, high)),
