@@ -6,11 +6,14 @@ or ``python experiments/growth.py --bars``
 Five families: a *ladder* of data, each made of the two before it or of one; *producers* with fallbacks, all
 of which one activity wants; branches that *share* one localisation, each with a sensor of its own; branches
 with *drivers* of their own beside it; and a *natural* mission (sites, branches, hardware, data, an
-interruption), of which one number grows at a time. Each row runs in a process of its own: CPU seconds and MB
-of the listing without proof, and of ``check`` with all verdicts. At the end it fits exponents: cost goes as
-size to that power. ``--python`` names another interpreter, with another mcpn installed, to run the same rows
-with beside. A check should take at most twice the listing and 0.3 s; the last column says by how much more it
-takes. ``--bars`` runs commands on large members instead, each beside the seconds and MB that it should keep.
+interruption), of which one number grows at a time. Beside them the walls of ``walls.py``: producers that
+crash, data of one camera, common causes that overlap, branches of tasks that share one localisation, pauses,
+sites that are inspected again, a resource that branches could contend for. Each row runs in a process of its
+own: CPU seconds and MB of the listing without proof, and of ``check`` with all verdicts. At the end it fits
+exponents: cost goes as size to that power. ``--python`` names another interpreter, with another mcpn
+installed, to run the same rows with beside. A check should take at most twice the listing and 0.3 s; the last
+column says by how much more it takes.
+``--bars`` runs commands on large members instead, each beside the seconds and MB that it should keep.
 """
 
 from __future__ import annotations
@@ -24,39 +27,15 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from math import log
 from pathlib import Path
 
 from missions import Parameters, generate
+from walls import LOCALISATION, WALLS, activity, mission
 
 from mcpn.mission.model import SUCCEED, Block, Handler, Mission, Objective, Parallel, Recursive
-from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware, Robot, Software
 from mcpn.mission.writer import write_mission
-
-
-def activity(name: str, *ways: Sequence[str], produces: tuple[str, ...] = ()) -> Activity:
-    """An activity whose alternatives consume what each way names."""
-    alternatives = tuple(Alternative(name=f"{name}_{i}", consumes=tuple(way)) for i, way in enumerate(ways))
-    return Activity(name=name, alternatives=alternatives, produces=produces)
-
-
-def mission(
-    hardware: Iterable[str],
-    activities: Sequence[Activity],
-    blocks: Sequence[Block],
-    handlers: tuple[Handler, ...] = (),
-    events: tuple[str, ...] = (),
-) -> Mission:
-    """A mission of one robot."""
-    robot = Robot(
-        name="robot",
-        hardware=tuple(Hardware(name=h) for h in hardware),
-        software=tuple(Software(name=s) for a in activities for s in a.produces),
-        activities=tuple(activities),
-        events=tuple(DeclaredEvent(name=e) for e in events),
-    )
-    return Mission(name="grown", robots=(robot,), blocks=tuple(blocks), handlers=handlers)
 
 
 def ladder(size: int) -> Mission:
@@ -87,9 +66,6 @@ def producers(size: int) -> Mission:
         Objective(name="back", activities=("drive",)),
     ]
     return mission([f"h{i}" for i in range(size)], [*makers, fuse, drive], blocks)
-
-
-LOCALISATION = activity("localise", ("gps",), ("imu",), produces=("position",))
 
 
 def share(size: int) -> Mission:
@@ -167,6 +143,7 @@ FAMILIES: dict[str, tuple[Callable[[int], Mission], tuple[int, ...]]] = {
     "branches": (of_natural("branches"), (2, 3, 4, 5, 6, 8)),
     "hardware": (of_natural("hardware"), (8, 16, 24, 40)),
     "data": (of_natural("data"), (5, 8, 10, 20)),
+    **WALLS,
 }
 
 BARS: tuple[tuple[str, int, str, float, int | None], ...] = (
@@ -176,6 +153,15 @@ BARS: tuple[tuple[str, int, str, float, int | None], ...] = (
     ("hardware", 40, "causes", 15, None),
     ("hardware", 40, "controller", 10, None),
     ("100 sections of", 30, "causes", 2, None),
+    *((family, 12, "check", 2, None) for family in ("crashing", "fused")),
+    ("overlapping", 16, "check", 3, None),
+    ("chains", 8, "check", 3, None),
+    ("tasks", 64, "check", 5, None),
+    ("pausing", 10, "check", 3, None),
+    ("pausing", 10, "controller", 5, None),
+    ("sites", 5, "tests", 5, None),
+    ("inspecting", 10_000, "check", 15, 500),
+    ("inspecting", 10_000, "causes", 40, None),
     ("sites", 10_000, "check", 15, 600),
     ("sites", 10_000, "causes", 60, None),
     ("sites", 10_000, "report", 60, None),
@@ -264,7 +250,11 @@ def write(family: str, size: int, folder: str) -> Path:
 def print_bars(seconds: float) -> None:
     """Prints what commands take beside what they should."""
     print("| mission | command | should take, s, MB | took, s, MB | |\n|---|---|---|---|---|")
-    outputs = {"controller": ("-o", "controller"), "report": ("-o", "report.html")}
+    outputs = {
+        "controller": ("-o", "controller"),
+        "report": ("-o", "report.html"),
+        "tests": ("-o", "tests"),
+    }
     with tempfile.TemporaryDirectory() as folder:
         for family, size, command, most, memory in BARS:
             path = write(family, size, folder)

@@ -1,14 +1,19 @@
 """Families of missions whose events concern everything at once: crashes, one sensor for all, pauses.
 
-They import nothing of ``growth.py``, which measures them.
+Usage: ``python experiments/walls.py FAMILY SIZE OUT.xml`` writes a member as a mission file; ``growth.py``
+measures them. It takes about a second.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import argparse
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+from pathlib import Path
 
 from mcpn.mission.model import SUCCEED, Block, Handler, Mission, Objective, Parallel, Recursive
 from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Fault, Hardware, Robot, Software
+from mcpn.mission.writer import save_mission
 
 
 def activity(
@@ -138,3 +143,30 @@ def passing(size: int, contending: bool = True) -> Mission:
     block = Parallel(name="all", blocks=(first, down))
     hardware = ["gps", "imu", "winch", "winch2", *(f"h{i}" for i in range(size))]
     return mission(hardware, [LOCALISATION, *work, *winch], [block, up])
+
+
+WALLS: dict[str, tuple[Callable[[int], Mission], tuple[int, ...]]] = {
+    "crashing": (crashing, (4, 6, 8, 12)),
+    "fused": (fused, (6, 8, 10, 12)),
+    "overlapping": (overlapping, (8, 10, 12, 16)),
+    "chains": (partial(chains, tasks=3), (2, 3, 4)),
+    "tasks": (partial(chains, 3), (4, 8, 16)),
+    "pausing": (pausing, (4, 6, 8, 10)),
+    "inspecting": (inspecting, (10, 100, 1000)),
+    "passing": (passing, (2, 4, 8)),
+}
+"""By name, a family and the sizes that are measured."""
+
+
+def main() -> None:
+    """Writes a member of a family."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("family", choices=WALLS)
+    parser.add_argument("size", type=int)
+    parser.add_argument("out", type=Path)
+    options = parser.parse_args()
+    save_mission(WALLS[options.family][0](options.size), options.out)
+
+
+if __name__ == "__main__":
+    main()

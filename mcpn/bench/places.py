@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator
 from dataclasses import dataclass, field
 
 from mcpn.runtime.controller import Controller
+from mcpn.runtime.restoring import Saved
 from mcpn.runtime.tables import Action, Inside, Tables
 
 
@@ -15,7 +15,7 @@ class ControllerPlace:
     """Where a controller is, its timers aside.
 
     Args:
-        snapshot: The runtime's.
+        saved: What the runtime goes back to.
         section: The section that runs, and the number of its state.
         inside: What runs.
         gone: Hardware out of service.
@@ -25,7 +25,7 @@ class ControllerPlace:
         edges: Where events lead, and the actions, as far as they have been asked.
     """
 
-    snapshot: str
+    saved: Saved
     section: tuple[str, int] | None
     inside: Inside
     gone: frozenset[str]
@@ -50,7 +50,7 @@ class Places:
     def __init__(self, tables: Tables) -> None:
         self.tables = tables
         self._controller = Controller(tables, log=1, clock=lambda: 0.0)
-        self._known: dict[str, ControllerPlace] = {}
+        self._known: dict[Hashable, ControllerPlace] = {}
         self.start = self._here()
 
     def __iter__(self) -> Iterator[ControllerPlace]:
@@ -61,26 +61,28 @@ class Places:
         if event not in place.edges:
             if event not in place.possible:
                 return None
-            self._controller.restore(place.snapshot)
+            self._controller.resume(place.saved)
             actions, _ = self._controller.react(event)
             place.edges[event] = self._here(), actions
         return place.edges[event]
 
     def _here(self) -> ControllerPlace:
         controller = self._controller
-        controller.count = 0  # the same place has the same snapshot, however a run came to it
-        snapshot = controller.snapshot()
-        if snapshot not in self._known:
+        controller.count = 0  # the same place is the same one, however a run came to it
+        saved = controller.saved()
+        name = None if saved.section is None else saved.section.name
+        gone, happened = frozenset(saved.out_of_service), frozenset(saved.happened)
+        key = saved.phase, name, saved.state, gone, happened, tuple(sorted(saved.timers.items()))
+        if key not in self._known:
             where = controller.where
-            happened = frozenset(json.loads(snapshot)["happened"])
             section = None if where.section is None else (where.section, where.state)
-            self._known[snapshot] = ControllerPlace(
-                snapshot,
+            self._known[key] = ControllerPlace(
+                saved,
                 section,
                 where.inside,
-                controller.out_of_service,
+                gone,
                 happened,
                 controller.outcome,
                 controller.possible,
             )
-        return self._known[snapshot]
+        return self._known[key]

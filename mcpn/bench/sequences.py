@@ -56,62 +56,91 @@ def sequences(tables: Tables, most: int = MOST_PLACES) -> Sequences:
     Raises:
         LimitError: There are more.
     """
-    places, taken, done = Places(tables), set[tuple[str, int, str]](), set[ControllerPlace]()
+    places = Places(tables)
+    search = _Search(places, most)
     found: list[tuple[Expected, ...]] = []
     while True:
         place, steps = places.start, list[Expected]()
-        while (way := _way(places, place, taken, done, most)) is not None:
+        while (way := search.way(place)) is not None:
             for event in way:
-                edge = edge_of(tables, place, event)
-                if edge is not None:
-                    taken.add(edge)
+                search.take(place, event)
                 step = places.after(place, event)
                 assert step is not None, "it was possible"
                 place, actions = step
                 steps.append(Expected(event, tuple(map(str, actions)), place.outcome))
         if not steps:
-            return Sequences(tuple(found), len(taken))
+            return Sequences(tuple(found), len(search.taken))
         found.append(tuple(steps))
 
 
-def _way(
-    places: Places,
-    start: ControllerPlace,
-    taken: set[tuple[str, int, str]],
-    done: set[ControllerPlace],
-    most: int,
-) -> list[str] | None:
-    """A shortest way from a place over an edge that is not taken yet.
+class _Search:
+    """A search for edges that are not taken yet.
 
     Args:
         places: The controller's.
-        start: The place.
-        taken: Edges that are taken.
-        done: Places behind which all edges are taken; those that are found here are added.
         most: How many places may be looked at.
+
+    Attributes:
+        taken: Edges that are taken.
     """
-    origin: dict[ControllerPlace, tuple[ControllerPlace, str] | None] = {start: None}
-    queue = deque([start])
-    while queue:
-        place = queue.popleft()
-        if place.outcome is not None:
-            continue
-        for event in place.possible:
-            edge = edge_of(places.tables, place, event)
-            if edge is not None and edge not in taken:
+
+    def __init__(self, places: Places, most: int) -> None:
+        self._places, self._most = places, most
+        self.taken = set[tuple[str, int, str]]()
+        self._done = set[ControllerPlace]()
+        """Places behind which all edges are taken."""
+        self._open: dict[ControllerPlace, list[str]] = {}
+        """By place, events whose edges may not be taken yet."""
+        self._next: dict[ControllerPlace, list[tuple[ControllerPlace, str]]] = {}
+        """By place, those that one event leads to, with the first one that does."""
+
+    def take(self, place: ControllerPlace, event: str) -> None:
+        """Notes that an event was taken in a place."""
+        edge = edge_of(self._places.tables, place, event)
+        if edge is not None:
+            self.taken.add(edge)
+
+    def way(self, start: ControllerPlace) -> list[str] | None:
+        """A shortest way from a place over an edge that is not taken yet."""
+        origin: dict[ControllerPlace, tuple[ControllerPlace, str] | None] = {start: None}
+        queue = deque([start])
+        while queue:
+            place = queue.popleft()
+            if (event := self._untaken(place)) is not None:
                 return [*_back(origin, place), event]
-            step = places.after(place, event)
-            assert step is not None, "it is possible"
-            if step[0] not in origin and step[0] not in done:
-                origin[step[0]] = place, event
-                queue.append(step[0])
-        if len(origin) > most:
-            raise LimitError(
-                f"more than {most} places of the controller looked at for an edge that is not taken yet: "
-                "the limit was hit"
-            )
-    done.update(origin)
-    return None
+            for target, event in self._ahead(place):
+                if target not in origin and target not in self._done:
+                    origin[target] = place, event
+                    queue.append(target)
+            if len(origin) > self._most:
+                raise LimitError(
+                    f"more than {self._most} places of the controller looked at for an edge that is not "
+                    "taken yet: the limit was hit"
+                )
+        self._done.update(origin)
+        return None
+
+    def _untaken(self, place: ControllerPlace) -> str | None:
+        """The first event of a place whose edge is not taken yet."""
+        left = self._open.get(place)
+        if left is None:
+            left = [] if place.outcome is not None else list(place.possible)
+        if left:
+            edges = ((event, edge_of(self._places.tables, place, event)) for event in left)
+            left = [event for event, edge in edges if edge is not None and edge not in self.taken]
+        self._open[place] = left
+        return left[0] if left else None
+
+    def _ahead(self, place: ControllerPlace) -> list[tuple[ControllerPlace, str]]:
+        """The places that one event leads to from a place, each with the first event that does."""
+        if place not in self._next:
+            ahead: dict[ControllerPlace, str] = {}
+            for event in place.possible if place.outcome is None else ():
+                step = self._places.after(place, event)
+                assert step is not None, "it is possible"
+                ahead.setdefault(step[0], event)
+            self._next[place] = list(ahead.items())
+        return self._next[place]
 
 
 def _back(

@@ -368,18 +368,21 @@ class Controller:
         Args:
             beside: What is to stand in it besides, of JSON: where monitors are, which processes run.
         """
+        return self.saved(beside).text(self._tables.digest)
+
+    def saved(self, beside: Mapping[str, Any] | None = None) -> Saved:
+        """What :meth:`snapshot` says, not as a text: for who goes back within one process."""
         with self._lock:
-            saved = Saved(
+            return Saved(
                 self._phase,
                 self._section,
                 self._state,
-                self._out_of_service,
-                self._happened,
+                set(self._out_of_service),
+                set(self._happened),
                 self.count,
                 self._timers.left,
                 beside or {},
             )
-            return saved.text(self._tables.digest)
 
     def beside(self, snapshot: str) -> Mapping[str, Any]:
         """What stands beside in a snapshot of this very controller.
@@ -404,11 +407,16 @@ class Controller:
         """
         saved = read_snapshot(snapshot, self._tables)
         with self._lock:
+            self.resume(saved)
+            return tuple(actions_to(self.state, self._tables.laws))
+
+    def resume(self, saved: Saved) -> None:
+        """Goes back to where :meth:`saved` was asked of this very controller."""
+        with self._lock:
             self._phase, self._section, self._state = saved.phase, saved.section, saved.state
-            self._out_of_service, self._happened = saved.out_of_service, saved.happened
+            self._out_of_service, self._happened = set(saved.out_of_service), set(saved.happened)
             self.count = saved.count
             self._timers.restore(saved.timers)
-            return tuple(actions_to(self.state, self._tables.laws))
 
 
 __all__ = ["Controller", "ControllerFileError", "Hook", "Step", "Where"]

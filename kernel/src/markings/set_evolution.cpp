@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kMostFirings = 100'000;  // behind one event
 constexpr std::size_t kMostParts = 2'000'000;  // of functions
-constexpr std::size_t kMostCases = 1'000;      // that tell apart where a transition may fire alone
+constexpr std::size_t kMostCases = 300;        // that tell apart where a transition may fire alone
 constexpr std::size_t kAtATime = 16;           // functions that are composed before they are with those before them
 
 bool by_level(const Touched& a, const Touched& b) {

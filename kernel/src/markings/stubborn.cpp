@@ -139,6 +139,18 @@ Means Stubborn::means(std::optional<std::uint32_t> found, const std::vector<Word
   return has_bit(apart_.data(), *found) ? Means::kArcs : Means::kUnits;
 }
 
+// Of places that a transition needs, those out of reach that no other transition marks than such as are absent anyhow, if
+// there are any: to note one of them asks for nothing more.
+Stubborn::Places Stubborn::likely_empty(const Places& need, std::uint32_t end, std::uint32_t without) const {
+  Places some;
+  for (const std::uint32_t p : need)
+    if (!has_bit(marked_.data(), p) && std::all_of(givers_[p].begin(), givers_[p].end(), [&](std::uint32_t t) {
+          return t >= end || t == without || has_bit(brought_.data(), t);
+        }))
+      some.push_back(p);
+  return some.empty() ? need : some;
+}
+
 // Notes the internal transitions before one of a later rank, one of them aside, that may fire from a marking on if tokens
 // are never taken.
 void Stubborn::relax(const Word* marking, std::uint32_t end, std::vector<Word>& may, std::uint32_t without) {

@@ -46,7 +46,7 @@ class Stubborn {
       relax(marking, end, here_, without = t);
       if (!judge(t, here_)) return false;
     }
-    note_absence(end, [&](const Places& need) { return choose(need, marked_); }, without);
+    note_absence(end, [&](const Places& need) { return choose(likely_empty(need, end, without), marked_); }, without);
     return true;
   }
   // Of one that may not fire alone there, as alone_from has just found: marked places for which it may not in any marking
@@ -67,6 +67,7 @@ class Stubborn {
 
   bool apart(std::uint32_t t, std::uint32_t u) const;
   bool brings_about(std::uint32_t t) const;
+  Places likely_empty(const Places& need, std::uint32_t end, std::uint32_t without) const;
   void relax(const Word* marking, std::uint32_t end, std::vector<Word>& may, std::uint32_t without = kNoBit);
   bool judge(std::uint32_t t, const std::vector<Word>& may);
   bool free(std::uint32_t t, std::uint32_t end, const std::vector<Word>& may);
