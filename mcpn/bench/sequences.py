@@ -57,7 +57,7 @@ def sequences(tables: Tables, most: int = MOST_PLACES) -> Sequences:
         LimitError: There are more.
     """
     places = Places(tables)
-    search = _Search(places, most)
+    search = _UntakenEdges(places, most)
     found: list[tuple[Expected, ...]] = []
     while True:
         place, steps = places.start, list[Expected]()
@@ -73,7 +73,7 @@ def sequences(tables: Tables, most: int = MOST_PLACES) -> Sequences:
         found.append(tuple(steps))
 
 
-class _Search:
+class _UntakenEdges:
     """A search for edges that are not taken yet.
 
     Args:
