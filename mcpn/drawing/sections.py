@@ -8,9 +8,10 @@ nets then differ in names only, place by place and transition by transition.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from operator import itemgetter
 from typing import TypeAlias
 
 from mcpn.drawing.compose import MissionNet, Parts, compose_parts
@@ -34,11 +35,20 @@ Element: TypeAlias = tuple[str, str]
 MOST_NAMED = 12
 """Sections that an error lists at most."""
 
-MOST_BRANCHES = 64
+MOST_BRANCHES = 30
 """Branches that may run at the same time in one section whose states are to be put on a diagram."""
 
 MOST_HARDWARE = 150
 """Hardware resources that may fail in one such section."""
+
+MOST_OF_BOTH = 600
+"""The product of the two."""
+
+MOST_AT_ONCE = 12
+"""Such branches that one failure of hardware concerns: each more doubles at least what may come of it."""
+
+MOST_ALTERNATIVES = 60
+"""Alternatives of one activity in a mission whose markings are to be put on a diagram."""
 
 
 class Used:
@@ -323,35 +333,77 @@ def section_part(usage: Usage, section: Section) -> LocalPart:
 def refuse_wide(parts: Iterable[LocalPart]) -> None:
     """Counts what makes the diagram of a section large, before work on it begins.
 
-    A diagram grows faster than with the square of what may happen at the same time, so that twice the limit
-    costs minutes and gigabytes.
+    A diagram grows faster than with the square of what may happen at the same time, and with each branch that
+    one event concerns by a factor, so that a little beyond the limits it takes minutes and gigabytes.
 
     Args:
         parts: Each of one section alone.
 
     Raises:
-        LimitError: A section has more than :data:`MOST_BRANCHES` branches or uses more than
-            :data:`MOST_HARDWARE` hardware resources that may fail; with its line.
+        LimitError: A section has more than :data:`MOST_BRANCHES` branches, uses more than
+            :data:`MOST_HARDWARE` hardware resources that may fail, has too much of both, or one failure
+            concerns more than :data:`MOST_AT_ONCE` branches; with its line.
     """
     for part in parts:
         (section,) = part.graph.sections
-        for found, most, what in (
-            (_width(part.graph), MOST_BRANCHES, "branches that may run at the same time"),
-            (len(part.faulty), MOST_HARDWARE, "hardware resources that may fail"),
+        branches, hardware = _width(part.graph), len(part.faulty)
+        same, may_fail = "branches that may run at the same time", "hardware resources that may fail"
+        listed = MOST_AT_ONCE < branches <= MOST_BRANCHES and hardware <= MOST_HARDWARE
+        most, concerned = _most_concerned(part) if listed else ("", 0)
+        for found, limit, what in (
+            (branches, MOST_BRANCHES, same),
+            (hardware, MOST_HARDWARE, may_fail),
+            (branches * hardware, MOST_OF_BOTH, f"({branches} {same}) x ({hardware} {may_fail})"),
+            (concerned, MOST_AT_ONCE, f"{same} and that the loss of {most} concerns"),
         ):
-            if found > most:
+            if found > limit:
                 message = (
-                    f"{section.name} has {found} {what}, the limit for composition and diagrams is {most}"
+                    f"{section.name} has {found} {what}, the limit for composition and diagrams is {limit}"
                 )
                 raise LimitError(str(Problem(section.source, message)))
 
 
-def _width(graph: ObjectivesGraph) -> int:
-    """How many objectives of a graph may run at the same time."""
+def refuse_many_alternatives(mission_net: MissionNet) -> None:
+    """Counts what makes the diagram of all markings large where that of each section alone is not.
+
+    Raises:
+        LimitError: An activity has more than :data:`MOST_ALTERNATIVES` alternatives.
+    """
+    usage = mission_net.usage
+    for name in usage.started:
+        found = len(usage.activities[name].alternatives)
+        if found > MOST_ALTERNATIVES:
+            raise LimitError(
+                f"activity {name} has {found} alternatives, the limit for --engine symbolic is "
+                f"{MOST_ALTERNATIVES}: use --engine local"
+            )
+
+
+def _most_concerned(part: LocalPart) -> tuple[str, int]:
+    """The hardware whose loss concerns the most branches that run at the same time, and their number."""
+    consumed = {
+        activity.name: {k for alternative in activity.alternatives for k in alternative.consumes}
+        for activity in part.used.activities
+    }
+    needed = {
+        name: frozenset[str]().union(*(consumed[supplier] for supplier in part.usage.closure(name)))
+        for name in {a for section in part.graph.walk() for a in section.activities}
+    }
+
+    def concerned(lost: str) -> int:
+        return _width(part.graph, lambda objective: any(lost in needed[a] for a in objective.activities))
+
+    return max(((name, concerned(name)) for name in part.faulty), key=itemgetter(1), default=("", 0))
+
+
+def _width(
+    graph: ObjectivesGraph, counts: Callable[[ElementarySection], bool] = lambda _objective: True
+) -> int:
+    """How many objectives of a graph, of those that count, may run at the same time."""
     return max(
-        sum(_width(branch.graph) for branch in section.branches)
+        sum(_width(branch.graph, counts) for branch in section.branches)
         if isinstance(section, ParallelSection)
-        else 1
+        else int(counts(section))
         for section in graph.sections
     )
 

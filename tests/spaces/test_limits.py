@@ -19,7 +19,7 @@ from mcpn.composite.composing import composite_space
 from mcpn.controller.generate import generate
 from mcpn.drawing.compose import compose
 from mcpn.drawing.mortal import mortal
-from mcpn.drawing.sections import MOST_BRANCHES, MOST_HARDWARE
+from mcpn.drawing.sections import MOST_ALTERNATIVES, MOST_AT_ONCE, MOST_BRANCHES, MOST_HARDWARE
 from mcpn.drawing.templates import interrupting
 from mcpn.errors import LimitError, UnboundedError
 from mcpn.mission.model import SUCCEED, Handler, Mission, Objective, Parallel
@@ -345,36 +345,56 @@ def test_weighted_sums_of_searches(weight: int, bound: int) -> None:
     assert found.outcome == ("reached" if met else "unreachable")
 
 
-def wide(folder: Path, branches: int, hardware: int) -> Path:
-    """A mission of two lines: hardware that may fail, and a section of branches that use all of it."""
+def wide(folder: Path, branches: int, hardware: int, concerned: int = 1, fault: bool = False) -> Path:
+    """A mission of two lines: hardware that may fail, and a section of branches that use it.
+
+    Each branch has its share of the hardware. The first resource is needed by the first branches
+    (``concerned``) through what one activity produces, or a fault takes that of those out of service.
+    """
     names = [f"h{i}" for i in range(hardware)]
     declared = "".join(f'<hardware name="{name}" shared="true"/>' for name in names)
-    robot = f'<robot name="r">{declared}<activity name="a" consumes="{" ".join(names)}"/></robot>'
-    inner = "".join(f'<objective name="o{i}" activities="a"/>' for i in range(branches - 1))
+    if fault:
+        declared += f'<fault name="f" affects="{" ".join(names[:concerned])}"/>'
+    declared += '<software name="s"/><activity name="p" produces="s" consumes="h0"/>'
+    for i in range(branches):
+        needed = [*names[i::branches], *(["s"] if i < concerned and not fault else [])]
+        declared += f'<activity name="a{i}" consumes="{" ".join(needed)}"/>'
+    inner = "".join(f'<objective name="o{i}" activities="a{i}"/>' for i in range(1, branches))
     nested = (
-        '<objective name="s"><parallel name="q"><objective name="x" activities="a"/></parallel></objective>'
+        '<objective name="s"><parallel name="q"><objective name="x" activities="a0"/></parallel></objective>'
     )
     block = f'<parallel name="p">{inner}{nested}</parallel>'
     path = folder / "wide.xml"
+    robot = f'<robot name="r">{declared}</robot>'
     path.write_text(f'<mission name="m" xmlns="urn:mcpn:mission:1">{robot}\n{block}</mission>')
     return path
 
 
+AT_ONCE = "branches that may run at the same time"
+
+
 @pytest.mark.parametrize("engine", ["symbolic", "local"])
 @pytest.mark.parametrize(
-    ("branches", "hardware", "found"),
+    ("refused", "found", "allowed"),
     [
-        (MOST_BRANCHES + 1, 1, "65 branches that may run at the same time, .* is 64"),
-        (1, MOST_HARDWARE + 1, "151 hardware resources that may fail, .* is 150"),
+        ((MOST_BRANCHES + 1, 1), f"31 {AT_ONCE}, .* is 30", (MOST_BRANCHES, 1)),
+        ((1, MOST_HARDWARE + 1), "151 hardware resources that may fail, .* is 150", (1, MOST_HARDWARE)),
+        ((20, 31), rf"620 \(20 {AT_ONCE}\) x \(31 hardware .*\), .* is 600", (20, 30)),
+        (
+            (20, 20, MOST_AT_ONCE + 1),
+            f"13 {AT_ONCE} and that the loss of h0 concerns, .* is 12",
+            (20, 20, 12),
+        ),
+        ((20, 20, 13, True), f"13 {AT_ONCE} and that the loss of f concerns, .* is 12", (20, 20, 12, True)),
     ],
 )
 def test_a_wide_section_is_refused_before_a_diagram_is_made(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     engine: Literal["symbolic", "local"],
-    branches: int,
-    hardware: int,
+    refused: tuple[int, ...],
     found: str,
+    allowed: tuple[int, ...],
 ) -> None:
     class Begun(Exception):
         pass
@@ -385,9 +405,22 @@ def test_a_wide_section_is_refused_before_a_diagram_is_made(
     monkeypatch.setattr("mcpn.composite.composing._explored", begun)
     monkeypatch.setattr("mcpn.composite.composing.nearest_fault", lambda *_: None)
     monkeypatch.setattr("mcpn.spaces.kept.reaching", begun)
-    refused = spaces_of(compose(read_mission(wide(tmp_path, branches, hardware))))
+    spaces = spaces_of(compose(read_mission(wide(tmp_path, *refused))))
     with pytest.raises(LimitError, match=rf"wide\.xml:2: p has {found}"):
-        refused.space(Choice(engine), "alternatives")
-    allowed = wide(tmp_path, min(branches, MOST_BRANCHES), min(hardware, MOST_HARDWARE))
+        spaces.space(Choice(engine), "alternatives")
     with pytest.raises(Begun):
-        spaces_of(compose(read_mission(allowed))).space(Choice(engine), "alternatives")
+        spaces_of(compose(read_mission(wide(tmp_path, *allowed)))).space(Choice(engine), "alternatives")
+
+
+def test_many_alternatives_are_refused_by_the_symbolic_engine(tmp_path: Path) -> None:
+    names = [f"h{i}" for i in range(MOST_ALTERNATIVES + 1)]
+    path = tmp_path / "m.xml"
+    ways = "".join(f'<alternative name="by_{name}" consumes="{name}"/>' for name in names)
+    declared = "".join(f'<hardware name="{name}"/>' for name in names)
+    path.write_text(
+        f"""<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r">{declared}
+        <activity name="a">{ways}</activity></robot><objective name="o" activities="a"/></mission>"""
+    )
+    spaces = spaces_of(compose(read_mission(path)))
+    with pytest.raises(LimitError, match=r"activity a has 61 alternatives, .* --engine symbolic is 60"):
+        spaces.space(Choice("symbolic"), "alternatives")
