@@ -271,8 +271,9 @@ class _Space:
         safe: SafeTransition = self.net.safe_transitions[t]
         free = [(self.root[p], False, False) for p in safe.produce]
         doubled = self.sets.difference(enabled, self.sets.moved(enabled, sorted(free)))
-        if safe.overflow or doubled is not self.sets.zero:
-            marked = self.sets.some(enabled if safe.overflow else doubled)
+        unsafe = enabled if safe.overflow else doubled
+        if unsafe is not self.sets.zero:
+            marked = self.sets.some(unsafe)
             place = next(
                 p for p in (*safe.overflow, *safe.produce) if p in safe.overflow or self.root[p] in marked
             )

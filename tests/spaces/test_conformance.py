@@ -12,7 +12,7 @@ from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.mission.model import Mission
 from mcpn.nets.formats import read_net
-from mcpn.nets.petri import PetriNet, Place
+from mcpn.nets.petri import NetBuilder, PetriNet, Place
 from mcpn.spaces.sizes import summarise
 from mcpn.spaces.summary import ENGINES, SpaceSummary
 from mcpn.testing import missions
@@ -34,6 +34,17 @@ OWN = ("tests.spaces.plain:PlainSets", "experiments.dd_engine:DdSets")
 """Engines as a caller may bring them: sets of Python, and the diagrams of the package dd."""
 
 
+def overfilling() -> PetriNet:
+    """A transition that would put two tokens in a place, and waits for two that are never both marked."""
+    builder = NetBuilder("overfilling")
+    for place, tokens in (("p", 1), ("q", 0), ("r", 0)):
+        builder.place(place, initial=tokens)
+    builder.transition("there", consume=["p"], produce=["q"])
+    builder.transition("back", consume=["q"], produce=["p"])
+    builder.transition("never", consume=["p", "q"], produce=["r", "r"])
+    return builder.build()
+
+
 def present(engine: str) -> None:
     """Skips where an engine needs a package that is not there."""
     if "dd_engine" in engine:
@@ -45,6 +56,7 @@ def present(engine: str) -> None:
 @given(net=nets(max_weight=2))
 @example(net=PetriNet("nothing_fires", (Place("p0", 0),), ()))
 @example(net=PetriNet("nothing_fires", (Place("p0", 0),), (), priorities=True))
+@example(net=overfilling())
 def test_nets_have_the_sizes_of_the_plain_rule(engine: str, net: PetriNet) -> None:
     present(engine)
     markings, edges, safe = reachable(net)
