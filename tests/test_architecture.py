@@ -21,6 +21,7 @@ WAY = [
     *BASE,
     *NETS,
     "mission",
+    "trees",
     "drawing",
     "composite",
     "answers",

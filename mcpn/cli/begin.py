@@ -11,6 +11,7 @@ from mcpn.cli.shared import FILE, emit_json, json_option
 from mcpn.errors import InputError, Source
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
     from importlib.abc import Traversable
 
 FILES = ("mission.xml", "robot.xml", "protocols.xml")
@@ -25,11 +26,34 @@ LANGUAGE = "mission"
 @click.command()
 @click.argument("folder", type=FILE, metavar="NAME")
 @click.option("--example", type=click.Choice(EXAMPLES), help="Write this mission; ulysse is the paper's.")
+@click.option(
+    "--from",
+    "tree",
+    type=FILE,
+    metavar="TREE",
+    help="Translate this behaviour tree (XML of BehaviorTree.CPP, version 3 or 4; nodes of Nav2).",
+)
+@click.option("--main", metavar="ID", help="With --from: the tree to execute.")
+@click.option(
+    "--nodes", type=FILE, multiple=True, help="With --from: a file with a TreeNodesModel; may be repeated."
+)
+@click.option(
+    "--faulty-leaves", is_flag=True, help="With --from: leaves may crash, so that cut sets name them."
+)
 @json_option
-def init(folder: Path, example: str | None, as_json: bool) -> None:
+def init(
+    folder: Path,
+    example: str | None,
+    tree: Path | None,
+    main: str | None,
+    nodes: tuple[Path, ...],
+    faulty_leaves: bool,
+    as_json: bool,
+) -> None:
     """Write a small mission to start from into the new folder NAME, or one of the examples.
 
-    With the small one come drivers that play its robot, so that mcpn run runs it.
+    With the small one come drivers that play its robot, so that mcpn run runs it. With --from it is a
+    behaviour tree as a mission, with a ledger of what each node became.
     """
     from mcpn.files import write_folder
     from mcpn.mission.language.datatypes import NAME
@@ -37,10 +61,15 @@ def init(folder: Path, example: str | None, as_json: bool) -> None:
     name = folder.name
     if not NAME.matches(name):
         raise InputError.at(None, f"a mission cannot be called {name!r}, expected {NAME.expected}")
+    if tree is not None:
+        if example is not None:
+            raise click.UsageError("--from and --example exclude each other")
+        _import(folder, tree, main, nodes, faulty_leaves, as_json)
+        return
+    if main is not None or nodes or faulty_leaves:
+        raise click.UsageError("--main, --nodes and --faulty-leaves need --from")
     files = FILES if example is not None else (*FILES, *PLAYED)
-    for file in files:
-        if (folder / file).exists():
-            raise InputError.at(Source(str(folder / file)), "is there already, and is not overwritten")
+    _not_there(folder, files)
     texts = {file: _start(example).joinpath(file).read_text(encoding="utf-8") for file in files}
     if example is None:
         texts = {file: text.replace("NAME", name) for file, text in texts.items()}
@@ -53,6 +82,36 @@ def init(folder: Path, example: str | None, as_json: bool) -> None:
         click.echo(f"verify it: mcpn check {folder / FILES[0]}", err=True)
         if example is None:
             click.echo(f"run it: mcpn run {folder / FILES[0]} --drivers {folder / PLAYED[0]}", err=True)
+
+
+def _import(
+    folder: Path, tree: Path, main: str | None, nodes: tuple[Path, ...], faulty: bool, as_json: bool
+) -> None:
+    """Writes a behaviour tree as a mission, and says what each kind of node became."""
+    from mcpn.files import write_folder
+    from mcpn.trees.importing import files_of, translate
+    from mcpn.trees.ledger import SURVIVES, in_words
+    from mcpn.trees.reading import read_forest
+
+    imported = translate(read_forest(tree, nodes, main), folder.name, tree.name, faulty=faulty)
+    files = files_of(imported)
+    _not_there(folder, files)
+    write_folder(folder, files)
+    paths = [str(folder / file) for file in files]
+    ledger = imported.ledger
+    if as_json:
+        counts = {kind.value: count for kind, count in ledger.counts.items()}
+        emit_json({"files": paths, "ledger": {"counts": counts, "survives": SURVIVES[ledger.kind]}})
+    else:
+        click.echo("\n".join(paths))
+        click.echo(in_words(ledger).split("\n\n", 1)[0], err=True)
+        click.echo(f"verify it: mcpn check {folder / FILES[0]}", err=True)
+
+
+def _not_there(folder: Path, files: Iterable[str]) -> None:
+    for file in files:
+        if (folder / file).exists():
+            raise InputError.at(Source(str(folder / file)), "is there already, and is not overwritten")
 
 
 def _start(example: str | None) -> Traversable:

@@ -11,6 +11,7 @@ from mcpn.errors import InputError
 from mcpn.files import write_atomically
 from mcpn.mission.language.forms import NAMESPACE, Field, form_of
 from mcpn.mission.model import Mission
+from mcpn.mission.robot import Described
 from mcpn.mission.validate import valid
 
 
@@ -38,9 +39,18 @@ def written(mission: Mission) -> bytes:
     Raises:
         ValueError: A text holds a character that XML cannot.
     """
-    root = etree.fromstring(f'<{mission.TAG} xmlns="{NAMESPACE}"/>')
-    _write(root, mission)
-    return etree.tostring(root, pretty_print=True, xml_declaration=True, encoding="UTF-8")
+    return etree.tostring(element_of(mission), pretty_print=True, xml_declaration=True, encoding="UTF-8")
+
+
+def element_of(of: Described) -> etree._Element:
+    """The element of a file that says a mission, a robot or protocols, which are not checked.
+
+    Raises:
+        ValueError: A text holds a character that XML cannot.
+    """
+    root = etree.fromstring(f'<{of.TAG} xmlns="{NAMESPACE}"/>')
+    _write(root, of)
+    return root
 
 
 def save_mission(mission: Mission, path: Path | str) -> None:

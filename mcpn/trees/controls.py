@@ -1,0 +1,323 @@
+"""Control nodes of BehaviorTree.CPP that ask each child once: series, parallel blocks, choices."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from mcpn.errors import Problem
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Handler, Recursive
+from mcpn.mission.robot import FactChange
+from mcpn.trees.ledger import Kind
+from mcpn.trees.nodes import Node
+from mcpn.trees.pieces import Piece, Result, marked, placed, tidied, wrapped
+from mcpn.trees.translator import Context, Rule, Translator, parallel
+
+
+def sequence(at: Translator, node: Node, context: Context) -> Result:
+    """Children one after the other, up to the first that fails."""
+    return _series(at, node, context, stops=False)
+
+
+def fallback(at: Translator, node: Node, context: Context) -> Result:
+    """Children one after the other, up to the first that succeeds."""
+    return _series(at, node, context, stops=True)
+
+
+def _series(at: Translator, node: Node, context: Context, *, stops: bool) -> Result:
+    """Children one after the other, up to the first that returns ``stops``."""
+    name = at.names.fresh(node.name or node.id)
+    results = [at.piece(child, context) for child in node.children]
+    result = series(at, name, results, context, stops=stops)
+    at.note(node, became(result), Kind.EXACT)
+    return result
+
+
+def series(at: Translator, name: str, results: list[Result], context: Context, *, stops: bool) -> Result:
+    """What a sequence of results becomes, or a fallback of them, where ``stops`` is true."""
+    pieces: list[Piece] = []
+    end = not stops
+    for result in results:
+        if isinstance(result, Piece):
+            pieces.append(result)
+        elif result == stops:
+            end = stops
+            break
+    if not pieces:
+        return end
+    if len(pieces) == 1 and end != stops:
+        return pieces[0]
+    after = SUCCEED if end else FAIL
+    out = SUCCEED if stops else FAIL
+    unknown = end != stops and all(piece.skips for piece in pieces)
+    blocks: list[Block] = []
+    last = (
+        replace(
+            at.choice(f"{name}_skipped", context, "Whether all of it was skipped"),
+            success=after,
+            failure=ABORT,
+        )
+        if unknown
+        else None
+    )
+    for place, piece in enumerate(pieces):
+        behind = place + 1 == len(pieces)
+        following = after if behind else pieces[place + 1].block.name
+        skipped = last.name if behind and last else following
+        good, bad = (out, following) if stops else (following, out)
+        blocks.append(placed(piece, good, bad, skipped))
+    return Piece(Recursive(name=name, blocks=tidied([*blocks, *([last] if last else [])])), skips=unknown)
+
+
+def ended(blocks: tuple[Block, ...]) -> tuple[Block, ...]:
+    """A series that does not lead on to what is put behind it."""
+    *first, last = blocks
+    return (*first, replace(last, success=last.success or SUCCEED))
+
+
+def became(result: Result) -> str:
+    """What a node became, in words."""
+    if isinstance(result, bool):
+        return "succeeds at once" if result else "fails at once"
+    return result.block.name
+
+
+def with_memory(at: Translator, node: Node, context: Context) -> Result:
+    """A sequence that goes on with the child that failed or was halted, when it is entered again."""
+    if not context.again or len(node.children) == 1:
+        return _series(at, node, context, stops=False)
+    name = at.names.fresh(node.name or node.id)
+    made: list[Piece] = []
+    for child in node.children:
+        result = at.piece(child, context)
+        if isinstance(result, Piece):
+            made.append(result)
+        elif not result:
+            fails = at.choice(f"{child.name or child.id}_fails", context, "Fails at once")
+            made.append(Piece(fails, good=False))
+    if len(made) < 2:
+        at.note(node, became(made[0] if made else True), Kind.EXACT)
+        return made[0] if made else True
+    steps = [piece.block.name for piece in made]
+    fact = at.fact(f"{name}_at", steps, f"Where {name} goes on")
+    turn = at.turn(f"{name}_turn", context, fact, {step: step for step in steps})
+    blocks: list[Block] = [turn]
+    for place, piece in enumerate(made):
+        behind = place + 1 == len(made)
+        following = SUCCEED if behind else steps[place + 1]
+        change = FactChange(fact=fact, to=steps[0] if behind else steps[place + 1], on="success")
+        with_mark = marked(piece, change)
+        if with_mark is not None and not piece.skips:
+            blocks.append(placed(with_mark, following, FAIL))
+            continue
+        noted = at.setting(f"{piece.block.name}_done", context, change, following)
+        blocks += [placed(piece, noted.name, FAIL, noted.name), noted]
+    at.note(node, name, Kind.EXACT)
+    return Piece(Recursive(name=name, blocks=tidied(blocks)))
+
+
+def if_then_else(at: Translator, node: Node, context: Context) -> Result:
+    """A condition that is asked once, and what follows from it."""
+    name = at.names.fresh(node.name or node.id)
+    results = [at.piece(child, context) for child in node.children]
+    asked, then = results[:2]
+    other = results[2] if len(results) == 3 else False
+    if isinstance(asked, bool):
+        result: Result = then if asked else other
+        at.note(node, became(result), Kind.EXACT)
+        return result
+    made = branching(name, asked, then, other)
+    at.note(node, name, Kind.EXACT)
+    return made
+
+
+def branching(name: str, asked: Piece, then: Result, other: Result) -> Piece:
+    """A piece that is asked, and what is done as it succeeds, or fails."""
+
+    def target(result: Result) -> str:
+        return result.block.name if isinstance(result, Piece) else SUCCEED if result else FAIL
+
+    blocks = [placed(asked, target(then), target(other))]
+    blocks += [placed(each, SUCCEED, FAIL) for each in (then, other) if isinstance(each, Piece)]
+    skips = any(isinstance(each, Piece) and each.skips for each in (asked, then, other))
+    return Piece(Recursive(name=name, blocks=tidied(blocks)), skips=skips)
+
+
+def try_catch(at: Translator, node: Node, context: Context) -> Result:
+    """A sequence; when it fails the last child is run, and then it has failed."""
+    name = at.names.fresh(node.name or node.id)
+    *tried, caught = [at.piece(child, context) for child in node.children]
+    result = series(at, f"{name}_try", list(tried), context, stops=False)
+    if isinstance(result, bool):
+        if not result and isinstance(caught, Piece):
+            result = replace(caught, good=False, bad=False)
+    elif isinstance(caught, Piece):
+        blocks = [placed(result, SUCCEED, caught.block.name), placed(caught, FAIL, FAIL)]
+        result = Piece(Recursive(name=name, blocks=tidied(blocks)), skips=result.skips)
+    halted = node.ports.get("catch_on_halt", "false") not in ("false", "0")
+    kind = Kind.LEFT_OUT if halted and context.halted else Kind.EXACT
+    at.note(
+        node,
+        became(result),
+        kind,
+        "its last child is not run when it is halted" if kind is not Kind.EXACT else "",
+    )
+    return result
+
+
+def parallel_node(at: Translator, node: Node, context: Context) -> Result:
+    """Children at the same time, up to so many successes or failures."""
+    count = len(node.children)
+    wanted = threshold(node.ports.get("success_count", node.ports.get("success_threshold", "-1")), count)
+    allowed = threshold(node.ports.get("failure_count", node.ports.get("failure_threshold", "1")), count)
+    if wanted is None or allowed is None:
+        return _unclear(at, node, context, "how many must succeed or fail is data")
+    if wanted > count or allowed > count:
+        at.problems.append(Problem(node.source, f"{node.title}: more successes or failures than children"))
+        return True
+    name = at.names.fresh(node.name or node.id)
+    number = at.next_parallel()
+    early = wanted < count or allowed > 0
+    inside = replace(context, halted=context.halted or early)
+    results = [at.piece(child, inside.branch(number, i)) for i, child in enumerate(node.children)]
+    losing = min(allowed, count - wanted + 1)
+    for result in results:
+        if result is True:
+            wanted -= 1
+        elif result is False:
+            losing -= 1
+    pieces = [result for result in results if isinstance(result, Piece)]
+    if wanted <= 0 or losing <= 0:
+        at.note(node, became(wanted <= 0), Kind.EXACT)
+        return wanted <= 0
+    branches = _branches(at, pieces)
+    kind, why = Kind.EXACT, ""
+    if any(piece.skips for piece in pieces):
+        kind, why = Kind.MORE, "a child that is skipped counts as one that has succeeded"
+    success = "all" if wanted == len(branches) else str(wanted) if wanted > 1 else "any"
+    if len(branches) == 1:
+        made: Block = branches[0]
+    else:
+        made = parallel(name, branches, success, "any" if losing == 1 else "all")
+        if 1 < losing < len(branches):
+            # Where all children have ended and too few have succeeded, the block has failed anyway.
+            event = at.event(f"{name}_fails", f"{losing} children of {name} have failed")
+            made = replace(made, handlers=(Handler(event=event, goto=FAIL),))
+            kind, why = Kind.MORE, f"that {losing} have failed is an event, which may happen before"
+    at.note(node, made.name, kind, why)
+    return Piece(made)
+
+
+def _branches(at: Translator, pieces: list[Piece]) -> list[Block]:
+    branches = []
+    for piece in pieces:
+        block = wrapped(piece, at.names.fresh(f"{piece.block.name}_branch")).block
+        branches.append(replace(block, abort=SUCCEED) if piece.skips else block)
+    return branches
+
+
+def parallel_all(at: Translator, node: Node, context: Context) -> Result:
+    """Children at the same time, all of them to their end."""
+    count = len(node.children)
+    allowed = threshold(node.ports.get("max_failures", "1"), count)
+    if allowed is None:
+        return _unclear(at, node, context, "how many may fail is data")
+    name = at.names.fresh(node.name or node.id)
+    number = at.next_parallel()
+    results = [at.piece(child, context.branch(number, i)) for i, child in enumerate(node.children)]
+    failed = sum(1 for result in results if result is False)
+    pieces = [result for result in results if isinstance(result, Piece)]
+    branches = _branches(at, pieces)
+    if not branches:
+        at.note(node, became(failed < allowed), Kind.EXACT)
+        return failed < allowed
+    skipped = (
+        "a child that is skipped counts as one that has succeeded" if any(p.skips for p in pieces) else ""
+    )
+    kind = Kind.MORE if skipped else Kind.EXACT
+    if allowed - failed == 1:
+        block: Block = branches[0] if len(branches) == 1 else parallel(name, branches)
+        at.note(node, block.name, kind, skipped)
+        return Piece(block)
+    if allowed - failed <= 0 or allowed - failed > len(branches):
+        well = allowed - failed > len(branches)
+        block = parallel(name, branches) if len(branches) > 1 else branches[0]
+        at.note(node, name, kind, skipped)
+        return Piece(block, good=well, bad=well)
+    inner = parallel(at.names.fresh(f"{name}_all"), branches)
+    verdict = at.choice(f"{name}_verdict", context, f"Whether fewer than {allowed} have failed")
+    at.note(node, name, Kind.MORE, f"whether fewer than {allowed} have failed is free")
+    inner = replace(inner, success=SUCCEED, failure=verdict.name)
+    return Piece(Recursive(name=name, blocks=(inner, verdict)))
+
+
+def threshold(text: str, count: int) -> int | None:
+    """A number of children; negative ones count from their number. ``None``: it is data."""
+    try:
+        number = int(text)
+    except ValueError:
+        return None
+    return max(count + number + 1, 0) if number < 0 else number
+
+
+def _unclear(at: Translator, node: Node, context: Context, why: str) -> Piece:
+    """A parallel node that may end at any moment, either way."""
+    name = at.names.fresh(node.name or node.id)
+    number = at.next_parallel()
+    inside = replace(context, halted=True)
+    results = [at.piece(child, inside.branch(number, i)) for i, child in enumerate(node.children)]
+    branches = _branches(at, [result for result in results if isinstance(result, Piece)])
+    verdict = at.choice(f"{name}_verdict", context, why)
+    over = at.event(f"{name}_over", f"{name} ends: {why}")
+    at.note(node, name, Kind.MORE, why)
+    if not branches:
+        return Piece(verdict)
+    inner = parallel(at.names.fresh(f"{name}_children"), branches) if len(branches) > 1 else branches[0]
+    inner = replace(inner, failure=verdict.name, handlers=(Handler(event=over, goto=verdict.name),))
+    return Piece(Recursive(name=name, blocks=(inner, verdict)))
+
+
+def switch(at: Translator, node: Node, context: Context) -> Result:
+    """One child by the value of a variable, which is free; the last if none fits."""
+    name = at.names.fresh(node.name or node.id)
+    inside = replace(context, again=True, halted=True)
+    results = [at.piece(child, inside) for child in node.children]
+    changes = at.event(f"{name}_changes", f"{node.ports.get('variable', 'the variable')} changes")
+    cases = [node.ports.get(f"case_{i + 1}", str(i + 1)) for i in range(len(results) - 1)]
+    asked = [
+        at.choice(f"{name}_is_{case}", context, f"Whether {node.ports.get('variable', 'it')} is {case}")
+        for case in cases
+    ]
+    blocks: list[Block] = []
+    for place, one in enumerate(asked):
+        other = asked[place + 1].name if place + 1 < len(asked) else _target(results[-1])
+        blocks.append(replace(one, success=_target(results[place]), failure=other))
+    for result in results:
+        if isinstance(result, Piece):
+            block = placed(result, SUCCEED, FAIL)
+            blocks.append(
+                replace(block, handlers=(Handler(event=changes, goto=asked[0].name), *block.handlers))
+            )
+    at.note(node, name, Kind.MORE, f"the value of {node.ports.get('variable', 'its variable')} is free")
+    return Piece(
+        Recursive(name=name, blocks=tidied(blocks)),
+        skips=any(isinstance(result, Piece) and result.skips for result in results),
+    )
+
+
+def _target(result: Result) -> str:
+    return result.block.name if isinstance(result, Piece) else SUCCEED if result else FAIL
+
+
+CONTROLS: dict[str, Rule] = {
+    "Sequence": sequence,
+    "AsyncSequence": sequence,
+    "SequenceWithMemory": with_memory,
+    "Fallback": fallback,
+    "AsyncFallback": fallback,
+    "IfThenElse": if_then_else,
+    "TryCatch": try_catch,
+    "Parallel": parallel_node,
+    "ParallelAll": parallel_all,
+    **{f"Switch{n}": switch for n in range(2, 7)},
+}
+"""How these nodes are translated."""

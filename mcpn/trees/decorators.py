@@ -1,0 +1,296 @@
+"""Decorators: outcomes turned round, tries and rounds, time, and what only data decides."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Handler, Objective, Recursive
+from mcpn.trees.controls import became, ended
+from mcpn.trees.known import WAITING
+from mcpn.trees.ledger import Kind
+from mcpn.trees.nodes import Node
+from mcpn.trees.pieces import Piece, Result, bare, handled, placed, tidied, wrapped
+from mcpn.trees.translator import Context, Rule, Translator
+
+COPIES = 1000
+"""More tries or rounds than these are not written out."""
+
+
+def turned(at: Translator, node: Node, context: Context) -> Result:
+    """Inverter, ForceSuccess, ForceFailure: what the ends of the child mean."""
+    result = at.piece(node.children[0], context)
+    means = {"Inverter": (False, True), "ForceSuccess": (True, True), "ForceFailure": (False, False)}[node.id]
+    if isinstance(result, bool):
+        made: Result = means[not result]
+    else:
+        made = replace(result, good=means[not result.good], bad=means[not result.bad])
+    at.note(node, became(made), Kind.EXACT)
+    return made
+
+
+def transparent(at: Translator, node: Node, context: Context) -> Result:
+    """Returns what the child returns."""
+    result = at.piece(node.children[0], context)
+    at.note(node, became(result), Kind.EXACT)
+    return result
+
+
+def retry(at: Translator, node: Node, context: Context) -> Result:
+    """The child again, as often as it fails."""
+    return _loop(at, node, context, node.ports.get("num_attempts", ""), fails=True)
+
+
+def repeat(at: Translator, node: Node, context: Context) -> Result:
+    """The child again, as often as it succeeds."""
+    return _loop(at, node, context, node.ports.get("num_cycles", ""), fails=False)
+
+
+def _loop(at: Translator, node: Node, context: Context, times: str, *, fails: bool) -> Result:
+    count = _count(times)
+    result = at.piece(node.children[0], replace(context, again=context.again or count != 1))
+    if isinstance(result, bool) or count == 0:
+        made: Result = result if isinstance(result, bool) and count != 0 else not fails
+        at.note(node, became(made), Kind.EXACT)
+        return made
+    if count is not None and 0 < count <= COPIES:
+        # What has rounds or tries already gets an objective around it.
+        block = wrapped(result, at.names.fresh(node.name or f"{result.block.name}_again")).block
+        block = replace(block, retries=count - 1) if fails else replace(block, repeat=count)
+        at.note(node, block.name, Kind.EXACT)
+        return Piece(block if count > 1 else replace(block, repeat=None), skips=result.skips)
+    return _endless(at, node, context, result, fails, exact=count == -1, why=times)
+
+
+def _endless(
+    at: Translator, node: Node, context: Context, result: Piece, fails: bool, *, exact: bool, why: str
+) -> Piece:
+    """The child again and again; where its number is not known, up to a moment that is free."""
+    own = result.block.name
+    name = at.names.fresh(node.name or f"{own}_loop")
+    blocks: list[Block] = []
+    if exact:
+        blocks.append(placed(result, SUCCEED if fails else own, own if fails else FAIL))
+        at.note(node, name, Kind.EXACT)
+    else:
+        asked = at.choice(f"{name}_more", context, f"Whether there is another round of {why or 'them'}")
+        asked = replace(asked, success=own, failure=FAIL if fails else SUCCEED)
+        again = asked.name
+        blocks.append(placed(result, SUCCEED if fails else again, again if fails else FAIL))
+        blocks.append(asked)
+        at.note(node, name, Kind.MORE, f"how many rounds there are is free ({why or 'no number'})")
+    return Piece(Recursive(name=name, blocks=tidied(blocks)), skips=result.skips)
+
+
+def _count(text: str) -> int | None:
+    """A literal number of rounds, -1 for endless ones; ``None``: it is data."""
+    try:
+        return max(int(text), -1)
+    except ValueError:
+        return None
+
+
+def keep_running(at: Translator, node: Node, context: Context) -> Result:
+    """The child again and again until it fails."""
+    result = at.piece(node.children[0], replace(context, again=True))
+    if result is False:
+        at.note(node, became(result), Kind.EXACT)
+        return result
+    if result is True:
+        name = at.names.fresh(node.name or node.id)
+        at.note(node, name, Kind.EXACT, "it runs until it is halted")
+        idle = Objective(name=name, activities=(at.activity("idle", context),), success=name, failure=name)
+        return Piece(Recursive(name=at.names.fresh(f"{name}_loop"), blocks=(idle,)))
+    return _endless(at, node, context, result, False, exact=True, why="")
+
+
+def loop(at: Translator, node: Node, context: Context) -> Result:
+    """LoopInt and its kin: the child once for each value of a queue."""
+    queue = node.ports.get("queue", "")
+    literal = bool(queue) and "{" not in queue and not queue.startswith("json:")
+    empty = node.ports.get("if_empty", "SUCCESS").upper()
+    count = len(queue.split(";")) if literal else None
+    result = at.piece(node.children[0], replace(context, again=True))
+    if isinstance(result, bool) and (literal or result):
+        at.note(node, became(result), Kind.EXACT if literal else Kind.MORE)
+        return result
+    end = SUCCEED if empty == "SUCCESS" else FAIL if empty == "FAILURE" else ABORT
+    if not isinstance(result, Piece):
+        result = Piece(at.choice(f"{node.id}_fails", context, "Its child fails at once"), good=False)
+    if count is not None and end == SUCCEED and count <= COPIES:
+        block = wrapped(result, at.names.fresh(node.name or f"{result.block.name}_rounds")).block
+        at.note(node, block.name, Kind.EXACT, "values of the queue are not told")
+        return Piece(replace(block, repeat=count) if count > 1 else block, skips=result.skips)
+    name = at.names.fresh(node.name or node.id)
+    asked = at.choice(f"{name}_more", context, f"Whether the queue {queue} has another value")
+    asked = replace(asked, success=result.block.name, failure=end)
+    at.note(node, name, Kind.MORE, "how many values the queue has is free")
+    blocks: list[Block] = [asked, placed(result, asked.name, FAIL)]
+    return Piece(Recursive(name=name, blocks=tuple(blocks)), skips=result.skips or end == ABORT)
+
+
+def timeout(at: Translator, node: Node, context: Context) -> Result:
+    """The child is halted when its time is over, and then the node fails."""
+    result = at.piece(node.children[0], replace(context, halted=True))
+    text = node.ports.get("msec", "")
+    if isinstance(result, bool) or text.strip() == "0":
+        at.note(node, became(result), Kind.EXACT)
+        return result
+    try:
+        seconds = int(text) / 1000
+    except ValueError:
+        seconds = 0.0
+    known = 0.001 <= seconds <= 2_592_000
+    if known and isinstance(result.block, Objective) and result.block.timeout is None and bare(result):
+        made = Piece(replace(result.block, timeout=seconds))
+        at.note(node, made.block.name, Kind.TIME)
+        return made
+    name = result.block.name
+    over = at.event(f"{name}_time_over", f"{text} ms are over while {name} runs")
+    if not result.plain or result.block.retries or result.block.repeat is not None:
+        result = Piece(
+            Recursive(
+                name=at.names.fresh(node.name or f"{name}_timed"),
+                blocks=tidied([placed(result, SUCCEED, FAIL)]),
+            ),
+            skips=result.skips,
+        )
+    made = replace(result, block=handled(result.block, [Handler(event=over, goto=FAIL)], at.instants))
+    at.note(node, made.block.name, Kind.TIME, f"the event {over} stands for its end")
+    return made
+
+
+def delay(at: Translator, node: Node, context: Context) -> Result:
+    """A wait, then the child."""
+    wait = at.waiting(node, context, f"{node.ports.get('delay_msec', '?')} ms")
+    result = at.piece(node.children[0], context)
+    name = at.names.fresh(node.name or f"{node.id}ed")
+    if isinstance(result, bool):
+        return replace(wait, good=result, bad=result)
+    blocks = [placed(wait, result.block.name, FAIL), placed(result, SUCCEED, FAIL)]
+    return Piece(Recursive(name=name, blocks=tidied(blocks)), skips=result.skips)
+
+
+def waiting(at: Translator, node: Node, context: Context) -> Result:
+    """Nav2's RateController and its kin, where nothing ticks them again after they have succeeded."""
+    result = at.piece(node.children[0], context)
+    at.note(node, became(result), Kind.TIME, f"its child is begun at once, or after {WAITING[node.id]}")
+    return result
+
+
+def once(at: Translator, node: Node, context: Context) -> Result:
+    """RunOnce, SingleTrigger: the child only the first time, then something that was decided then."""
+    result = at.piece(node.children[0], context)
+    if not context.again:
+        at.note(node, became(result), Kind.EXACT)
+        return result
+    name = at.names.fresh(node.name or node.id)
+    asked = at.choice(f"{name}_again", context, "Whether its child is run, or has been before")
+    skips = node.id == "RunOnce" and node.ports.get("then_skip", "true") not in ("false", "0")
+    at.note(node, name, Kind.MORE, "whether its child has been run before is free")
+    if skips or node.id == "SingleTrigger":
+        return _if(name, asked, result, ABORT if skips else FAIL)
+    before = at.choice(f"{name}_before", context, "What it returned before")
+    made = _if(name, asked, result, before.name)
+    block = made.block
+    assert isinstance(block, Recursive)
+    return replace(made, block=replace(block, blocks=(*ended(block.blocks), before)))
+
+
+def _if(name: str, asked: Objective, result: Result, other: str) -> Piece:
+    """The child if a choice succeeds, else another end."""
+    if isinstance(result, bool):
+        return Piece(
+            Recursive(
+                name=name, blocks=(replace(asked, success=SUCCEED if result else FAIL, failure=other),)
+            ),
+            skips=other == ABORT,
+        )
+    blocks = tidied([replace(asked, success=result.block.name, failure=other), placed(result, SUCCEED, FAIL)])
+    return Piece(Recursive(name=name, blocks=blocks), skips=result.skips or other == ABORT)
+
+
+def precondition(at: Translator, node: Node, context: Context) -> Result:
+    """The child if a script is true, else another outcome; what it says is free."""
+    name = at.names.fresh(node.name or f"{node.id}")
+    result = at.piece(node.children[0], context)
+    asked = at.choice(f"{name}_holds", context, f"Whether {node.ports.get('if', 'it')} is so")
+    other = {"FAILURE": FAIL, "SUCCESS": SUCCEED}.get(node.ports.get("else", "FAILURE").upper(), ABORT)
+    at.note(node, name, Kind.MORE, f"whether {node.ports.get('if', 'its script')} is so is free")
+    return _if(name, asked, result, other)
+
+
+def on_approach(at: Translator, node: Node, context: Context) -> Result:
+    """Nav2's PathLongerOnApproach: the child while the path has become longer near the goal, else success."""
+    name = at.names.fresh(node.name or node.id)
+    result = at.piece(node.children[0], replace(context, again=True, halted=True))
+    asked = at.choice(f"{name}_holds", context, "Whether the new path is longer, near the goal")
+    at.note(
+        node, name, Kind.MORE, "whether the path has become longer is free, and its child may run on beside"
+    )
+    made = _if(name, asked, result, SUCCEED)
+    if isinstance(result, bool):
+        return made
+    block = made.block
+    assert isinstance(block, Recursive)
+    over = at.event(f"{name}_over", "The path is no longer longer")
+    child = handled(block.blocks[-1], [Handler(event=over, goto=SUCCEED)])
+    return replace(made, block=replace(block, blocks=(*block.blocks[:-1], child)))
+
+
+def updated(at: Translator, node: Node, context: Context) -> Result:
+    """SkipUnlessUpdated, WaitValueUpdate: the child once an entry of the blackboard has changed."""
+    if node.id == "WaitValueUpdate":
+        wait = at.waiting(node, context, "a change of the blackboard", Kind.MORE)
+        result = at.piece(node.children[0], context)
+        if isinstance(result, bool):
+            return replace(wait, good=result, bad=result)
+        blocks = [placed(wait, result.block.name, FAIL), placed(result, SUCCEED, FAIL)]
+        return Piece(
+            Recursive(name=at.names.fresh(f"{node.id}ed"), blocks=tidied(blocks)), skips=result.skips
+        )
+    name = at.names.fresh(node.name or node.id)
+    result = at.piece(node.children[0], context)
+    asked = at.choice(f"{name}_holds", context, "Whether the entry has changed")
+    at.note(node, name, Kind.MORE, "whether the entry has changed is free")
+    return _if(name, asked, result, ABORT)
+
+
+def unknown(at: Translator, node: Node, context: Context) -> Result:
+    """A decorator of which nothing is known: its child any number of times, and any end at any moment."""
+    name = at.names.fresh(node.name or node.id)
+    result = at.piece(node.children[0], replace(context, again=True, halted=True))
+    asked = at.choice(f"{name}_ticks", context, f"Whether {node.id} ticks its child")
+    verdict = at.choice(f"{name}_returns", context, f"What {node.id} returns")
+    at.note(node, name, Kind.MORE, f"what {node.id} does with its child is not known")
+    if isinstance(result, bool):
+        return Piece(replace(verdict, name=name))
+    over = at.event(f"{name}_over", f"{node.id} ends whatever its child does")
+    child = placed(result, asked.name, asked.name, asked.name)
+    child = replace(child, handlers=(Handler(event=over, goto=verdict.name), *child.handlers))
+    return Piece(
+        Recursive(
+            name=name, blocks=(replace(asked, success=child.name, failure=verdict.name), child, verdict)
+        )
+    )
+
+
+DECORATING: dict[str, Rule] = {
+    "Inverter": turned,
+    "ForceSuccess": turned,
+    "ForceFailure": turned,
+    "RetryUntilSuccessful": retry,
+    "Repeat": repeat,
+    "KeepRunningUntilFailure": keep_running,
+    **dict.fromkeys(("LoopInt", "LoopBool", "LoopDouble", "LoopString"), loop),
+    "Timeout": timeout,
+    "Delay": delay,
+    "RunOnce": once,
+    "SingleTrigger": once,
+    "Precondition": precondition,
+    "PathLongerOnApproach": on_approach,
+    "SkipUnlessUpdated": updated,
+    "WaitValueUpdate": updated,
+    "GoalUpdater": transparent,
+    **dict.fromkeys(WAITING, waiting),
+}
+"""How these nodes are translated."""

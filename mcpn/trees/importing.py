@@ -1,0 +1,128 @@
+"""Makes the files of a mission from a behaviour tree: mission, robot, protocols and the ledger."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from lxml import etree
+
+from mcpn.mission.language.forms import NAMESPACE
+from mcpn.mission.model import Import, Mission, Objective, Protocol, Protocols
+from mcpn.mission.robot import Activity, Alternative, Robot
+from mcpn.mission.validate import valid
+from mcpn.mission.writer import element_of
+from mcpn.trees.controls import CONTROLS
+from mcpn.trees.decorators import DECORATING, unknown
+from mcpn.trees.ledger import Ledger, in_order, in_words
+from mcpn.trees.nav2 import NAV2
+from mcpn.trees.nodes import Forest
+from mcpn.trees.pieces import Piece
+from mcpn.trees.reactive import REACTIVE
+from mcpn.trees.translator import Context, Translator, series_of
+
+RULES = {**CONTROLS, **REACTIVE, **DECORATING, **NAV2}
+"""How control nodes and decorators are translated, by registered name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Imported:
+    """A mission that was made of a tree.
+
+    Args:
+        mission: The mission with its robot and its protocols.
+        ledger: What each node became.
+        leaves: By objective of the mission and of its protocols, as it is written, the node of the tree.
+    """
+
+    mission: Mission
+    ledger: Ledger
+
+
+def translate(forest: Forest, name: str, file: str, *, faulty: bool = False) -> Imported:
+    """Makes a mission of a tree.
+
+    Args:
+        forest: The trees.
+        name: The name of the mission.
+        file: What the file of the tree is called.
+        faulty: Whether leaves may crash, so that cut sets name them.
+
+    Returns:
+        A valid mission and the ledger.
+
+    Raises:
+        InputError: A node has no translation, with its line.
+    """
+    at = Translator(forest, RULES, unknown)
+    result = at.piece(forest.main.root, Context())
+    at.done()
+    if isinstance(result, bool):
+        ends = "Succeeds" if result else "Fails"
+        activity = at.activity("idle", Context())
+        result = Piece(
+            Objective(name=at.names.fresh("idle"), activities=(activity,), description=f"{ends} at once"),
+            good=result,
+            bad=result,
+        )
+    activities = tuple(
+        Activity(
+            name=activity,
+            alternatives=(Alternative(name=activity),),
+            faulty=faulty and leaf,
+            description=None if leaf else _HELPERS[what],
+        )
+        for activity, (what, leaf) in at.activities.items()
+    )
+    robot = Robot(
+        name=f"{name}_robot",
+        facts=tuple(at.facts.values()),
+        events=tuple(at.events.values()),
+        activities=activities,
+    )
+    mission = Mission(
+        name=name,
+        robots=(robot,),
+        protocols=tuple(_used(at)),
+        blocks=series_of(result),
+    )
+    return Imported(valid(mission), Ledger(file, in_order(at.entries)))
+
+
+_HELPERS = {
+    "wait": "Waits: for a time, a stretch of way, news",
+    "decide": "Decides what the tree decides by data, or goes on",
+    "idle": "Does nothing",
+}
+"""What activities are for that are no leaves of the tree."""
+
+
+def _used(at: Translator) -> list[Protocol]:
+    return list(at.protocols.values())
+
+
+def files_of(imported: Imported) -> dict[str, str]:
+    """The files of a mission that was made of a tree, by name."""
+    mission, ledger = imported.mission, imported.ledger
+    head = _comment(in_words(ledger).split("\n\n", 1)[0] + "\nledger.txt says what each node became.")
+    files = {}
+    imports = ["robot.xml"]
+    note = "One activity for each leaf: say what each consumes, and declare that as <hardware> or <software>."
+    files["robot.xml"] = _text(element_of(mission.robots[0]), _comment(note))
+    if mission.protocols:
+        imports.append("protocols.xml")
+        files["protocols.xml"] = _text(element_of(Protocols(protocols=mission.protocols)), head)
+    root = element_of(replace(mission, robots=(), protocols=()))
+    for place, href in enumerate(imports):
+        made = etree.Element(f"{{{NAMESPACE}}}{Import.TAG}", href=href)
+        root.insert(place, made)
+    return {"mission.xml": _text(root, head), **files, "ledger.txt": in_words(ledger)}
+
+
+def _comment(text: str) -> str:
+    safe = text.replace("--", "- -").rstrip("-")
+    return f"<!--\n{safe}\n-->\n"
+
+
+def _text(root: etree._Element, comment: str) -> str:
+    etree.indent(root)
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{comment}{etree.tostring(root, encoding="unicode")}\n'

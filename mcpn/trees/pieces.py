@@ -1,0 +1,139 @@
+"""Pieces of a mission that translations of nodes put together: blocks with what their ends mean.
+
+A node of a tree returns success or failure. Where a decorator turns that round, the block stays as it is and
+the piece remembers what each of its ends means: :func:`placed` gives it its routes. A node that is skipped
+leaves by the exit abort, which passes through everything around it until somebody leads it elsewhere, as
+SKIPPED does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Handler, Objective, Parallel, Recursive
+from mcpn.mission.robot import FactChange
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """A block, and what its ends mean for the node that it stands for.
+
+    Args:
+        block: The block, without routes.
+        good: Whether its success means success.
+        bad: Whether its failure means success.
+        skips: Whether it may leave by abort, because it is skipped.
+    """
+
+    block: Block
+    good: bool = True
+    bad: bool = False
+    skips: bool = False
+
+    @property
+    def plain(self) -> bool:
+        """Whether its ends mean what they are called."""
+        return self.good and not self.bad
+
+
+Result = Piece | bool
+"""What a node becomes: a piece, or what it always returns at once."""
+
+
+def placed(piece: Piece, good: str, bad: str, skip: str = ABORT) -> Block:
+    """The block of a piece in a series, with its routes.
+
+    Args:
+        piece: The piece.
+        good: Where its success leads.
+        bad: Where its failure leads.
+        skip: Where it leads that it is skipped.
+    """
+    block = piece.block
+    success, failure = (good if piece.good else bad), (good if piece.bad else bad)
+    return replace(
+        block,
+        success=success,
+        failure=None if failure == FAIL else failure,
+        abort=None if not piece.skips or skip == ABORT else skip,
+    )
+
+
+def tidied(blocks: Sequence[Block], apart: Sequence[str] = ()) -> tuple[Block, ...]:
+    """Blocks of a series without the routes that they have by default.
+
+    Args:
+        blocks: The blocks with their routes.
+        apart: Names of those to which success does not lead by default: they recover others.
+    """
+    found = []
+    for place, block in enumerate(blocks):
+        last = place + 1 == len(blocks)
+        default = SUCCEED if last else blocks[place + 1].name
+        usual = block.success == default and default not in apart
+        found.append(replace(block, success=None) if usual else block)
+    return tuple(found)
+
+
+def handled(block: Block, handlers: Sequence[Handler], instants: Collection[str] = ()) -> Block:
+    """A block with further handlers, which count before those that it has.
+
+    Args:
+        block: The block.
+        handlers: The handlers.
+        instants: Names of objectives in it that stand for no time in the tree: where one of them runs, what
+            it leads to has happened already, whatever the handlers say.
+    """
+    block = _immune(block, handlers, instants) if instants else block
+    return replace(block, handlers=(*handlers, *block.handlers)) if handlers else block
+
+
+def _immune(block: Block, handlers: Sequence[Handler], instants: Collection[str]) -> Block:
+    if isinstance(block, Objective) and block.name in instants and block.success is not None:
+        going_on = tuple(Handler(event=handler.event, goto=block.success) for handler in handlers)
+        return replace(block, handlers=(*going_on, *block.handlers))
+    if isinstance(block, Recursive | Parallel):
+        return replace(block, blocks=tuple(_immune(inner, handlers, instants) for inner in block.blocks))
+    return block
+
+
+def bare(piece: Piece) -> bool:
+    """Whether a block may be given retries, rounds or a place in a parallel block as it is."""
+    block = piece.block
+    return (
+        piece.plain
+        and not isinstance(block, Parallel)
+        and block.retries == 0
+        and block.repeat is None
+        and block.recover is None
+        and not block.handlers
+        and not block.routes
+    )
+
+
+def wrapped(piece: Piece, name: str) -> Piece:
+    """A piece that is bare: itself, or an objective around it."""
+    if bare(piece):
+        return piece
+    inner = placed(piece, SUCCEED, FAIL)
+    return Piece(Recursive(name=name, blocks=tidied([inner])), skips=piece.skips)
+
+
+def marked(piece: Piece, change: FactChange) -> Piece | None:
+    """A piece whose success sets a fact, or ``None`` where no objective of it always ends it so."""
+    block = piece.block
+    if isinstance(block, Objective) and piece.plain and block.repeat is None:
+        return replace(piece, block=replace(block, sets=(*block.sets, change)))
+    if not isinstance(block, Recursive) or not piece.plain or block.repeat is not None or piece.skips:
+        return None
+    *before, last = block.blocks
+    ends = [
+        (b.success, b.failure, b.abort, *(h.goto for h in b.handlers), *(r.goto for r in b.routes))
+        for b in before
+    ]
+    behind = (last.failure, last.abort, *(h.goto for h in last.handlers), *(r.goto for r in last.routes))
+    if last.success is not None or SUCCEED in behind or any(SUCCEED in routes for routes in ends):
+        return None
+    inner = marked(Piece(last), change)
+    return None if inner is None else replace(piece, block=replace(block, blocks=(*before, inner.block)))

@@ -1,0 +1,117 @@
+"""Nodes that ask earlier children again at each tick, while a later one runs.
+
+What an earlier child answers then is free, and it is an event that interrupts: ``door_is_open_fails``. A
+child that answers at once can only go on or end the node; one that may run halts the later one and begins
+again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from mcpn.mission.model import FAIL, SUCCEED, Block, Handler, Recursive
+from mcpn.mission.robot import FactChange
+from mcpn.trees.controls import became, branching, ended, series
+from mcpn.trees.ledger import Kind
+from mcpn.trees.nodes import Node
+from mcpn.trees.pieces import Piece, Result, handled
+from mcpn.trees.translator import Context, Rule, Translator
+
+
+def reactive_sequence(at: Translator, node: Node, context: Context) -> Result:
+    """Later children run only as long as earlier ones succeed."""
+    return _reactive(at, node, context, stops=False)
+
+
+def reactive_fallback(at: Translator, node: Node, context: Context) -> Result:
+    """Later children run only as long as earlier ones fail."""
+    return _reactive(at, node, context, stops=True)
+
+
+def _reactive(at: Translator, node: Node, context: Context, *, stops: bool) -> Result:
+    name = at.names.fresh(node.name or node.id)
+    slow = [not at.at_once(child) for child in node.children]
+    last = max((place for place, runs in enumerate(slow) if runs), default=-1)
+    results: list[Result] = []
+    behind: list[Block] = []
+    for place, child in enumerate(node.children):
+        guarded = place > 0 and slow[place]
+        again = context.again or place < last or (guarded and sum(slow) > 1)
+        told = child.id == "RoundRobin" and not context.halted
+        halted = context.halted or (guarded and not told)
+        result = at.piece(child, replace(context, again=again, halted=halted))
+        if guarded and isinstance(result, Piece):
+            result, resets = _guarded(at, context, results, slow, stops, result)
+            behind += resets
+        results.append(result)
+        if result is stops:
+            break
+    result = series(at, name, results, context, stops=stops)
+    if behind and isinstance(result, Piece) and isinstance(result.block, Recursive):
+        result = replace(result, block=replace(result.block, blocks=(*ended(result.block.blocks), *behind)))
+    why = "an earlier child that runs again halts a later one" if sum(slow) > 1 else ""
+    at.note(node, became(result), Kind.EXACT, why)
+    return result
+
+
+def _guarded(
+    at: Translator, context: Context, before: list[Result], slow: list[bool], stops: bool, piece: Piece
+) -> tuple[Piece, list[Block]]:
+    """A child that runs, with what earlier ones may answer meanwhile, and blocks that halts lead to."""
+    out, behind = SUCCEED if stops else FAIL, list[Block]()
+    memory = at.memories.get(piece.block.name)
+    handlers: list[Handler] = []
+    for place, earlier in enumerate(before):
+        if not isinstance(earlier, Piece):
+            continue
+        named = earlier.block.name
+        if slow[place]:
+            event, goto = f"{named}_again", named
+            why = f"{named} is ticked again and runs, while {piece.block.name} does"
+        else:
+            leaf = earlier.good is stops  # which end of the block it is that counts
+            what = "succeeds" if leaf else "fails"
+            event, goto, why = f"{named}_{what}", out, f"{named} {what} while {piece.block.name} runs"
+        if memory is not None:
+            change = FactChange(fact=memory[0], to=memory[1])
+            reset = at.setting(f"{piece.block.name}_halted", context, change, goto)
+            behind.append(reset)
+            goto = reset.name
+        handlers.append(Handler(event=at.event(event, why), goto=goto))
+    return replace(piece, block=handled(piece.block, handlers, at.instants)), behind
+
+
+def while_do_else(at: Translator, node: Node, context: Context) -> Result:
+    """A condition that is asked at each tick, and what runs while it holds or does not."""
+    name = at.names.fresh(node.name or node.id)
+    inside = replace(context, again=True, halted=True)
+    asked = at.piece(node.children[0], inside)
+    then, *others = (at.piece(child, inside) for child in node.children[1:])
+    other: Result = others[0] if others else False
+    if isinstance(asked, bool):
+        result = then if asked else other
+        at.note(node, became(result), Kind.EXACT)
+        return result
+    branches: list[Result] = []
+    for place, (each, beside) in enumerate(((then, other), (other, then))):
+        if isinstance(each, Piece) and not at.at_once(node.children[1 + place]):
+            what = "succeeds" if asked.good is (place == 1) else "fails"
+            why = f"{asked.block.name} {what} while {each.block.name} runs"
+            event = at.event(f"{asked.block.name}_{what}", why)
+            goto = beside.block.name if isinstance(beside, Piece) else SUCCEED if beside else FAIL
+            each = replace(each, block=handled(each.block, [Handler(event=event, goto=goto)], at.instants))
+        branches.append(each)
+    made = branching(name, asked, *branches)
+    if at.at_once(node.children[0]):
+        at.note(node, name, Kind.EXACT)
+    else:
+        at.note(node, name, Kind.LEFT_OUT, "that its condition runs again beside it is not told")
+    return made
+
+
+REACTIVE: dict[str, Rule] = {
+    "ReactiveSequence": reactive_sequence,
+    "ReactiveFallback": reactive_fallback,
+    "WhileDoElse": while_do_else,
+}
+"""How these nodes are translated."""

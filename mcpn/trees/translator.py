@@ -1,0 +1,339 @@
+"""Translates the nodes of a behaviour tree into blocks of a mission, and keeps the ledger.
+
+Each kind of node has a function of its own (``controls``, ``reactive``, ``decorators``, ``nav2``) that says
+what it becomes; here is what they share: leaves, subtrees, preconditions, choices, events and facts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from mcpn.errors import InputError, Problem
+from mcpn.mission.model import (
+    ABORT,
+    FAIL,
+    SUCCEED,
+    Block,
+    FactRoute,
+    Handler,
+    Objective,
+    Parallel,
+    Protocol,
+    Recursive,
+    Use,
+)
+from mcpn.mission.robot import DeclaredEvent, Fact, FactChange, Parameter
+from mcpn.trees.known import AT_ONCE, CATEGORIES, LOOKS_LIKE_CONDITION, SCRIPTS, UNTRANSLATED, V3
+from mcpn.trees.ledger import Entry, Kind
+from mcpn.trees.naming import Lane, Names
+from mcpn.trees.nodes import PRECONDITIONS, Forest, Node, Tree
+from mcpn.trees.pieces import Piece, Result, placed, tidied
+from mcpn.trees.reading import tree_of
+
+STATEFUL = frozenset({"RoundRobin", "SequenceWithMemory", "SequenceStar", "RunOnce", "SingleTrigger"})
+"""Nodes that remember something from one entry to the next."""
+
+
+@dataclass(frozen=True, slots=True)
+class Context:
+    """Where a node stands.
+
+    Args:
+        lane: The branches of parallel blocks around it.
+        again: Whether it may be entered again after it has ended or was halted.
+        halted: Whether it may be halted while it runs, by something that tells it not.
+    """
+
+    lane: Lane = ()
+    again: bool = False
+    halted: bool = False
+
+    def branch(self, block: int, number: int) -> Context:
+        """That of a branch of a parallel block."""
+        return replace(self, lane=(*self.lane, (block, number)))
+
+
+Rule = Callable[["Translator", Node, Context], Result]
+"""How a kind of node is translated."""
+
+
+@dataclass(slots=True)
+class Translator:
+    """Makes blocks of nodes.
+
+    Args:
+        forest: The trees.
+        rules: By registered name, how control nodes and decorators are translated.
+        unknown: How a decorator is translated of which nothing is known.
+    """
+
+    forest: Forest
+    rules: Mapping[str, Rule]
+    unknown: Rule
+    names: Names = field(default_factory=Names)
+    entries: list[Entry] = field(default_factory=list)
+    problems: list[Problem] = field(default_factory=list)
+    events: dict[str, DeclaredEvent] = field(default_factory=dict)
+    facts: dict[str, Fact] = field(default_factory=dict)
+    activities: dict[str, tuple[str, bool]] = field(default_factory=dict)
+    """Activities with what they are for, and whether they are leaves of the tree."""
+    protocols: dict[str, Protocol] = field(default_factory=dict)
+    """By identifier of their tree, or by name."""
+    skipping: set[str] = field(default_factory=set)
+    """Protocols that may be skipped."""
+    memories: dict[str, tuple[str, str]] = field(default_factory=dict)
+    """By block the fact that remembers where it goes on, and its value where it begins anew."""
+    instants: set[str] = field(default_factory=set)
+    """Objectives that stand for no time in the tree, and whose end is decided as they begin."""
+    parallels: int = 0
+    parameters: dict[str, set[str]] = field(default_factory=dict)
+    """By tree, the ports that any use of it gives."""
+
+    def __post_init__(self) -> None:
+        for tree in self.forest.trees.values():
+            for node in tree.root.walk():
+                if (used := tree_of(self.forest, node)) is not None:
+                    self.parameters.setdefault(used.id, set()).update(node.ports)
+
+    def piece(self, node: Node, context: Context) -> Result:
+        """What a node becomes, with its preconditions."""
+        if not any(rule in node.rules for rule in PRECONDITIONS):
+            return self.ticked(node, context)
+        return self.conditional(node, context)
+
+    def ticked(self, node: Node, context: Context) -> Result:
+        """What a node becomes once it is ticked."""
+        if (tree := tree_of(self.forest, node)) is not None:
+            return self.subtree(node, tree, context)
+        id_ = V3.get(node.id, node.id)
+        if id_ in self.rules:
+            return self.rules[id_](self, node, context)
+        if id_ in UNTRANSLATED:
+            return self.refused(node, f"{node.title} has no translation: {UNTRANSLATED[id_]}")
+        if len(node.children) == 1:
+            return self.unknown(self, node, context)
+        if node.children:
+            return self.refused(
+                node,
+                f"{node.title} has {len(node.children)} children, and what it does with them is not known",
+            )
+        return self.leaf(node, context)
+
+    def leaf(self, node: Node, context: Context) -> Result:
+        """What a leaf becomes: an objective with one activity, or what it always returns."""
+        if node.id in SCRIPTS or node.id == "AlwaysFailure":
+            what = "fails" if node.id == "AlwaysFailure" else "succeeds"
+            self.note(node, f"{what} at once", Kind.EXACT)
+            return node.id != "AlwaysFailure"
+        if node.id == "Sleep":
+            return self.waiting(node, context, f"{node.ports.get('msec', '?')} ms")
+        name = self.names.fresh(node.name or node.id)
+        objective = Objective(
+            name=name, activities=(self.activity(node.id, context, leaf=True),), parameters=parameters(node)
+        )
+        self.note(
+            node, name, Kind.EXACT, "" if self.sure(node) else "taken for a condition because of its name"
+        )
+        return Piece(objective)
+
+    def waiting(self, node: Node, context: Context, awaited: str, kind: Kind = Kind.TIME) -> Piece:
+        """An objective that ends some day, and well."""
+        name = self.names.fresh(node.name or f"{node.id}_wait")
+        self.note(node, name, kind, f"waits for {awaited}")
+        made = Objective(
+            name=name, activities=(self.activity("wait", context),), description=f"Awaits {awaited}"
+        )
+        return Piece(made, bad=True)
+
+    def activity(self, what: str, context: Context, *, leaf: bool = False) -> str:
+        """The activity for a leaf, or for an objective that is none."""
+        name = self.names.activity(what if leaf else f"bt_{what}", context.lane)
+        self.activities[name] = (what, leaf)
+        return name
+
+    def choice(self, wish: str, context: Context, why: str) -> Objective:
+        """An objective that ends either way: what nothing in the mission decides."""
+        return Objective(
+            name=self.names.fresh(wish), activities=(self.activity("decide", context),), description=why
+        )
+
+    def event(self, wish: str, why: str) -> str:
+        """A declared event."""
+        name, count = wish, 1
+        wish = name = self.names.fresh(wish)
+        while name in self.events:
+            count += 1
+            name = f"{wish}{count}"
+        self.events[name] = DeclaredEvent(name=name, description=why)
+        return name
+
+    def fact(self, wish: str, values: Sequence[str], why: str) -> str:
+        """A fact with some values, the first at the start."""
+        name = self.names.fresh(wish)
+        self.facts[name] = Fact(name=name, values=tuple(values), description=why)
+        return name
+
+    def turn(self, wish: str, context: Context, fact: str, targets: Mapping[str, str]) -> Objective:
+        """An objective that does nothing and leads where a fact says: by value, the block."""
+        values = list(targets)
+        routes = [
+            FactRoute(when=(f"{fact}={value}",), goto=targets[value], on=outcome)
+            for value in values[1:]
+            for outcome in ("success", "failure")
+        ]
+        first = targets[values[0]]
+        made = self.choice(wish, context, f"Goes on where {fact} says")
+        return replace(made, success=first, failure=first, routes=tuple(routes))
+
+    def setting(self, wish: str, context: Context, change: FactChange, goto: str) -> Objective:
+        """An objective that does nothing but set a fact, and leads on."""
+        made = self.choice(wish, context, f"Notes {change.fact}={change.to}")
+        self.instants.add(made.name)
+        return replace(made, sets=(replace(change, on="start"),), success=goto, failure=goto)
+
+    def subtree(self, node: Node, tree: Tree, context: Context) -> Result:
+        """A subtree: a use of a protocol, or what it holds, where branches or memories must not be shared."""
+        stateful = any(n.id in STATEFUL for t in self.below(tree) for n in t.root.walk())
+        if context.lane or stateful or context.halted:
+            result = self.piece(tree.root, context)
+            self.note(node, f"tree {tree.id}, written out", Kind.EXACT)
+            return result
+        if tree.id not in self.protocols:
+            result = self.piece(tree.root, replace(context, again=True))
+            if isinstance(result, bool):
+                self.note(node, "succeeds at once" if result else "fails at once", Kind.EXACT)
+                return result
+            self.protocol(tree.id, result, tree.id)
+        known = self.protocols[tree.id]
+        name = self.names.fresh(node.name or tree.id)
+        given = tuple(p for p in parameters(node) if p.name in {k.name for k in known.parameters})
+        self.note(node, f"{name}, a use of protocol {known.name}", Kind.EXACT)
+        return Piece(Use(name=name, protocol=known.name, parameters=given), skips=tree.id in self.skipping)
+
+    def protocol(self, key: str, piece: Piece, wish: str) -> Protocol:
+        """Makes a protocol of a piece."""
+        ports = sorted(self.parameters.get(key, ()))
+        declared = tuple(Parameter(name=port, value="") for port in ports if _is_name(port))
+        taken = {protocol.name for protocol in self.protocols.values()}
+        name, count = _named(wish), 1
+        while name in taken:
+            count += 1
+            name = f"{_named(wish)}{count}"
+        made = Protocol(name=name, parameters=declared, blocks=series_of(piece))
+        self.protocols[key] = made
+        if piece.skips:
+            self.skipping.add(key)
+        return made
+
+    def below(self, tree: Tree) -> list[Tree]:
+        """A tree and all that it uses."""
+        found: dict[str, Tree] = {tree.id: tree}
+        stack = [tree]
+        while stack:
+            for node in stack.pop().root.walk():
+                used = tree_of(self.forest, node)
+                if used is not None and used.id not in found:
+                    found[used.id] = used
+                    stack.append(used)
+        return list(found.values())
+
+    def conditional(self, node: Node, context: Context) -> Result:
+        """A node with preconditions: what they say is free."""
+        name = self.names.fresh(f"{node.name or node.id}_if")
+        result = self.ticked(node, replace(context, halted=context.halted or "_while" in node.rules))
+        exits = {"_failureIf": FAIL, "_successIf": SUCCEED, "_skipIf": ABORT, "_while": ABORT}
+        choices: list[Objective] = []
+        for rule in PRECONDITIONS:
+            if rule in node.rules:
+                asked = self.choice(f"{node.name or node.id}{rule}", context, f"{rule}: {node.rules[rule]}")
+                choices.append(replace(asked, failure=exits[rule]))
+        if isinstance(result, bool):
+            asked = self.choice(f"{node.name or node.id}_returns", context, "What it returns at once")
+            result = Piece(asked, good=result, bad=result)
+        inner = placed(result, SUCCEED, FAIL)
+        if "_while" in node.rules:
+            over = self.event(f"{name}_over", f"No more so: {node.rules['_while']}")
+            inner = replace(inner, handlers=(Handler(event=over, goto=ABORT), *inner.handlers))
+        names = [*(c.name for c in choices[1:]), inner.name]
+        blocks: list[Block] = [replace(c, success=to) for c, to in zip(choices, names, strict=True)]
+        skips = result.skips or any(rule in node.rules for rule in ("_skipIf", "_while"))
+        said = " ".join(f"{rule}={node.rules[rule]!r}" for rule in PRECONDITIONS if rule in node.rules)
+        self.note(node, name, Kind.MORE, f"{said} is free")
+        return Piece(Recursive(name=name, blocks=tidied([*blocks, inner])), skips=skips)
+
+    def note(self, node: Node, became: str, kind: Kind, why: str = "") -> None:
+        """Enters a node into the ledger."""
+        self.entries.append(Entry(node, became, kind, why))
+
+    def refused(self, node: Node, why: str) -> bool:
+        """Notes that a node has no translation; all such nodes are told in one go."""
+        self.problems.append(Problem(node.source, why))
+        return True
+
+    def category(self, node: Node) -> str:
+        """Action, Condition or nothing: what is known of a leaf."""
+        return node.category or self.forest.categories.get(node.id) or CATEGORIES.get(node.id, "")
+
+    def sure(self, node: Node) -> bool:
+        """Whether that a leaf is a condition, or is none, is more than a guess by its name."""
+        return bool(self.category(node)) or not LOOKS_LIKE_CONDITION.match(node.id)
+
+    def at_once(self, node: Node) -> bool:
+        """Whether a node answers in the tick in which it is asked, and never runs on."""
+        if (tree := tree_of(self.forest, node)) is not None:
+            return self.at_once(tree.root)
+        if node.children:
+            slow = node.id in ("KeepRunningUntilFailure", "Delay") or node.id.startswith("Loop")
+            return not slow and all(self.at_once(child) for child in node.children)
+        category = self.category(node)
+        if node.id in AT_ONCE or category == "Condition":
+            return True
+        return not category and bool(LOOKS_LIKE_CONDITION.match(node.id))
+
+    def done(self) -> None:
+        """Ends the translation.
+
+        Raises:
+            InputError: Some node has no translation: each with its line.
+        """
+        if self.problems:
+            raise InputError(sorted(set(self.problems)))
+
+    def next_parallel(self) -> int:
+        """A number for a parallel block."""
+        self.parallels += 1
+        return self.parallels
+
+
+def series_of(piece: Piece) -> tuple[Block, ...]:
+    """The blocks of a mission or of a protocol that is one piece."""
+    block = piece.block
+    alone = block.retries == 0 and block.repeat is None and not block.handlers and not block.routes
+    if isinstance(block, Recursive) and piece.plain and alone and not block.parameters:
+        return block.blocks
+    return tidied([placed(piece, SUCCEED, FAIL)])
+
+
+def parallel(name: str, branches: Sequence[Block], success: str = "all", failure: str = "all") -> Parallel:
+    """A parallel block."""
+    return Parallel(name=name, blocks=tuple(branches), success_when=success, failure_when=failure)
+
+
+def parameters(node: Node) -> tuple[Parameter, ...]:
+    """The ports of a node as parameters; one handed on under its own name is left to what is around."""
+    return tuple(
+        Parameter(name=port, value=value)
+        for port, value in node.ports.items()
+        if _is_name(port) and value.strip() not in (f"{{{port}}}", "{=}")
+    )
+
+
+def _is_name(text: str) -> bool:
+    from mcpn.mission.language.datatypes import NAME
+
+    return NAME.matches(text)
+
+
+def _named(text: str) -> str:
+    return Names().fresh(text)

@@ -1,0 +1,1 @@
+"""Behaviour trees against the missions that are made of them."""

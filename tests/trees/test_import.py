@@ -1,0 +1,167 @@
+"""Trees in: what each node becomes, against an interpreter of trees that knows no missions."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mcpn.trees.importing import Imported, translate
+from mcpn.trees.ledger import Kind
+from mcpn.trees.reading import read_forest
+from tests.shares import returns_early
+from tests.trees.languages import Difference, TooMuch, compare, sides
+from tests.trees.ticking import Tree
+
+QUICK = frozenset({"IsX", "IsY"})
+
+
+def imported(tmp_path: Path, tree: str) -> tuple[Imported, Tree]:
+    """A tree as a mission, and as what ticks it."""
+    path = tmp_path / "tree.xml"
+    root = tree if "<root" in tree else f'<BehaviorTree ID="Main">{tree}</BehaviorTree>'
+    path.write_text(root if "<root" in tree else f'<root BTCPP_format="4">{root}</root>')
+    forest = read_forest(path)
+    return translate(forest, "m", "tree.xml"), Tree(forest, QUICK)
+
+
+A, B, C, D = (f"<{name}/>" for name in "abcd")
+X, Y = "<IsX/>", "<IsY/>"
+
+
+def node(tag: str, *children: str, **ports: object) -> str:
+    said = "".join(f' {name}="{value}"' for name, value in ports.items())
+    return f"<{tag}{said}>{''.join(children)}</{tag}>"
+
+
+EXACT = {
+    "sequence": node("Sequence", A, X, B),
+    "fallback": node("Fallback", A, node("Sequence", X, B), C),
+    "inverter": node("Fallback", node("Inverter", A), node("ForceFailure", B), node("ForceSuccess", C)),
+    "if": node("IfThenElse", X, A, node("Inverter", B)),
+    "if without else": node("Fallback", node("IfThenElse", A, B), C),
+    "try": node("TryCatch", A, B, C),
+    "retry": node("RetryUntilSuccessful", node("Sequence", A, B), num_attempts=3),
+    "retry for ever": node("Sequence", node("RetryUntilSuccessful", A, num_attempts=-1), B),
+    "repeat of retry": node("Repeat", node("RetryUntilSuccessful", A, num_attempts=2), num_cycles=2),
+    "retry of repeat": node("RetryUntilSuccessful", node("Repeat", A, num_cycles=2), num_attempts=2),
+    "keep running": node("Fallback", node("KeepRunningUntilFailure", node("Sequence", A, B)), C),
+    "parallel": node("Parallel", A, B, node("Sequence", C, D)),
+    "parallel, one": node("Parallel", A, B, success_count=1, failure_count=2),
+    "parallel all": node("ParallelAll", A, node("Inverter", B), node("Fallback", C, D)),
+    "reactive": node("ReactiveSequence", X, node("Inverter", Y), A, B),
+    "reactive fallback": node("Fallback", node("ReactiveFallback", X, A), B),
+    "reactive, two run": node("ReactiveSequence", A, B),
+    "while": node("WhileDoElse", X, A, node("Sequence", B, C)),
+    "while without else": node("WhileDoElse", node("Inverter", X), A),
+    "memory": node("RetryUntilSuccessful", node("SequenceWithMemory", A, X, B), num_attempts=3),
+    "memory, halted": node(
+        "KeepRunningUntilFailure", node("ReactiveFallback", X, node("SequenceWithMemory", A, B))
+    ),
+    "recovery": node("RecoveryNode", node("Sequence", A, B), node("Fallback", C, D), number_of_retries=2),
+    "recovery of inverter": node("RecoveryNode", node("Inverter", A), node("Inverter", B)),
+    "recoveries": node("RecoveryNode", node("RecoveryNode", A, B), node("RecoveryNode", C, D)),
+    "pipeline": node("PipelineSequence", X, A, B),
+    "pipeline of three": node("PipelineSequence", A, node("Sequence", B, Y), C),
+    "pipeline of sequence": node("PipelineSequence", node("Fallback", A, B), node("Sequence", C, D)),
+    "round robin": node("KeepRunningUntilFailure", node("RoundRobin", A, node("Sequence", B, C), D)),
+    "round robin, halted": node(
+        "KeepRunningUntilFailure", node("ReactiveFallback", X, node("RoundRobin", A, B))
+    ),
+    "nothing": "<AlwaysSuccess/>",
+    "scripts": node("Sequence", '<Script code="x:=1"/>', A, "<AlwaysFailure/>", B),
+}
+
+
+MORE = {
+    "parallel, two of three fail": node("Parallel", A, B, C, success_count=1, failure_count=2),
+    "parallel all, two may fail": node("ParallelAll", A, B, C, max_failures=2),
+    "an unknown decorator": node("Strange", node("Sequence", A, B)),
+    "round robin, halted from afar": node(
+        "KeepRunningUntilFailure", node("ReactiveFallback", X, node("Sequence", C, node("RoundRobin", A, B)))
+    ),
+}
+TIME = {
+    "rate": node("PipelineSequence", node("RateController", node("Fallback", A, B), hz=1), C),
+    "rate elsewhere": node("Sequence", node("RateController", A, hz=1), B),
+    "timeout": node("Fallback", node("Timeout", A, msec=1500), B),
+    "timeout around much": node("Repeat", node("Timeout", node("Sequence", A, B), msec=100), num_cycles=2),
+    "delay": node("Sequence", node("Delay", A, delay_msec=100), B),
+}
+
+
+@pytest.mark.parametrize("name", EXACT)
+def test_exact_nodes(name: str, tmp_path: Path) -> None:
+    made, tree = imported(tmp_path, EXACT[name])
+    assert made.ledger.kind is Kind.EXACT
+    assert compare(sides(made, tree), exact=True) >= 1
+
+
+@pytest.mark.parametrize("name", TIME)
+def test_nodes_that_are_exact_but_for_time(name: str, tmp_path: Path) -> None:
+    made, tree = imported(tmp_path, TIME[name])
+    assert made.ledger.kind is Kind.TIME
+    assert compare(sides(made, tree), exact=True) >= 1
+
+
+@pytest.mark.parametrize("name", MORE)
+def test_nodes_with_more_runs(name: str, tmp_path: Path) -> None:
+    made, tree = imported(tmp_path, MORE[name])
+    assert made.ledger.kind is Kind.MORE
+    if "unknown" not in name:
+        assert compare(sides(made, tree), exact=False) >= 1
+        with pytest.raises(Difference):  # it is no mere caution of the ledger
+            compare(sides(made, tree), exact=True)
+
+
+LEAVES = st.sampled_from([A, B, C, D, X, Y, "<AlwaysSuccess/>", "<AlwaysFailure/>"])
+
+
+@st.composite
+def trees(draw: st.DrawFn, depth: int = 2) -> str:
+    """A tree of known nodes; none but conditions in places where a child that runs would be asked again."""
+    if depth == 0 or draw(st.integers(0, 5)) == 0:
+        return draw(LEAVES)
+    tag = draw(st.sampled_from(sorted(_ARITY)))
+    least, most = _ARITY[tag]
+    children = [draw(trees(depth - 1)) for _ in range(draw(st.integers(least, most)))]
+    ports = {name: draw(st.sampled_from(values)) for name, values in _PORTS.get(tag, {}).items()}
+    if tag == "Parallel":
+        ports |= {
+            "success_count": draw(st.integers(1, len(children))),
+            "failure_count": draw(st.integers(1, len(children))),
+        }
+    if tag == "WhileDoElse":
+        children[0] = draw(st.sampled_from([X, node("Inverter", Y), node("Sequence", X, Y)]))
+    return node(tag, *children, **ports)
+
+
+_ARITY = {
+    **dict.fromkeys(("Sequence", "Fallback", "ReactiveSequence", "ReactiveFallback"), (1, 3)),
+    **dict.fromkeys(("SequenceWithMemory", "PipelineSequence", "RoundRobin", "ParallelAll"), (2, 3)),
+    **dict.fromkeys(("Parallel", "TryCatch", "IfThenElse", "WhileDoElse"), (2, 3)),
+    "RecoveryNode": (2, 2),
+    **dict.fromkeys(("Inverter", "ForceSuccess", "ForceFailure", "RetryUntilSuccessful", "Repeat"), (1, 1)),
+    **dict.fromkeys(("Timeout", "Delay", "RateController"), (1, 1)),
+}
+_PORTS: dict[str, dict[str, list[object]]] = {
+    "RetryUntilSuccessful": {"num_attempts": [1, 2, -1]},
+    "Repeat": {"num_cycles": [1, 2]},
+    "RecoveryNode": {"number_of_retries": [0, 1, 2]},
+    "Timeout": {"msec": [0, 1000]},
+    "Delay": {"delay_msec": [10]},
+    "RateController": {"hz": [1]},
+}
+
+
+@given(tree=trees())
+def test_drawn_trees(tree: str, tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Each run of a tree is one of its mission; and the other way round where the ledger says exact."""
+    made, ticked = imported(tmp_path_factory.mktemp("drawn"), tree)
+    exact = made.ledger.kind in (Kind.EXACT, Kind.TIME)
+    try:
+        compare(sides(made, ticked), exact=exact, most=40)
+    except TooMuch:
+        returns_early("too many states")
