@@ -110,6 +110,29 @@ def _requirements_object(found: MissionCheck) -> list[dict[str, Any]]:
     ]
 
 
+def _translated_object(found: MissionCheck) -> dict[str, Any]:
+    """What the mission says of behaviour trees that it was made of, if it was."""
+    translated = found.mission_net.mission.translated
+    if not translated:
+        return {}
+    from mcpn.trees.ledger import of_translated
+
+    return {
+        "translated": [
+            {
+                "from": each.tree,
+                "exact": each.exact,
+                "approximations": [
+                    {"node": a.node, "line": a.line, "kind": a.kind, "why": a.description or ""}
+                    for a in each.approximations
+                ],
+                "survives": of_translated(each)[1],
+            }
+            for each in translated
+        ]
+    }
+
+
 def _check_object(found: MissionCheck, seconds: float, internal: bool) -> dict[str, Any]:
     net = found.mission_net.net
     return {
@@ -135,6 +158,7 @@ def _check_object(found: MissionCheck, seconds: float, internal: bool) -> dict[s
             "left_out": list(found.verdicts["nominal_success"].left_out),
             "cycle": found.verdicts["nominal_success"].cycle,
         },
+        **_translated_object(found),
         **({"skipped": list(skipped)} if (skipped := found.verdicts["success_reachable"].skipped) else {}),
         **choice_object(found.choice),
         "seconds": seconds,

@@ -22,6 +22,8 @@ from typing import Annotated, TypeAlias
 
 from mcpn.mission.expansion.faults import Crash, as_crashes, as_hardware, consuming
 from mcpn.mission.language.datatypes import (
+    COUNT,
+    FAITH,
     NAME,
     NOMINAL,
     OUTCOME,
@@ -272,6 +274,34 @@ class Protocols(Described):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Approximation(Described):
+    """A node of a behaviour tree that the mission does not say exactly; its description says what differs."""
+
+    TAG = "approximation"
+    node: Annotated[str, "The node, as people call it."]
+    kind: Annotated[
+        str,
+        FAITH,
+        "time: exact but for time. more: the mission has all runs of the tree, and more. left_out: the "
+        "mission lacks something of it.",
+    ]
+    line: Annotated[int | None, COUNT, "Its line in the file of the tree."] = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Translated(Described):
+    """That the mission was made of a behaviour tree: how much of it is exact, and what is not.
+
+    It changes nothing in the verification: check and the report say with it which answers hold of the tree.
+    """
+
+    TAG = "translated"
+    tree: Annotated[str, Called("from"), "The file of the tree."]
+    exact: Annotated[int, COUNT, "How many of its nodes the mission says exactly."]
+    approximations: tuple[Approximation, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Mission(Drawn, Element):
     """The mission itself: what the person on the field assembles.
 
@@ -279,6 +309,7 @@ class Mission(Drawn, Element):
     """
 
     TAG = "mission"
+    translated: tuple[Translated, ...] = ()
     robots: tuple[Robot, ...] = ()
     protocols: Annotated[tuple[Protocol, ...], Children(inside=Protocols)] = ()
     requirements: tuple[Requirement, ...] = ()

@@ -276,6 +276,7 @@ def print_check(
         terminal.print()
         _print_modes(terminal, check)
     terminal.print()
+    _print_translated(terminal, check)
     told = frozenset(told)  # two branches that contend are a warning: there are as many as pairs
     for problem in map(str, check.warnings):
         if problem not in told:
@@ -304,6 +305,18 @@ def _print_summary(terminal: Terminal, check: MissionCheck) -> None:
             terminal.print(f"not decided: {', '.join(check.undecided)}", style="yellow")
         if check.violated:
             terminal.print(f"requirements violated: {', '.join(check.violated)}", style="red")
+
+
+def _print_translated(terminal: Terminal, check: MissionCheck) -> None:
+    """What a mission that was made of a behaviour tree says of that tree."""
+    from mcpn.trees.ledger import WORDS, Kind, of_translated
+
+    for translated in check.mission_net.mission.translated:
+        made, survives = of_translated(translated)
+        terminal.print(f"{made}. {survives}")
+        for each in translated.approximations:
+            why = f": {each.description}" if each.description else ""
+            terminal.print(f"  line {each.line}: {each.node} is {WORDS[Kind(each.kind)]}{why}", style="dim")
 
 
 def _sizes(check: MissionCheck, seconds: float) -> str:

@@ -8,22 +8,22 @@ from mcpn.errors import Problem
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Handler, Recursive
 from mcpn.mission.robot import FactChange
 from mcpn.trees.ledger import Kind
-from mcpn.trees.nodes import Node
-from mcpn.trees.pieces import Piece, Result, marked, placed, tidied, wrapped
+from mcpn.trees.nodes import TreeNode
+from mcpn.trees.pieces import Part, Result, marked, placed, tidied, wrapped
 from mcpn.trees.translator import Context, Rule, Translator, parallel
 
 
-def sequence(at: Translator, node: Node, context: Context) -> Result:
+def sequence(at: Translator, node: TreeNode, context: Context) -> Result:
     """Children one after the other, up to the first that fails."""
     return _series(at, node, context, stops=False)
 
 
-def fallback(at: Translator, node: Node, context: Context) -> Result:
+def fallback(at: Translator, node: TreeNode, context: Context) -> Result:
     """Children one after the other, up to the first that succeeds."""
     return _series(at, node, context, stops=True)
 
 
-def _series(at: Translator, node: Node, context: Context, *, stops: bool) -> Result:
+def _series(at: Translator, node: TreeNode, context: Context, *, stops: bool) -> Result:
     """Children one after the other, up to the first that returns ``stops``."""
     name = at.names.fresh(node.name or node.id)
     results = [at.piece(child, context) for child in node.children]
@@ -34,10 +34,10 @@ def _series(at: Translator, node: Node, context: Context, *, stops: bool) -> Res
 
 def series(at: Translator, name: str, results: list[Result], context: Context, *, stops: bool) -> Result:
     """What a sequence of results becomes, or a fallback of them, where ``stops`` is true."""
-    pieces: list[Piece] = []
+    pieces: list[Part] = []
     end = not stops
     for result in results:
-        if isinstance(result, Piece):
+        if isinstance(result, Part):
             pieces.append(result)
         elif result == stops:
             end = stops
@@ -65,7 +65,7 @@ def series(at: Translator, name: str, results: list[Result], context: Context, *
         skipped = last.name if behind and last else following
         good, bad = (out, following) if stops else (following, out)
         blocks.append(placed(piece, good, bad, skipped))
-    return Piece(Recursive(name=name, blocks=tidied([*blocks, *([last] if last else [])])), skips=unknown)
+    return Part(Recursive(name=name, blocks=tidied([*blocks, *([last] if last else [])])), skips=unknown)
 
 
 def ended(blocks: tuple[Block, ...]) -> tuple[Block, ...]:
@@ -81,19 +81,19 @@ def became(result: Result) -> str:
     return result.block.name
 
 
-def with_memory(at: Translator, node: Node, context: Context) -> Result:
+def with_memory(at: Translator, node: TreeNode, context: Context) -> Result:
     """A sequence that goes on with the child that failed or was halted, when it is entered again."""
     if not context.again or len(node.children) == 1:
         return _series(at, node, context, stops=False)
     name = at.names.fresh(node.name or node.id)
-    made: list[Piece] = []
+    made: list[Part] = []
     for child in node.children:
         result = at.piece(child, context)
-        if isinstance(result, Piece):
+        if isinstance(result, Part):
             made.append(result)
         elif not result:
             fails = at.choice(f"{child.name or child.id}_fails", context, "Fails at once")
-            made.append(Piece(fails, good=False))
+            made.append(Part(fails, good=False))
     if len(made) < 2:
         at.note(node, became(made[0] if made else True), Kind.EXACT)
         return made[0] if made else True
@@ -112,10 +112,10 @@ def with_memory(at: Translator, node: Node, context: Context) -> Result:
         noted = at.setting(f"{piece.block.name}_done", context, change, following)
         blocks += [placed(piece, noted.name, FAIL, noted.name), noted]
     at.note(node, name, Kind.EXACT)
-    return Piece(Recursive(name=name, blocks=tidied(blocks)))
+    return Part(Recursive(name=name, blocks=tidied(blocks)))
 
 
-def if_then_else(at: Translator, node: Node, context: Context) -> Result:
+def if_then_else(at: Translator, node: TreeNode, context: Context) -> Result:
     """A condition that is asked once, and what follows from it."""
     name = at.names.fresh(node.name or node.id)
     results = [at.piece(child, context) for child in node.children]
@@ -130,29 +130,29 @@ def if_then_else(at: Translator, node: Node, context: Context) -> Result:
     return made
 
 
-def branching(name: str, asked: Piece, then: Result, other: Result) -> Piece:
+def branching(name: str, asked: Part, then: Result, other: Result) -> Part:
     """A piece that is asked, and what is done as it succeeds, or fails."""
 
     def target(result: Result) -> str:
-        return result.block.name if isinstance(result, Piece) else SUCCEED if result else FAIL
+        return result.block.name if isinstance(result, Part) else SUCCEED if result else FAIL
 
     blocks = [placed(asked, target(then), target(other))]
-    blocks += [placed(each, SUCCEED, FAIL) for each in (then, other) if isinstance(each, Piece)]
-    skips = any(isinstance(each, Piece) and each.skips for each in (asked, then, other))
-    return Piece(Recursive(name=name, blocks=tidied(blocks)), skips=skips)
+    blocks += [placed(each, SUCCEED, FAIL) for each in (then, other) if isinstance(each, Part)]
+    skips = any(isinstance(each, Part) and each.skips for each in (asked, then, other))
+    return Part(Recursive(name=name, blocks=tidied(blocks)), skips=skips)
 
 
-def try_catch(at: Translator, node: Node, context: Context) -> Result:
+def try_catch(at: Translator, node: TreeNode, context: Context) -> Result:
     """A sequence; when it fails the last child is run, and then it has failed."""
     name = at.names.fresh(node.name or node.id)
     *tried, caught = [at.piece(child, context) for child in node.children]
     result = series(at, f"{name}_try", list(tried), context, stops=False)
     if isinstance(result, bool):
-        if not result and isinstance(caught, Piece):
+        if not result and isinstance(caught, Part):
             result = replace(caught, good=False, bad=False)
-    elif isinstance(caught, Piece):
+    elif isinstance(caught, Part):
         blocks = [placed(result, SUCCEED, caught.block.name), placed(caught, FAIL, FAIL)]
-        result = Piece(Recursive(name=name, blocks=tidied(blocks)), skips=result.skips)
+        result = Part(Recursive(name=name, blocks=tidied(blocks)), skips=result.skips)
     halted = node.ports.get("catch_on_halt", "false") not in ("false", "0")
     kind = Kind.LEFT_OUT if halted and context.halted else Kind.EXACT
     at.note(
@@ -164,7 +164,7 @@ def try_catch(at: Translator, node: Node, context: Context) -> Result:
     return result
 
 
-def parallel_node(at: Translator, node: Node, context: Context) -> Result:
+def parallel_node(at: Translator, node: TreeNode, context: Context) -> Result:
     """Children at the same time, up to so many successes or failures."""
     count = len(node.children)
     wanted = threshold(node.ports.get("success_count", node.ports.get("success_threshold", "-1")), count)
@@ -185,7 +185,7 @@ def parallel_node(at: Translator, node: Node, context: Context) -> Result:
             wanted -= 1
         elif result is False:
             losing -= 1
-    pieces = [result for result in results if isinstance(result, Piece)]
+    pieces = [result for result in results if isinstance(result, Part)]
     if wanted <= 0 or losing <= 0:
         at.note(node, became(wanted <= 0), Kind.EXACT)
         return wanted <= 0
@@ -204,10 +204,10 @@ def parallel_node(at: Translator, node: Node, context: Context) -> Result:
             made = replace(made, handlers=(Handler(event=event, goto=FAIL),))
             kind, why = Kind.MORE, f"that {losing} have failed is an event, which may happen before"
     at.note(node, made.name, kind, why)
-    return Piece(made)
+    return Part(made)
 
 
-def _branches(at: Translator, pieces: list[Piece]) -> list[Block]:
+def _branches(at: Translator, pieces: list[Part]) -> list[Block]:
     branches = []
     for piece in pieces:
         block = wrapped(piece, at.names.fresh(f"{piece.block.name}_branch")).block
@@ -215,7 +215,7 @@ def _branches(at: Translator, pieces: list[Piece]) -> list[Block]:
     return branches
 
 
-def parallel_all(at: Translator, node: Node, context: Context) -> Result:
+def parallel_all(at: Translator, node: TreeNode, context: Context) -> Result:
     """Children at the same time, all of them to their end."""
     count = len(node.children)
     allowed = threshold(node.ports.get("max_failures", "1"), count)
@@ -225,7 +225,7 @@ def parallel_all(at: Translator, node: Node, context: Context) -> Result:
     number = at.next_parallel()
     results = [at.piece(child, context.branch(number, i)) for i, child in enumerate(node.children)]
     failed = sum(1 for result in results if result is False)
-    pieces = [result for result in results if isinstance(result, Piece)]
+    pieces = [result for result in results if isinstance(result, Part)]
     branches = _branches(at, pieces)
     if not branches:
         at.note(node, became(failed < allowed), Kind.EXACT)
@@ -237,17 +237,17 @@ def parallel_all(at: Translator, node: Node, context: Context) -> Result:
     if allowed - failed == 1:
         block: Block = branches[0] if len(branches) == 1 else parallel(name, branches)
         at.note(node, block.name, kind, skipped)
-        return Piece(block)
+        return Part(block)
     if allowed - failed <= 0 or allowed - failed > len(branches):
         well = allowed - failed > len(branches)
         block = parallel(name, branches) if len(branches) > 1 else branches[0]
         at.note(node, name, kind, skipped)
-        return Piece(block, good=well, bad=well)
+        return Part(block, good=well, bad=well)
     inner = parallel(at.names.fresh(f"{name}_all"), branches)
     verdict = at.choice(f"{name}_verdict", context, f"Whether fewer than {allowed} have failed")
     at.note(node, name, Kind.MORE, f"whether fewer than {allowed} have failed is free")
     inner = replace(inner, success=SUCCEED, failure=verdict.name)
-    return Piece(Recursive(name=name, blocks=(inner, verdict)))
+    return Part(Recursive(name=name, blocks=(inner, verdict)))
 
 
 def threshold(text: str, count: int) -> int | None:
@@ -259,24 +259,24 @@ def threshold(text: str, count: int) -> int | None:
     return max(count + number + 1, 0) if number < 0 else number
 
 
-def _unclear(at: Translator, node: Node, context: Context, why: str) -> Piece:
+def _unclear(at: Translator, node: TreeNode, context: Context, why: str) -> Part:
     """A parallel node that may end at any moment, either way."""
     name = at.names.fresh(node.name or node.id)
     number = at.next_parallel()
     inside = replace(context, halted=True)
     results = [at.piece(child, inside.branch(number, i)) for i, child in enumerate(node.children)]
-    branches = _branches(at, [result for result in results if isinstance(result, Piece)])
+    branches = _branches(at, [result for result in results if isinstance(result, Part)])
     verdict = at.choice(f"{name}_verdict", context, why)
     over = at.event(f"{name}_over", f"{name} ends: {why}")
     at.note(node, name, Kind.MORE, why)
     if not branches:
-        return Piece(verdict)
+        return Part(verdict)
     inner = parallel(at.names.fresh(f"{name}_children"), branches) if len(branches) > 1 else branches[0]
     inner = replace(inner, failure=verdict.name, handlers=(Handler(event=over, goto=verdict.name),))
-    return Piece(Recursive(name=name, blocks=(inner, verdict)))
+    return Part(Recursive(name=name, blocks=(inner, verdict)))
 
 
-def switch(at: Translator, node: Node, context: Context) -> Result:
+def switch(at: Translator, node: TreeNode, context: Context) -> Result:
     """One child by the value of a variable, which is free; the last if none fits."""
     name = at.names.fresh(node.name or node.id)
     inside = replace(context, again=True, halted=True)
@@ -292,20 +292,20 @@ def switch(at: Translator, node: Node, context: Context) -> Result:
         other = asked[place + 1].name if place + 1 < len(asked) else _target(results[-1])
         blocks.append(replace(one, success=_target(results[place]), failure=other))
     for result in results:
-        if isinstance(result, Piece):
+        if isinstance(result, Part):
             block = placed(result, SUCCEED, FAIL)
             blocks.append(
                 replace(block, handlers=(Handler(event=changes, goto=asked[0].name), *block.handlers))
             )
     at.note(node, name, Kind.MORE, f"the value of {node.ports.get('variable', 'its variable')} is free")
-    return Piece(
+    return Part(
         Recursive(name=name, blocks=tidied(blocks)),
-        skips=any(isinstance(result, Piece) and result.skips for result in results),
+        skips=any(isinstance(result, Part) and result.skips for result in results),
     )
 
 
 def _target(result: Result) -> str:
-    return result.block.name if isinstance(result, Piece) else SUCCEED if result else FAIL
+    return result.block.name if isinstance(result, Part) else SUCCEED if result else FAIL
 
 
 CONTROLS: dict[str, Rule] = {

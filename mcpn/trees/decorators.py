@@ -8,15 +8,15 @@ from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Handler, Objective, 
 from mcpn.trees.controls import became, ended
 from mcpn.trees.known import WAITING
 from mcpn.trees.ledger import Kind
-from mcpn.trees.nodes import Node
-from mcpn.trees.pieces import Piece, Result, bare, handled, placed, tidied, wrapped
+from mcpn.trees.nodes import TreeNode
+from mcpn.trees.pieces import Part, Result, bare, handled, placed, tidied, wrapped
 from mcpn.trees.translator import Context, Rule, Translator
 
 COPIES = 1000
 """More tries or rounds than these are not written out."""
 
 
-def turned(at: Translator, node: Node, context: Context) -> Result:
+def turned(at: Translator, node: TreeNode, context: Context) -> Result:
     """Inverter, ForceSuccess, ForceFailure: what the ends of the child mean."""
     result = at.piece(node.children[0], context)
     means = {"Inverter": (False, True), "ForceSuccess": (True, True), "ForceFailure": (False, False)}[node.id]
@@ -28,24 +28,24 @@ def turned(at: Translator, node: Node, context: Context) -> Result:
     return made
 
 
-def transparent(at: Translator, node: Node, context: Context) -> Result:
+def transparent(at: Translator, node: TreeNode, context: Context) -> Result:
     """Returns what the child returns."""
     result = at.piece(node.children[0], context)
     at.note(node, became(result), Kind.EXACT)
     return result
 
 
-def retry(at: Translator, node: Node, context: Context) -> Result:
+def retry(at: Translator, node: TreeNode, context: Context) -> Result:
     """The child again, as often as it fails."""
     return _loop(at, node, context, node.ports.get("num_attempts", ""), fails=True)
 
 
-def repeat(at: Translator, node: Node, context: Context) -> Result:
+def repeat(at: Translator, node: TreeNode, context: Context) -> Result:
     """The child again, as often as it succeeds."""
     return _loop(at, node, context, node.ports.get("num_cycles", ""), fails=False)
 
 
-def _loop(at: Translator, node: Node, context: Context, times: str, *, fails: bool) -> Result:
+def _loop(at: Translator, node: TreeNode, context: Context, times: str, *, fails: bool) -> Result:
     count = _count(times)
     result = at.piece(node.children[0], replace(context, again=context.again or count != 1))
     if isinstance(result, bool) or count == 0:
@@ -57,13 +57,13 @@ def _loop(at: Translator, node: Node, context: Context, times: str, *, fails: bo
         block = wrapped(result, at.names.fresh(node.name or f"{result.block.name}_again")).block
         block = replace(block, retries=count - 1) if fails else replace(block, repeat=count)
         at.note(node, block.name, Kind.EXACT)
-        return Piece(block if count > 1 else replace(block, repeat=None), skips=result.skips)
+        return Part(block if count > 1 else replace(block, repeat=None), skips=result.skips)
     return _endless(at, node, context, result, fails, exact=count == -1, why=times)
 
 
 def _endless(
-    at: Translator, node: Node, context: Context, result: Piece, fails: bool, *, exact: bool, why: str
-) -> Piece:
+    at: Translator, node: TreeNode, context: Context, result: Part, fails: bool, *, exact: bool, why: str
+) -> Part:
     """The child again and again; where its number is not known, up to a moment that is free."""
     own = result.block.name
     name = at.names.fresh(node.name or f"{own}_loop")
@@ -78,7 +78,7 @@ def _endless(
         blocks.append(placed(result, SUCCEED if fails else again, again if fails else FAIL))
         blocks.append(asked)
         at.note(node, name, Kind.MORE, f"how many rounds there are is free ({why or 'no number'})")
-    return Piece(Recursive(name=name, blocks=tidied(blocks)), skips=result.skips)
+    return Part(Recursive(name=name, blocks=tidied(blocks)), skips=result.skips)
 
 
 def _count(text: str) -> int | None:
@@ -89,7 +89,7 @@ def _count(text: str) -> int | None:
         return None
 
 
-def keep_running(at: Translator, node: Node, context: Context) -> Result:
+def keep_running(at: Translator, node: TreeNode, context: Context) -> Result:
     """The child again and again until it fails."""
     result = at.piece(node.children[0], replace(context, again=True))
     if result is False:
@@ -99,11 +99,11 @@ def keep_running(at: Translator, node: Node, context: Context) -> Result:
         name = at.names.fresh(node.name or node.id)
         at.note(node, name, Kind.EXACT, "it runs until it is halted")
         idle = Objective(name=name, activities=(at.activity("idle", context),), success=name, failure=name)
-        return Piece(Recursive(name=at.names.fresh(f"{name}_loop"), blocks=(idle,)))
+        return Part(Recursive(name=at.names.fresh(f"{name}_loop"), blocks=(idle,)))
     return _endless(at, node, context, result, False, exact=True, why="")
 
 
-def loop(at: Translator, node: Node, context: Context) -> Result:
+def loop(at: Translator, node: TreeNode, context: Context) -> Result:
     """LoopInt and its kin: the child once for each value of a queue."""
     queue = node.ports.get("queue", "")
     literal = bool(queue) and "{" not in queue and not queue.startswith("json:")
@@ -114,21 +114,21 @@ def loop(at: Translator, node: Node, context: Context) -> Result:
         at.note(node, became(result), Kind.EXACT if literal else Kind.MORE)
         return result
     end = SUCCEED if empty == "SUCCESS" else FAIL if empty == "FAILURE" else ABORT
-    if not isinstance(result, Piece):
-        result = Piece(at.choice(f"{node.id}_fails", context, "Its child fails at once"), good=False)
+    if not isinstance(result, Part):
+        result = Part(at.choice(f"{node.id}_fails", context, "Its child fails at once"), good=False)
     if count is not None and end == SUCCEED and count <= COPIES:
         block = wrapped(result, at.names.fresh(node.name or f"{result.block.name}_rounds")).block
         at.note(node, block.name, Kind.EXACT, "values of the queue are not told")
-        return Piece(replace(block, repeat=count) if count > 1 else block, skips=result.skips)
+        return Part(replace(block, repeat=count) if count > 1 else block, skips=result.skips)
     name = at.names.fresh(node.name or node.id)
     asked = at.choice(f"{name}_more", context, f"Whether the queue {queue} has another value")
     asked = replace(asked, success=result.block.name, failure=end)
     at.note(node, name, Kind.MORE, "how many values the queue has is free")
     blocks: list[Block] = [asked, placed(result, asked.name, FAIL)]
-    return Piece(Recursive(name=name, blocks=tuple(blocks)), skips=result.skips or end == ABORT)
+    return Part(Recursive(name=name, blocks=tuple(blocks)), skips=result.skips or end == ABORT)
 
 
-def timeout(at: Translator, node: Node, context: Context) -> Result:
+def timeout(at: Translator, node: TreeNode, context: Context) -> Result:
     """The child is halted when its time is over, and then the node fails."""
     result = at.piece(node.children[0], replace(context, halted=True))
     text = node.ports.get("msec", "")
@@ -141,13 +141,13 @@ def timeout(at: Translator, node: Node, context: Context) -> Result:
         seconds = 0.0
     known = 0.001 <= seconds <= 2_592_000
     if known and isinstance(result.block, Objective) and result.block.timeout is None and bare(result):
-        made = Piece(replace(result.block, timeout=seconds))
+        made = Part(replace(result.block, timeout=seconds))
         at.note(node, made.block.name, Kind.TIME)
         return made
     name = result.block.name
     over = at.event(f"{name}_time_over", f"{text} ms are over while {name} runs")
     if not result.plain or result.block.retries or result.block.repeat is not None:
-        result = Piece(
+        result = Part(
             Recursive(
                 name=at.names.fresh(node.name or f"{name}_timed"),
                 blocks=tidied([placed(result, SUCCEED, FAIL)]),
@@ -159,7 +159,7 @@ def timeout(at: Translator, node: Node, context: Context) -> Result:
     return made
 
 
-def delay(at: Translator, node: Node, context: Context) -> Result:
+def delay(at: Translator, node: TreeNode, context: Context) -> Result:
     """A wait, then the child."""
     wait = at.waiting(node, context, f"{node.ports.get('delay_msec', '?')} ms")
     result = at.piece(node.children[0], context)
@@ -167,17 +167,17 @@ def delay(at: Translator, node: Node, context: Context) -> Result:
     if isinstance(result, bool):
         return replace(wait, good=result, bad=result)
     blocks = [placed(wait, result.block.name, FAIL), placed(result, SUCCEED, FAIL)]
-    return Piece(Recursive(name=name, blocks=tidied(blocks)), skips=result.skips)
+    return Part(Recursive(name=name, blocks=tidied(blocks)), skips=result.skips)
 
 
-def waiting(at: Translator, node: Node, context: Context) -> Result:
+def waiting(at: Translator, node: TreeNode, context: Context) -> Result:
     """Nav2's RateController and its kin, where nothing ticks them again after they have succeeded."""
     result = at.piece(node.children[0], context)
     at.note(node, became(result), Kind.TIME, f"its child is begun at once, or after {WAITING[node.id]}")
     return result
 
 
-def once(at: Translator, node: Node, context: Context) -> Result:
+def once(at: Translator, node: TreeNode, context: Context) -> Result:
     """RunOnce, SingleTrigger: the child only the first time, then something that was decided then."""
     result = at.piece(node.children[0], context)
     if not context.again:
@@ -196,20 +196,20 @@ def once(at: Translator, node: Node, context: Context) -> Result:
     return replace(made, block=replace(block, blocks=(*ended(block.blocks), before)))
 
 
-def _if(name: str, asked: Objective, result: Result, other: str) -> Piece:
+def _if(name: str, asked: Objective, result: Result, other: str) -> Part:
     """The child if a choice succeeds, else another end."""
     if isinstance(result, bool):
-        return Piece(
+        return Part(
             Recursive(
                 name=name, blocks=(replace(asked, success=SUCCEED if result else FAIL, failure=other),)
             ),
             skips=other == ABORT,
         )
     blocks = tidied([replace(asked, success=result.block.name, failure=other), placed(result, SUCCEED, FAIL)])
-    return Piece(Recursive(name=name, blocks=blocks), skips=result.skips or other == ABORT)
+    return Part(Recursive(name=name, blocks=blocks), skips=result.skips or other == ABORT)
 
 
-def precondition(at: Translator, node: Node, context: Context) -> Result:
+def precondition(at: Translator, node: TreeNode, context: Context) -> Result:
     """The child if a script is true, else another outcome; what it says is free."""
     name = at.names.fresh(node.name or f"{node.id}")
     result = at.piece(node.children[0], context)
@@ -219,7 +219,7 @@ def precondition(at: Translator, node: Node, context: Context) -> Result:
     return _if(name, asked, result, other)
 
 
-def on_approach(at: Translator, node: Node, context: Context) -> Result:
+def on_approach(at: Translator, node: TreeNode, context: Context) -> Result:
     """Nav2's PathLongerOnApproach: the child while the path has become longer near the goal, else success."""
     name = at.names.fresh(node.name or node.id)
     result = at.piece(node.children[0], replace(context, again=True, halted=True))
@@ -237,7 +237,7 @@ def on_approach(at: Translator, node: Node, context: Context) -> Result:
     return replace(made, block=replace(block, blocks=(*block.blocks[:-1], child)))
 
 
-def updated(at: Translator, node: Node, context: Context) -> Result:
+def updated(at: Translator, node: TreeNode, context: Context) -> Result:
     """SkipUnlessUpdated, WaitValueUpdate: the child once an entry of the blackboard has changed."""
     if node.id == "WaitValueUpdate":
         wait = at.waiting(node, context, "a change of the blackboard", Kind.MORE)
@@ -245,9 +245,7 @@ def updated(at: Translator, node: Node, context: Context) -> Result:
         if isinstance(result, bool):
             return replace(wait, good=result, bad=result)
         blocks = [placed(wait, result.block.name, FAIL), placed(result, SUCCEED, FAIL)]
-        return Piece(
-            Recursive(name=at.names.fresh(f"{node.id}ed"), blocks=tidied(blocks)), skips=result.skips
-        )
+        return Part(Recursive(name=at.names.fresh(f"{node.id}ed"), blocks=tidied(blocks)), skips=result.skips)
     name = at.names.fresh(node.name or node.id)
     result = at.piece(node.children[0], context)
     asked = at.choice(f"{name}_holds", context, "Whether the entry has changed")
@@ -255,7 +253,7 @@ def updated(at: Translator, node: Node, context: Context) -> Result:
     return _if(name, asked, result, ABORT)
 
 
-def unknown(at: Translator, node: Node, context: Context) -> Result:
+def unknown(at: Translator, node: TreeNode, context: Context) -> Result:
     """A decorator of which nothing is known: its child any number of times, and any end at any moment."""
     name = at.names.fresh(node.name or node.id)
     result = at.piece(node.children[0], replace(context, again=True, halted=True))
@@ -263,11 +261,11 @@ def unknown(at: Translator, node: Node, context: Context) -> Result:
     verdict = at.choice(f"{name}_returns", context, f"What {node.id} returns")
     at.note(node, name, Kind.MORE, f"what {node.id} does with its child is not known")
     if isinstance(result, bool):
-        return Piece(replace(verdict, name=name))
+        return Part(replace(verdict, name=name))
     over = at.event(f"{name}_over", f"{node.id} ends whatever its child does")
     child = placed(result, asked.name, asked.name, asked.name)
     child = replace(child, handlers=(Handler(event=over, goto=verdict.name), *child.handlers))
-    return Piece(
+    return Part(
         Recursive(
             name=name, blocks=(replace(asked, success=child.name, failure=verdict.name), child, verdict)
         )

@@ -7,16 +7,24 @@ from dataclasses import dataclass, replace
 from lxml import etree
 
 from mcpn.mission.language.forms import NAMESPACE
-from mcpn.mission.model import Import, Mission, Objective, Protocol, Protocols
+from mcpn.mission.model import (
+    Approximation,
+    Import,
+    Mission,
+    Objective,
+    Protocol,
+    Protocols,
+    Translated,
+)
 from mcpn.mission.robot import Activity, Alternative, Robot
 from mcpn.mission.validate import valid
 from mcpn.mission.writer import element_of
 from mcpn.trees.controls import CONTROLS
 from mcpn.trees.decorators import DECORATING, unknown
-from mcpn.trees.ledger import Ledger, in_order, in_words
+from mcpn.trees.ledger import Kind, Ledger, in_order, in_words
 from mcpn.trees.nav2 import NAV2
 from mcpn.trees.nodes import Forest
-from mcpn.trees.pieces import Piece
+from mcpn.trees.pieces import Part
 from mcpn.trees.reactive import REACTIVE
 from mcpn.trees.translator import Context, Translator, series_of
 
@@ -59,7 +67,7 @@ def translate(forest: Forest, name: str, file: str, *, faulty: bool = False) -> 
     if isinstance(result, bool):
         ends = "Succeeds" if result else "Fails"
         activity = at.activity("idle", Context())
-        result = Piece(
+        result = Part(
             Objective(name=at.names.fresh("idle"), activities=(activity,), description=f"{ends} at once"),
             good=result,
             bad=result,
@@ -79,13 +87,33 @@ def translate(forest: Forest, name: str, file: str, *, faulty: bool = False) -> 
         events=tuple(at.events.values()),
         activities=activities,
     )
+    ledger = Ledger(file, in_order(at.entries))
     mission = Mission(
         name=name,
+        translated=(_translated(ledger),),
         robots=(robot,),
         protocols=tuple(_used(at)),
         blocks=series_of(result),
     )
-    return Imported(valid(mission), Ledger(file, in_order(at.entries)))
+    return Imported(valid(mission), ledger)
+
+
+def _translated(ledger: Ledger) -> Translated:
+    """The ledger as the mission's file has it: what is not exact, in one entry for each node."""
+    less = [entry for entry in ledger.entries if entry.kind is not Kind.EXACT]
+    return Translated(
+        tree=ledger.file,
+        exact=len(ledger.entries) - len(less),
+        approximations=tuple(
+            Approximation(
+                node=entry.node.title,
+                kind=entry.kind.value,
+                line=entry.node.source.line,
+                description=entry.why or None,
+            )
+            for entry in less
+        ),
+    )
 
 
 _HELPERS = {

@@ -7,7 +7,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
 
-from mcpn.trees.nodes import Node
+from mcpn.mission.model import Translated
+from mcpn.trees.nodes import TreeNode
 
 
 class Kind(Enum):
@@ -33,7 +34,7 @@ WORDS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class LedgerEntry:
     """A line of the ledger.
 
     Args:
@@ -43,7 +44,7 @@ class Entry:
         why: What differs, in a sentence; empty where nothing does.
     """
 
-    node: Node
+    node: TreeNode
     became: str
     kind: Kind
     why: str = ""
@@ -59,7 +60,7 @@ class Ledger:
     """
 
     file: str
-    entries: tuple[Entry, ...]
+    entries: tuple[LedgerEntry, ...]
 
     @property
     def counts(self) -> dict[Kind, int]:
@@ -87,6 +88,15 @@ SURVIVES = {
 """Which answers about the mission hold of the tree."""
 
 
+def of_translated(translated: Translated) -> tuple[str, str]:
+    """What a mission says of the tree that it was made of: how much is exact, and what survives that."""
+    found = Counter(Kind(each.kind) for each in translated.approximations)
+    found[Kind.EXACT] = translated.exact
+    counted = ", ".join(f"{WORDS[kind]} {found[kind]}" for kind in Kind if found[kind])
+    weakest = max(found, key=list(Kind).index)
+    return f"made of {translated.tree}, {found.total()} nodes: {counted}", SURVIVES[weakest]
+
+
 def in_words(ledger: Ledger) -> str:
     """The ledger as a text: counts, what survives, then a line for each node."""
     counted = ", ".join(f"{WORDS[kind]}: {count}" for kind, count in ledger.counts.items() if count)
@@ -100,16 +110,16 @@ def in_words(ledger: Ledger) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _line(entry: Entry, width: int) -> str:
+def _line(entry: LedgerEntry, width: int) -> str:
     at = entry.node.source.line
     why = f" ({entry.why})" if entry.why else ""
     return f"line {at:>4}  {entry.node.title:{width}}  {WORDS[entry.kind]}: {entry.became}{why}"
 
 
-def in_order(entries: Iterable[Entry]) -> tuple[Entry, ...]:
+def in_order(entries: Iterable[LedgerEntry]) -> tuple[LedgerEntry, ...]:
     """Entries in the order of files and lines; of a node that was translated twice the weakest one."""
     order = list(Kind)
-    found: dict[int, Entry] = {}
+    found: dict[int, LedgerEntry] = {}
     for entry in entries:
         before = found.get(id(entry.node))
         if before is None or order.index(entry.kind) > order.index(before.kind):

@@ -21,7 +21,7 @@ def together(one: Lane, other: Lane) -> bool:
     return False
 
 
-class Names:
+class TreeNames:
     """Gives out names, each once."""
 
     def __init__(self) -> None:

@@ -10,12 +10,12 @@ from mcpn.trees.controls import became, fallback, series
 from mcpn.trees.decorators import COPIES
 from mcpn.trees.known import WAITING
 from mcpn.trees.ledger import Kind
-from mcpn.trees.nodes import Node
-from mcpn.trees.pieces import Piece, Result, handled, marked, placed, tidied, wrapped
+from mcpn.trees.nodes import TreeNode
+from mcpn.trees.pieces import Part, Result, handled, marked, placed, tidied, wrapped
 from mcpn.trees.translator import Context, Rule, Translator, parallel
 
 
-def recovery(at: Translator, node: Node, context: Context) -> Result:
+def recovery(at: Translator, node: TreeNode, context: Context) -> Result:
     """The first child; when it fails the second is run, then the first again, so many times."""
     name = at.names.fresh(node.name or node.id)
     text = node.ports.get("number_of_retries", "1")
@@ -29,33 +29,33 @@ def recovery(at: Translator, node: Node, context: Context) -> Result:
     if count is not None and count < 0:
         count = 0
     if count is None or count > COPIES:
-        again = back.block.name if isinstance(back, Piece) else main.block.name
+        again = back.block.name if isinstance(back, Part) else main.block.name
         blocks: list[Block] = [placed(main, SUCCEED, again)]
-        blocks += [placed(back, main.block.name, FAIL, FAIL)] if isinstance(back, Piece) else []
+        blocks += [placed(back, main.block.name, FAIL, FAIL)] if isinstance(back, Part) else []
         at.note(node, name, Kind.MORE, f"it recovers any number of times, not {text}")
-        return Piece(Recursive(name=name, blocks=tidied(blocks)), skips=main.skips)
+        return Part(Recursive(name=name, blocks=tidied(blocks)), skips=main.skips)
     main = wrapped(main, at.names.fresh(f"{main.block.name}_main"))
     at.note(node, name, Kind.EXACT)
     if back is True:
-        return Piece(replace(main.block, retries=main.block.retries + count), skips=main.skips)
-    assert isinstance(back, Piece)
+        return Part(replace(main.block, retries=main.block.retries + count), skips=main.skips)
+    assert isinstance(back, Part)
     back = wrapped(back, at.names.fresh(f"{back.block.name}_recovers"))
     first = replace(main.block, recover=back.block.name, times=count, success=SUCCEED)
     second = placed(back, SUCCEED, FAIL, FAIL)
-    return Piece(Recursive(name=name, blocks=(first, replace(second, success=None))), skips=main.skips)
+    return Part(Recursive(name=name, blocks=(first, replace(second, success=None))), skips=main.skips)
 
 
-def round_robin(at: Translator, node: Node, context: Context) -> Result:
+def round_robin(at: Translator, node: TreeNode, context: Context) -> Result:
     """One child each time, in turn; the next one in the same turn if it fails, until all have."""
     if not context.again or len(node.children) == 1:
         return fallback(at, node, context)
     name = at.names.fresh(node.name or node.id)
-    pieces: list[Piece] = []
+    pieces: list[Part] = []
     for child in node.children:
         result = at.piece(child, context)
         if isinstance(result, bool):
             asked = at.choice(f"{child.name or child.id}_returns", context, "Returns at once")
-            result = Piece(asked, good=result, bad=result)
+            result = Part(asked, good=result, bad=result)
         pieces.append(result)
     steps = [piece.block.name for piece in pieces]
     fact = at.fact(f"{name}_next", steps, f"The child of {name} that is next")
@@ -88,10 +88,10 @@ def round_robin(at: Translator, node: Node, context: Context) -> Result:
     if context.halted:
         kind, why = Kind.MORE, "after a halt from outside it may go on or begin anew"
     at.note(node, name, kind, why)
-    return Piece(Recursive(name=name, blocks=(*blocks, over)))
+    return Part(Recursive(name=name, blocks=(*blocks, over)))
 
 
-def pipeline(at: Translator, node: Node, context: Context) -> Result:
+def pipeline(at: Translator, node: TreeNode, context: Context) -> Result:
     """PipelineSequence: earlier children go on being ticked while later ones run."""
     name = at.names.fresh(node.name or node.id)
     result = series(at, name, _stages(at, context, name, node.children), context, stops=False)
@@ -99,7 +99,7 @@ def pipeline(at: Translator, node: Node, context: Context) -> Result:
     return result
 
 
-def _stages(at: Translator, context: Context, name: str, children: tuple[Node, ...]) -> list[Result]:
+def _stages(at: Translator, context: Context, name: str, children: tuple[TreeNode, ...]) -> list[Result]:
     """Children of a pipeline from one on, as the results of a series."""
     first, *rest = children
     inside = replace(context, halted=True)
@@ -109,7 +109,7 @@ def _stages(at: Translator, context: Context, name: str, children: tuple[Node, .
         return _going_on(at, inside, name, first, tuple(rest))
     here = at.piece(first, inside)
     behind = _stages(at, context, name, tuple(rest))
-    if not isinstance(here, Piece) or all(at.at_once(child) for child in rest):
+    if not isinstance(here, Part) or all(at.at_once(child) for child in rest):
         return [here, *behind]
     wish = f"{name}_stage_fails"
     event = wish if wish in at.events else at.event(wish, f"A stage of {name} fails when it is ticked again")
@@ -118,13 +118,13 @@ def _stages(at: Translator, context: Context, name: str, children: tuple[Node, .
 
 
 def _once_handled(at: Translator, result: Result, handler: Handler) -> Result:
-    if not isinstance(result, Piece) or any(h.event == handler.event for h in result.block.handlers):
+    if not isinstance(result, Part) or any(h.event == handler.event for h in result.block.handlers):
         return result
     return replace(result, block=handled(result.block, [handler], at.instants))
 
 
 def _going_on(
-    at: Translator, context: Context, name: str, first: Node, rest: tuple[Node, ...]
+    at: Translator, context: Context, name: str, first: TreeNode, rest: tuple[TreeNode, ...]
 ) -> list[Result]:
     """A stage that runs: once alone, then again and again beside the later ones."""
     number = at.next_parallel()
@@ -162,10 +162,10 @@ def _going_on(
     loop = Recursive(name=at.names.fresh(f"{made.block.name}_loop"), blocks=tuple(blocks))
     other = wrapped(behind, at.names.fresh(f"{behind.block.name}_branch")).block
     both = parallel(at.names.fresh(f"{name}_both"), (loop, other), "any", "any")
-    return [once, Piece(both)]
+    return [once, Part(both)]
 
 
-def _twice(at: Translator, piece: Piece, context: Context) -> tuple[Piece, Piece]:
+def _twice(at: Translator, piece: Part, context: Context) -> tuple[Part, Part]:
     """Two blocks for one piece: an objective written twice, or two uses of a protocol."""
     block = piece.block
     if isinstance(block, Objective) and not block.handlers and not block.routes:
@@ -173,7 +173,7 @@ def _twice(at: Translator, piece: Piece, context: Context) -> tuple[Piece, Piece
     protocol = at.protocol(f" {block.name}", piece, block.name)
     one = Use(name=block.name, protocol=protocol.name)
     other = Use(name=at.names.fresh(f"{block.name}_again"), protocol=protocol.name)
-    return Piece(one, skips=piece.skips), Piece(other, skips=piece.skips)
+    return Part(one, skips=piece.skips), Part(other, skips=piece.skips)
 
 
 NAV2: dict[str, Rule] = {"RecoveryNode": recovery, "PipelineSequence": pipeline, "RoundRobin": round_robin}

@@ -14,7 +14,7 @@ SCRIPTS = ("_onSuccess", "_onFailure", "_onHalted", "_post")
 
 
 @dataclass(frozen=True, slots=True)
-class Node:
+class TreeNode:
     """A node of a tree.
 
     Args:
@@ -33,7 +33,7 @@ class Node:
     name: str | None
     ports: Mapping[str, str]
     rules: Mapping[str, str]
-    children: tuple[Node, ...]
+    children: tuple[TreeNode, ...]
     source: Source
 
     @property
@@ -41,7 +41,7 @@ class Node:
         """What people call it: its registered name, and the name of the instance."""
         return self.id if self.name in (None, self.id) else f"{self.id} {self.name}"
 
-    def walk(self) -> Iterator[Node]:
+    def walk(self) -> Iterator[TreeNode]:
         """The node and all below, parents first."""
         stack = [self]
         while stack:
@@ -55,7 +55,7 @@ class Tree:
     """A tree with its identifier and its root."""
 
     id: str
-    root: Node
+    root: TreeNode
     source: Source
 
 

@@ -16,7 +16,7 @@ from mcpn.mission.robot import FactChange
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
+class Part:
     """A block, and what its ends mean for the node that it stands for.
 
     Args:
@@ -37,11 +37,11 @@ class Piece:
         return self.good and not self.bad
 
 
-Result = Piece | bool
+Result = Part | bool
 """What a node becomes: a piece, or what it always returns at once."""
 
 
-def placed(piece: Piece, good: str, bad: str, skip: str = ABORT) -> Block:
+def placed(piece: Part, good: str, bad: str, skip: str = ABORT) -> Block:
     """The block of a piece in a series, with its routes.
 
     Args:
@@ -65,7 +65,7 @@ def tidied(blocks: Sequence[Block], apart: Sequence[str] = ()) -> tuple[Block, .
 
     Args:
         blocks: The blocks with their routes.
-        apart: Names of those to which success does not lead by default: they recover others.
+        apart: TreeNames of those to which success does not lead by default: they recover others.
     """
     found = []
     for place, block in enumerate(blocks):
@@ -82,7 +82,7 @@ def handled(block: Block, handlers: Sequence[Handler], instants: Collection[str]
     Args:
         block: The block.
         handlers: The handlers.
-        instants: Names of objectives in it that stand for no time in the tree: where one of them runs, what
+        instants: Objectives in it that stand for no time in the tree: where one of them runs, what
             it leads to has happened already, whatever the handlers say.
     """
     block = _immune(block, handlers, instants) if instants else block
@@ -98,7 +98,7 @@ def _immune(block: Block, handlers: Sequence[Handler], instants: Collection[str]
     return block
 
 
-def bare(piece: Piece) -> bool:
+def bare(piece: Part) -> bool:
     """Whether a block may be given retries, rounds or a place in a parallel block as it is."""
     block = piece.block
     return (
@@ -112,15 +112,15 @@ def bare(piece: Piece) -> bool:
     )
 
 
-def wrapped(piece: Piece, name: str) -> Piece:
+def wrapped(piece: Part, name: str) -> Part:
     """A piece that is bare: itself, or an objective around it."""
     if bare(piece):
         return piece
     inner = placed(piece, SUCCEED, FAIL)
-    return Piece(Recursive(name=name, blocks=tidied([inner])), skips=piece.skips)
+    return Part(Recursive(name=name, blocks=tidied([inner])), skips=piece.skips)
 
 
-def marked(piece: Piece, change: FactChange) -> Piece | None:
+def marked(piece: Part, change: FactChange) -> Part | None:
     """A piece whose success sets a fact, or ``None`` where no objective of it always ends it so."""
     block = piece.block
     if isinstance(block, Objective) and piece.plain and block.repeat is None:
@@ -135,5 +135,5 @@ def marked(piece: Piece, change: FactChange) -> Piece | None:
     behind = (last.failure, last.abort, *(h.goto for h in last.handlers), *(r.goto for r in last.routes))
     if last.success is not None or SUCCEED in behind or any(SUCCEED in routes for routes in ends):
         return None
-    inner = marked(Piece(last), change)
+    inner = marked(Part(last), change)
     return None if inner is None else replace(piece, block=replace(block, blocks=(*before, inner.block)))

@@ -13,22 +13,22 @@ from mcpn.mission.model import FAIL, SUCCEED, Block, Handler, Recursive
 from mcpn.mission.robot import FactChange
 from mcpn.trees.controls import became, branching, ended, series
 from mcpn.trees.ledger import Kind
-from mcpn.trees.nodes import Node
-from mcpn.trees.pieces import Piece, Result, handled
+from mcpn.trees.nodes import TreeNode
+from mcpn.trees.pieces import Part, Result, handled
 from mcpn.trees.translator import Context, Rule, Translator
 
 
-def reactive_sequence(at: Translator, node: Node, context: Context) -> Result:
+def reactive_sequence(at: Translator, node: TreeNode, context: Context) -> Result:
     """Later children run only as long as earlier ones succeed."""
     return _reactive(at, node, context, stops=False)
 
 
-def reactive_fallback(at: Translator, node: Node, context: Context) -> Result:
+def reactive_fallback(at: Translator, node: TreeNode, context: Context) -> Result:
     """Later children run only as long as earlier ones fail."""
     return _reactive(at, node, context, stops=True)
 
 
-def _reactive(at: Translator, node: Node, context: Context, *, stops: bool) -> Result:
+def _reactive(at: Translator, node: TreeNode, context: Context, *, stops: bool) -> Result:
     name = at.names.fresh(node.name or node.id)
     slow = [not at.at_once(child) for child in node.children]
     last = max((place for place, runs in enumerate(slow) if runs), default=-1)
@@ -40,14 +40,14 @@ def _reactive(at: Translator, node: Node, context: Context, *, stops: bool) -> R
         told = child.id == "RoundRobin" and not context.halted
         halted = context.halted or (guarded and not told)
         result = at.piece(child, replace(context, again=again, halted=halted))
-        if guarded and isinstance(result, Piece):
+        if guarded and isinstance(result, Part):
             result, resets = _guarded(at, context, results, slow, stops, result)
             behind += resets
         results.append(result)
         if result is stops:
             break
     result = series(at, name, results, context, stops=stops)
-    if behind and isinstance(result, Piece) and isinstance(result.block, Recursive):
+    if behind and isinstance(result, Part) and isinstance(result.block, Recursive):
         result = replace(result, block=replace(result.block, blocks=(*ended(result.block.blocks), *behind)))
     why = "an earlier child that runs again halts a later one" if sum(slow) > 1 else ""
     at.note(node, became(result), Kind.EXACT, why)
@@ -55,14 +55,14 @@ def _reactive(at: Translator, node: Node, context: Context, *, stops: bool) -> R
 
 
 def _guarded(
-    at: Translator, context: Context, before: list[Result], slow: list[bool], stops: bool, piece: Piece
-) -> tuple[Piece, list[Block]]:
+    at: Translator, context: Context, before: list[Result], slow: list[bool], stops: bool, piece: Part
+) -> tuple[Part, list[Block]]:
     """A child that runs, with what earlier ones may answer meanwhile, and blocks that halts lead to."""
     out, behind = SUCCEED if stops else FAIL, list[Block]()
     memory = at.memories.get(piece.block.name)
     handlers: list[Handler] = []
     for place, earlier in enumerate(before):
-        if not isinstance(earlier, Piece):
+        if not isinstance(earlier, Part):
             continue
         named = earlier.block.name
         if slow[place]:
@@ -81,7 +81,7 @@ def _guarded(
     return replace(piece, block=handled(piece.block, handlers, at.instants)), behind
 
 
-def while_do_else(at: Translator, node: Node, context: Context) -> Result:
+def while_do_else(at: Translator, node: TreeNode, context: Context) -> Result:
     """A condition that is asked at each tick, and what runs while it holds or does not."""
     name = at.names.fresh(node.name or node.id)
     inside = replace(context, again=True, halted=True)
@@ -94,11 +94,11 @@ def while_do_else(at: Translator, node: Node, context: Context) -> Result:
         return result
     branches: list[Result] = []
     for place, (each, beside) in enumerate(((then, other), (other, then))):
-        if isinstance(each, Piece) and not at.at_once(node.children[1 + place]):
+        if isinstance(each, Part) and not at.at_once(node.children[1 + place]):
             what = "succeeds" if asked.good is (place == 1) else "fails"
             why = f"{asked.block.name} {what} while {each.block.name} runs"
             event = at.event(f"{asked.block.name}_{what}", why)
-            goto = beside.block.name if isinstance(beside, Piece) else SUCCEED if beside else FAIL
+            goto = beside.block.name if isinstance(beside, Part) else SUCCEED if beside else FAIL
             each = replace(each, block=handled(each.block, [Handler(event=event, goto=goto)], at.instants))
         branches.append(each)
     made = branching(name, asked, *branches)

@@ -12,7 +12,7 @@ from lxml import etree
 
 from mcpn.errors import InputError, Problem, Source
 from mcpn.trees.known import CATEGORIES, CONTROLS, DECORATORS, spelled
-from mcpn.trees.nodes import Forest, Node, Tree
+from mcpn.trees.nodes import Forest, Tree, TreeNode
 from mcpn.xmlio import parse_xml
 
 MAX_BYTES = 16 << 20
@@ -168,7 +168,7 @@ class _Reader:
         self.trees[name] = Tree(name, root, source)
         return name
 
-    def node(self, element: etree._Element, path: Path, depth: int) -> Node | None:
+    def node(self, element: etree._Element, path: Path, depth: int) -> TreeNode | None:
         source = Source(str(path), _line(element))
         self.nodes += 1
         if depth > MAX_DEPTH or self.nodes > MAX_NODES:
@@ -194,10 +194,10 @@ class _Reader:
         rules = {key: value for key, value in attributes.items() if key.startswith("_")}
         ports = {key: value for key, value in attributes.items() if not key.startswith("_")}
         inside = tuple(child for child in children if child is not None)
-        node = Node(id_, category, name, ports, rules, inside, source)
+        node = TreeNode(id_, category, name, ports, rules, inside, source)
         return node if self.counted(node) else None
 
-    def counted(self, node: Node) -> bool:
+    def counted(self, node: TreeNode) -> bool:
         """Whether a known node has as many children as it must have."""
         least, most = 0, MAX_NODES
         if node.category != "SubTree" and node.id in CONTROLS:
@@ -235,9 +235,9 @@ def _cycles(forest: Forest) -> list[Problem]:
     """What is wrong with the use of trees in trees: none of that name, or one that holds itself."""
     problems = []
     state: dict[str, int] = {}
-    stack: list[tuple[str, list[Node]]] = []
+    stack: list[tuple[str, list[TreeNode]]] = []
 
-    def uses(tree: Tree) -> list[Node]:
+    def uses(tree: Tree) -> list[TreeNode]:
         return [node for node in tree.root.walk() if tree_of(forest, node) is not None or _asks(node)]
 
     for start in forest.trees:
@@ -263,11 +263,11 @@ def _cycles(forest: Forest) -> list[Problem]:
     return problems
 
 
-def _asks(node: Node) -> bool:
+def _asks(node: TreeNode) -> bool:
     return node.category == "SubTree"
 
 
-def tree_of(forest: Forest, node: Node) -> Tree | None:
+def tree_of(forest: Forest, node: TreeNode) -> Tree | None:
     """The tree that a node runs: a ``<SubTree>``, or, as some write it, an element of the tree's name."""
     if node.category == "SubTree" or (not node.children and node.category == ""):
         return forest.trees.get(node.id)

@@ -25,10 +25,10 @@ from mcpn.mission.model import (
 )
 from mcpn.mission.robot import DeclaredEvent, Fact, FactChange, Parameter
 from mcpn.trees.known import AT_ONCE, CATEGORIES, LOOKS_LIKE_CONDITION, SCRIPTS, UNTRANSLATED, V3
-from mcpn.trees.ledger import Entry, Kind
-from mcpn.trees.naming import Lane, Names
-from mcpn.trees.nodes import PRECONDITIONS, Forest, Node, Tree
-from mcpn.trees.pieces import Piece, Result, placed, tidied
+from mcpn.trees.ledger import Kind, LedgerEntry
+from mcpn.trees.naming import Lane, TreeNames
+from mcpn.trees.nodes import PRECONDITIONS, Forest, Tree, TreeNode
+from mcpn.trees.pieces import Part, Result, placed, tidied
 from mcpn.trees.reading import tree_of
 
 STATEFUL = frozenset({"RoundRobin", "SequenceWithMemory", "SequenceStar", "RunOnce", "SingleTrigger"})
@@ -54,7 +54,7 @@ class Context:
         return replace(self, lane=(*self.lane, (block, number)))
 
 
-Rule = Callable[["Translator", Node, Context], Result]
+Rule = Callable[["Translator", TreeNode, Context], Result]
 """How a kind of node is translated."""
 
 
@@ -71,8 +71,8 @@ class Translator:
     forest: Forest
     rules: Mapping[str, Rule]
     unknown: Rule
-    names: Names = field(default_factory=Names)
-    entries: list[Entry] = field(default_factory=list)
+    names: TreeNames = field(default_factory=TreeNames)
+    entries: list[LedgerEntry] = field(default_factory=list)
     problems: list[Problem] = field(default_factory=list)
     events: dict[str, DeclaredEvent] = field(default_factory=dict)
     facts: dict[str, Fact] = field(default_factory=dict)
@@ -96,13 +96,13 @@ class Translator:
                 if (used := tree_of(self.forest, node)) is not None:
                     self.parameters.setdefault(used.id, set()).update(node.ports)
 
-    def piece(self, node: Node, context: Context) -> Result:
+    def piece(self, node: TreeNode, context: Context) -> Result:
         """What a node becomes, with its preconditions."""
         if not any(rule in node.rules for rule in PRECONDITIONS):
             return self.ticked(node, context)
         return self.conditional(node, context)
 
-    def ticked(self, node: Node, context: Context) -> Result:
+    def ticked(self, node: TreeNode, context: Context) -> Result:
         """What a node becomes once it is ticked."""
         if (tree := tree_of(self.forest, node)) is not None:
             return self.subtree(node, tree, context)
@@ -120,7 +120,7 @@ class Translator:
             )
         return self.leaf(node, context)
 
-    def leaf(self, node: Node, context: Context) -> Result:
+    def leaf(self, node: TreeNode, context: Context) -> Result:
         """What a leaf becomes: an objective with one activity, or what it always returns."""
         if node.id in SCRIPTS or node.id == "AlwaysFailure":
             what = "fails" if node.id == "AlwaysFailure" else "succeeds"
@@ -135,16 +135,16 @@ class Translator:
         self.note(
             node, name, Kind.EXACT, "" if self.sure(node) else "taken for a condition because of its name"
         )
-        return Piece(objective)
+        return Part(objective)
 
-    def waiting(self, node: Node, context: Context, awaited: str, kind: Kind = Kind.TIME) -> Piece:
+    def waiting(self, node: TreeNode, context: Context, awaited: str, kind: Kind = Kind.TIME) -> Part:
         """An objective that ends some day, and well."""
         name = self.names.fresh(node.name or f"{node.id}_wait")
         self.note(node, name, kind, f"waits for {awaited}")
         made = Objective(
             name=name, activities=(self.activity("wait", context),), description=f"Awaits {awaited}"
         )
-        return Piece(made, bad=True)
+        return Part(made, bad=True)
 
     def activity(self, what: str, context: Context, *, leaf: bool = False) -> str:
         """The activity for a leaf, or for an objective that is none."""
@@ -192,7 +192,7 @@ class Translator:
         self.instants.add(made.name)
         return replace(made, sets=(replace(change, on="start"),), success=goto, failure=goto)
 
-    def subtree(self, node: Node, tree: Tree, context: Context) -> Result:
+    def subtree(self, node: TreeNode, tree: Tree, context: Context) -> Result:
         """A subtree: a use of a protocol, or what it holds, where branches or memories must not be shared."""
         stateful = any(n.id in STATEFUL for t in self.below(tree) for n in t.root.walk())
         if context.lane or stateful or context.halted:
@@ -209,9 +209,9 @@ class Translator:
         name = self.names.fresh(node.name or tree.id)
         given = tuple(p for p in parameters(node) if p.name in {k.name for k in known.parameters})
         self.note(node, f"{name}, a use of protocol {known.name}", Kind.EXACT)
-        return Piece(Use(name=name, protocol=known.name, parameters=given), skips=tree.id in self.skipping)
+        return Part(Use(name=name, protocol=known.name, parameters=given), skips=tree.id in self.skipping)
 
-    def protocol(self, key: str, piece: Piece, wish: str) -> Protocol:
+    def protocol(self, key: str, piece: Part, wish: str) -> Protocol:
         """Makes a protocol of a piece."""
         ports = sorted(self.parameters.get(key, ()))
         declared = tuple(Parameter(name=port, value="") for port in ports if _is_name(port))
@@ -238,7 +238,7 @@ class Translator:
                     stack.append(used)
         return list(found.values())
 
-    def conditional(self, node: Node, context: Context) -> Result:
+    def conditional(self, node: TreeNode, context: Context) -> Result:
         """A node with preconditions: what they say is free."""
         name = self.names.fresh(f"{node.name or node.id}_if")
         result = self.ticked(node, replace(context, halted=context.halted or "_while" in node.rules))
@@ -250,7 +250,7 @@ class Translator:
                 choices.append(replace(asked, failure=exits[rule]))
         if isinstance(result, bool):
             asked = self.choice(f"{node.name or node.id}_returns", context, "What it returns at once")
-            result = Piece(asked, good=result, bad=result)
+            result = Part(asked, good=result, bad=result)
         inner = placed(result, SUCCEED, FAIL)
         if "_while" in node.rules:
             over = self.event(f"{name}_over", f"No more so: {node.rules['_while']}")
@@ -260,26 +260,26 @@ class Translator:
         skips = result.skips or any(rule in node.rules for rule in ("_skipIf", "_while"))
         said = " ".join(f"{rule}={node.rules[rule]!r}" for rule in PRECONDITIONS if rule in node.rules)
         self.note(node, name, Kind.MORE, f"{said} is free")
-        return Piece(Recursive(name=name, blocks=tidied([*blocks, inner])), skips=skips)
+        return Part(Recursive(name=name, blocks=tidied([*blocks, inner])), skips=skips)
 
-    def note(self, node: Node, became: str, kind: Kind, why: str = "") -> None:
+    def note(self, node: TreeNode, became: str, kind: Kind, why: str = "") -> None:
         """Enters a node into the ledger."""
-        self.entries.append(Entry(node, became, kind, why))
+        self.entries.append(LedgerEntry(node, became, kind, why))
 
-    def refused(self, node: Node, why: str) -> bool:
+    def refused(self, node: TreeNode, why: str) -> bool:
         """Notes that a node has no translation; all such nodes are told in one go."""
         self.problems.append(Problem(node.source, why))
         return True
 
-    def category(self, node: Node) -> str:
+    def category(self, node: TreeNode) -> str:
         """Action, Condition or nothing: what is known of a leaf."""
         return node.category or self.forest.categories.get(node.id) or CATEGORIES.get(node.id, "")
 
-    def sure(self, node: Node) -> bool:
+    def sure(self, node: TreeNode) -> bool:
         """Whether that a leaf is a condition, or is none, is more than a guess by its name."""
         return bool(self.category(node)) or not LOOKS_LIKE_CONDITION.match(node.id)
 
-    def at_once(self, node: Node) -> bool:
+    def at_once(self, node: TreeNode) -> bool:
         """Whether a node answers in the tick in which it is asked, and never runs on."""
         if (tree := tree_of(self.forest, node)) is not None:
             return self.at_once(tree.root)
@@ -306,7 +306,7 @@ class Translator:
         return self.parallels
 
 
-def series_of(piece: Piece) -> tuple[Block, ...]:
+def series_of(piece: Part) -> tuple[Block, ...]:
     """The blocks of a mission or of a protocol that is one piece."""
     block = piece.block
     alone = block.retries == 0 and block.repeat is None and not block.handlers and not block.routes
@@ -320,7 +320,7 @@ def parallel(name: str, branches: Sequence[Block], success: str = "all", failure
     return Parallel(name=name, blocks=tuple(branches), success_when=success, failure_when=failure)
 
 
-def parameters(node: Node) -> tuple[Parameter, ...]:
+def parameters(node: TreeNode) -> tuple[Parameter, ...]:
     """The ports of a node as parameters; one handed on under its own name is left to what is around."""
     return tuple(
         Parameter(name=port, value=value)
@@ -336,4 +336,4 @@ def _is_name(text: str) -> bool:
 
 
 def _named(text: str) -> str:
-    return Names().fresh(text)
+    return TreeNames().fresh(text)

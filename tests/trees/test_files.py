@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -167,3 +168,31 @@ def test_bad_trees_are_refused_with_their_line(name: str, tmp_path: Path) -> Non
 def test_options_that_belong_together(tmp_path: Path) -> None:
     for options in (["--main", "A"], ["--faulty-leaves"], ["--from", "t.xml", "--example", "drone"]):
         assert run(["init", str(tmp_path / "m"), *options]) == 2
+
+
+def test_what_is_not_exact_is_told_with_every_answer(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "tree.xml"
+    path.write_text(
+        '<root><BehaviorTree ID="A"><Sequence><a/>\n<Odd><b/></Odd>\n'
+        '<RateController hz="1"><c/></RateController></Sequence></BehaviorTree></root>'
+    )
+    assert run(["init", str(tmp_path / "m"), "--from", str(path), "--json"]) == 0
+    counts = json.loads(capsys.readouterr().out)["ledger"]["counts"]
+    assert counts == {"exact": 4, "time": 1, "more": 1, "left_out": 0}
+    mission = str(tmp_path / "m" / "mission.xml")
+    assert run(["check", mission]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert "made of tree.xml, 6 nodes: exact 4, exact but for time 1, more runs 1." in told
+    assert "That success is reachable, or that the end always is, does not carry over." in told
+    assert "line 2: Odd is more runs: what Odd does with its child is not known" in told
+    assert run(["check", mission, "--json"]) == 0
+    (translated,) = json.loads(capsys.readouterr().out)["translated"]
+    assert [(each["line"], each["kind"]) for each in translated["approximations"]] == [
+        (2, "more"),
+        (3, "time"),
+    ]
+    page = tmp_path / "page.html"
+    assert run(["report", mission, "-o", str(page)]) == 0
+    assert "Made of tree.xml, 6 nodes" in page.read_text()

@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
-from mcpn.trees.nodes import Forest, Node
+from mcpn.trees.nodes import Forest, TreeNode
 from mcpn.trees.reading import tree_of
 
 IDLE, RUNNING, SUCCESS, FAILURE = "idle", "running", "success", "failure"
@@ -36,22 +36,22 @@ class Tree:
     answers: dict[str, str] = field(default_factory=dict)
     seen: list[Visible] = field(default_factory=list)
     choose: Choose = lambda options: options[0]
-    leaves: dict[str, Node] = field(default_factory=dict)
+    leaves: dict[str, TreeNode] = field(default_factory=dict)
 
-    def tick(self, node: Node, at: str, again: bool) -> str:
+    def tick(self, node: TreeNode, at: str, again: bool) -> str:
         """Ticks a node. ``again``: a later sibling of it, or of something around it, runs."""
         tree = tree_of(self.forest, node)
         status = self.tick(tree.root, f"{at}/", again) if tree else self._tick(node, at, again)
         self.set(at, "status", status)
         return status
 
-    def _tick(self, node: Node, at: str, again: bool) -> str:
+    def _tick(self, node: TreeNode, at: str, again: bool) -> str:
         if not node.children and node.id not in ("Script", "AlwaysSuccess", "AlwaysFailure"):
             return self.leaf(node, at, again)
         method = getattr(self, "tick" + re.sub("([A-Z])", r"_\1", node.id).lower())
         return str(method(node, at, again))
 
-    def leaf(self, node: Node, at: str, again: bool) -> str:
+    def leaf(self, node: TreeNode, at: str, again: bool) -> str:
         self.leaves[at] = node
         quick = node.id in self.quick
         if self.get(at, "status", IDLE) == RUNNING:
@@ -64,7 +64,7 @@ class Tree:
             self.seen.append((node.id, answer))
         return answer
 
-    def at_once(self, node: Node) -> bool:
+    def at_once(self, node: TreeNode) -> bool:
         """Whether all leaves below answer at once when they are asked again."""
         trees = [node if tree is None else tree.root for tree in (tree_of(self.forest, node),)]
         inner = [n for root in trees for n in root.walk() if not n.children]
@@ -82,24 +82,24 @@ class Tree:
         else:
             self.state[f"{at}:{what}"] = value
 
-    def child(self, node: Node, at: str, number: int, again: bool) -> str:
+    def child(self, node: TreeNode, at: str, number: int, again: bool) -> str:
         return self.tick(node.children[number], f"{at}.{number}", again)
 
     def runs(self, at: str, number: int) -> bool:
         return self.get(f"{at}.{number}", "status", IDLE) == RUNNING
 
-    def halt_child(self, node: Node, at: str, number: int) -> None:
+    def halt_child(self, node: TreeNode, at: str, number: int) -> None:
         """Halts a child that runs; its status is idle then, whatever it was."""
         child, place = node.children[number], f"{at}.{number}"
         if self.get(place, "status", IDLE) == RUNNING:
             self.halt(child, place)
         self.set(place, "status", IDLE)
 
-    def reset_children(self, node: Node, at: str) -> None:
+    def reset_children(self, node: TreeNode, at: str) -> None:
         for number in range(len(node.children)):
             self.halt_child(node, at, number)
 
-    def halt(self, node: Node, at: str) -> None:
+    def halt(self, node: TreeNode, at: str) -> None:
         tree = tree_of(self.forest, node)
         if tree is not None:
             if self.get(f"{at}/", "status", IDLE) == RUNNING:
@@ -113,7 +113,7 @@ class Tree:
 
     # --- series --------------------------------------------------------------------------------------------
 
-    def _series(self, node: Node, at: str, again: bool, stops: str) -> str:
+    def _series(self, node: TreeNode, at: str, again: bool, stops: str) -> str:
         while (index := self.count(at, "index")) < len(node.children):
             status = self.child(node, at, index, again)
             if status == RUNNING:
@@ -127,13 +127,13 @@ class Tree:
         self.set(at, "index", 0)
         return SUCCESS if stops == FAILURE else FAILURE
 
-    def tick_sequence(self, node: Node, at: str, again: bool) -> str:
+    def tick_sequence(self, node: TreeNode, at: str, again: bool) -> str:
         return self._series(node, at, again, FAILURE)
 
-    def tick_fallback(self, node: Node, at: str, again: bool) -> str:
+    def tick_fallback(self, node: TreeNode, at: str, again: bool) -> str:
         return self._series(node, at, again, SUCCESS)
 
-    def tick_sequence_with_memory(self, node: Node, at: str, again: bool) -> str:
+    def tick_sequence_with_memory(self, node: TreeNode, at: str, again: bool) -> str:
         while (index := self.count(at, "index")) < len(node.children):
             status = self.child(node, at, index, again)
             if status == RUNNING:
@@ -147,7 +147,7 @@ class Tree:
         self.set(at, "index", 0)
         return SUCCESS
 
-    def _reactive(self, node: Node, at: str, again: bool, stops: str) -> str:
+    def _reactive(self, node: TreeNode, at: str, again: bool, stops: str) -> str:
         for number in range(len(node.children)):
             later = any(self.runs(at, n) for n in range(number + 1, len(node.children)))
             status = self.child(node, at, number, again or (later and self.at_once(node.children[number])))
@@ -162,13 +162,13 @@ class Tree:
         self.reset_children(node, at)
         return SUCCESS if stops == FAILURE else FAILURE
 
-    def tick_reactive_sequence(self, node: Node, at: str, again: bool) -> str:
+    def tick_reactive_sequence(self, node: TreeNode, at: str, again: bool) -> str:
         return self._reactive(node, at, again, FAILURE)
 
-    def tick_reactive_fallback(self, node: Node, at: str, again: bool) -> str:
+    def tick_reactive_fallback(self, node: TreeNode, at: str, again: bool) -> str:
         return self._reactive(node, at, again, SUCCESS)
 
-    def tick_if_then_else(self, node: Node, at: str, again: bool) -> str:
+    def tick_if_then_else(self, node: TreeNode, at: str, again: bool) -> str:
         index = self.count(at, "index")
         if index == 0:
             status = self.child(node, at, 0, again)
@@ -184,7 +184,7 @@ class Tree:
             self.set(at, "index", 0)
         return status
 
-    def tick_while_do_else(self, node: Node, at: str, again: bool) -> str:
+    def tick_while_do_else(self, node: TreeNode, at: str, again: bool) -> str:
         later = any(self.runs(at, n) for n in range(1, len(node.children)))
         asked = self.child(node, at, 0, again or (later and self.at_once(node.children[0])))
         if asked == RUNNING:
@@ -197,7 +197,7 @@ class Tree:
             self.reset_children(node, at)
         return status
 
-    def tick_try_catch(self, node: Node, at: str, again: bool) -> str:
+    def tick_try_catch(self, node: TreeNode, at: str, again: bool) -> str:
         last = len(node.children) - 1
         while not self.get(at, "done", 0) and (index := self.count(at, "index")) < last:
             status = self.child(node, at, index, again)
@@ -216,7 +216,7 @@ class Tree:
         self.set(at, "done", 0)
         return FAILURE if caught else SUCCESS
 
-    def tick_parallel(self, node: Node, at: str, again: bool) -> str:
+    def tick_parallel(self, node: TreeNode, at: str, again: bool) -> str:
         count = len(node.children)
         wanted, allowed = (
             int(node.ports.get("success_count", "-1")),
@@ -236,7 +236,7 @@ class Tree:
         self.set(at, "done", tuple(sorted(done.items())))
         return RUNNING
 
-    def tick_parallel_all(self, node: Node, at: str, again: bool) -> str:
+    def tick_parallel_all(self, node: TreeNode, at: str, again: bool) -> str:
         count, allowed = len(node.children), int(node.ports.get("max_failures", "1"))
         allowed = count + allowed + 1 if allowed < 0 else allowed
         done = dict(self.get(at, "done", ()))  # type: ignore[call-overload]
@@ -252,22 +252,22 @@ class Tree:
 
     # --- decorators ----------------------------------------------------------------------------------------
 
-    def _turned(self, node: Node, at: str, again: bool, means: dict[str, str]) -> str:
+    def _turned(self, node: TreeNode, at: str, again: bool, means: dict[str, str]) -> str:
         status = self.child(node, at, 0, again)
         if status != RUNNING:
             self.halt_child(node, at, 0)
         return means.get(status, status)
 
-    def tick_inverter(self, node: Node, at: str, again: bool) -> str:
+    def tick_inverter(self, node: TreeNode, at: str, again: bool) -> str:
         return self._turned(node, at, again, {SUCCESS: FAILURE, FAILURE: SUCCESS})
 
-    def tick_force_success(self, node: Node, at: str, again: bool) -> str:
+    def tick_force_success(self, node: TreeNode, at: str, again: bool) -> str:
         return self._turned(node, at, again, {FAILURE: SUCCESS})
 
-    def tick_force_failure(self, node: Node, at: str, again: bool) -> str:
+    def tick_force_failure(self, node: TreeNode, at: str, again: bool) -> str:
         return self._turned(node, at, again, {SUCCESS: FAILURE})
 
-    def _loop(self, node: Node, at: str, again: bool, times: int, goes_on: str) -> str:
+    def _loop(self, node: TreeNode, at: str, again: bool, times: int, goes_on: str) -> str:
         for _ in range(50):
             if times != -1 and self.count(at, "tries") >= times:
                 break
@@ -287,22 +287,22 @@ class Tree:
         self.set(at, "tries", 0)
         return goes_on
 
-    def tick_retry_until_successful(self, node: Node, at: str, again: bool) -> str:
+    def tick_retry_until_successful(self, node: TreeNode, at: str, again: bool) -> str:
         return self._loop(node, at, again, int(node.ports["num_attempts"]), FAILURE)
 
-    def tick_repeat(self, node: Node, at: str, again: bool) -> str:
+    def tick_repeat(self, node: TreeNode, at: str, again: bool) -> str:
         return self._loop(node, at, again, int(node.ports["num_cycles"]), SUCCESS)
 
-    def tick_keep_running_until_failure(self, node: Node, at: str, again: bool) -> str:
+    def tick_keep_running_until_failure(self, node: TreeNode, at: str, again: bool) -> str:
         return self._turned(node, at, again, {SUCCESS: RUNNING})
 
-    def tick_timeout(self, node: Node, at: str, again: bool) -> str:
+    def tick_timeout(self, node: TreeNode, at: str, again: bool) -> str:
         if self.runs(at, 0) and self.choose(("in time", "over")) == "over":
             self.halt_child(node, at, 0)
             return FAILURE
         return self._turned(node, at, again, {})
 
-    def tick_delay(self, node: Node, at: str, again: bool) -> str:
+    def tick_delay(self, node: TreeNode, at: str, again: bool) -> str:
         if not self.get(at, "begun", 0):
             if self.choose(("wait", "over")) == "wait":
                 return RUNNING
@@ -312,17 +312,17 @@ class Tree:
             self.set(at, "begun", 0)
         return status
 
-    def tick_script(self, node: Node, at: str, again: bool) -> str:
+    def tick_script(self, node: TreeNode, at: str, again: bool) -> str:
         return SUCCESS
 
     tick_always_success = tick_script
 
-    def tick_always_failure(self, node: Node, at: str, again: bool) -> str:
+    def tick_always_failure(self, node: TreeNode, at: str, again: bool) -> str:
         return FAILURE
 
     # --- Nav2 ----------------------------------------------------------------------------------------------
 
-    def tick_recovery_node(self, node: Node, at: str, again: bool) -> str:
+    def tick_recovery_node(self, node: TreeNode, at: str, again: bool) -> str:
         times = int(node.ports.get("number_of_retries", "1"))
 
         def ended(status: str) -> str:
@@ -344,7 +344,7 @@ class Tree:
             self.set(at, "tries", self.count(at, "tries") + 1)
             self.set(at, "index", 0)
 
-    def tick_round_robin(self, node: Node, at: str, again: bool) -> str:
+    def tick_round_robin(self, node: TreeNode, at: str, again: bool) -> str:
         count = len(node.children)
         while self.count(at, "failed") < count:
             index = self.count(at, "index")
@@ -360,7 +360,7 @@ class Tree:
         self.halt(node, at)
         return FAILURE
 
-    def tick_pipeline_sequence(self, node: Node, at: str, again: bool) -> str:
+    def tick_pipeline_sequence(self, node: TreeNode, at: str, again: bool) -> str:
         for number in range(len(node.children)):
             last = self.count(at, "index")
             status = self.child(
@@ -377,7 +377,7 @@ class Tree:
         self.set(at, "index", 0)
         return SUCCESS
 
-    def tick_rate_controller(self, node: Node, at: str, again: bool) -> str:
+    def tick_rate_controller(self, node: TreeNode, at: str, again: bool) -> str:
         first = self.get(at, "status", IDLE) == IDLE
         if not first and not self.runs(at, 0) and self.choose(("wait", "over")) == "wait":
             return RUNNING

@@ -252,6 +252,7 @@ OUTCOME = _one_of("outcome", "success", "failure")
 STATUS = _one_of("status", "service", "oos")
 DETECTION = _one_of("detection", "at_once", "late")
 NOMINAL = _one_of("nominal", "entered", "endless", "optional")
+FAITH = _one_of("faith", "time", "more", "left_out")
 OCCASION = _one_of("occasion", "success", "failure", "start")
 _LITERAL = rf"!?({_LETTER}{_CHARACTER}*|done\({_LETTER}[A-Za-z0-9_.]*\))(={_CHARACTER}+)?"
 CONDITION = Datatype(

@@ -117,6 +117,7 @@ def _with_requirements(check: MissionCheck) -> str:
 
 def story(findings: Findings) -> Iterator[StoryLine]:
     """The answers of the first screen, each in a sentence."""
+    yield from _translated(findings.check)
     yield from _nominal(findings)
     yield _success(findings)
     if findings.causes is not None:
@@ -153,6 +154,16 @@ def _nominal(findings: Findings) -> Iterator[StoryLine]:
     chips = strip(findings, events) if events and findings.controller is not None else []
     said = f"{said} {verdict.explanation[:1].upper()}{verdict.explanation[1:]}."
     yield StoryLine(state, "If nothing fails?", said, chips, json.dumps(events) if chips else "")
+
+
+def _translated(check: MissionCheck) -> Iterator[StoryLine]:
+    """What of the answers holds of the behaviour tree that the mission was made of."""
+    for translated in check.mission_net.mission.translated:
+        from mcpn.trees.ledger import of_translated
+
+        made, survives = of_translated(translated)
+        state = "holds" if not translated.approximations else "note"
+        yield StoryLine(state, "And the tree?", f"{made[0].upper()}{made[1:]}. {survives}")
 
 
 def _success(findings: Findings) -> StoryLine:
