@@ -71,6 +71,8 @@ def _endless(
     if exact:
         blocks.append(placed(result, SUCCEED if fails else own, own if fails else FAIL))
         at.note(node, name, Kind.EXACT)
+        meant = "entered" if fails else "endless"
+        return Part(Recursive(name=name, blocks=tidied(blocks), nominal=meant), skips=result.skips)
     else:
         asked = at.choice(f"{name}_more", context, f"Whether there is another round of {why or 'them'}")
         asked = replace(asked, success=own, failure=FAIL if fails else SUCCEED)

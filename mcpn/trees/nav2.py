@@ -159,7 +159,7 @@ def _going_on(
             )
         )
     blocks.append(placed(again, blocks[0].name if blocks else again.block.name, FAIL))
-    loop = Recursive(name=at.names.fresh(f"{made.block.name}_loop"), blocks=tuple(blocks))
+    loop = Recursive(name=at.names.fresh(f"{made.block.name}_loop"), blocks=tuple(blocks), nominal="endless")
     other = wrapped(behind, at.names.fresh(f"{behind.block.name}_branch")).block
     both = parallel(at.names.fresh(f"{name}_both"), (loop, other), "any", "any")
     return [once, Part(both)]
