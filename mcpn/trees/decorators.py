@@ -73,14 +73,13 @@ def _endless(
         at.note(node, name, Kind.EXACT)
         meant = "entered" if fails else "endless"
         return Part(Recursive(name=name, blocks=tidied(blocks), nominal=meant), skips=result.skips)
-    else:
-        asked = at.choice(f"{name}_more", context, f"Whether there is another round of {why or 'them'}")
-        asked = replace(asked, success=own, failure=FAIL if fails else SUCCEED)
-        again = asked.name
-        blocks.append(placed(result, SUCCEED if fails else again, again if fails else FAIL))
-        blocks.append(asked)
-        at.note(node, name, Kind.MORE, f"how many rounds there are is free ({why or 'no number'})")
-    return Part(Recursive(name=name, blocks=tidied(blocks)), skips=result.skips)
+    asked = at.choice(f"{name}_more", context, f"Whether there is another round of {why or 'them'}")
+    again = asked.name
+    blocks.append(placed(result, SUCCEED if fails else again, again if fails else FAIL))
+    blocks.append(replace(asked, success=own, failure=FAIL if fails else SUCCEED))
+    at.note(node, name, Kind.MORE, f"how many rounds there are is free ({why or 'no number'})")
+    # A choice that may go on for ever is none that the author meant.
+    return Part(Recursive(name=name, blocks=tidied(blocks), nominal="endless"), skips=result.skips)
 
 
 def _count(text: str) -> int | None:
@@ -127,7 +126,8 @@ def loop(at: Translator, node: TreeNode, context: Context) -> Result:
     asked = replace(asked, success=result.block.name, failure=end)
     at.note(node, name, Kind.MORE, "how many values the queue has is free")
     blocks: list[Block] = [asked, placed(result, asked.name, FAIL)]
-    return Part(Recursive(name=name, blocks=tuple(blocks)), skips=result.skips or end == ABORT)
+    made = Recursive(name=name, blocks=tuple(blocks), nominal="endless")
+    return Part(made, skips=result.skips or end == ABORT)
 
 
 def timeout(at: Translator, node: TreeNode, context: Context) -> Result:
@@ -269,7 +269,9 @@ def unknown(at: Translator, node: TreeNode, context: Context) -> Result:
     child = replace(child, handlers=(Handler(event=over, goto=verdict.name), *child.handlers))
     return Part(
         Recursive(
-            name=name, blocks=(replace(asked, success=child.name, failure=verdict.name), child, verdict)
+            name=name,
+            blocks=(replace(asked, success=child.name, failure=verdict.name), child, verdict),
+            nominal="endless",
         )
     )
 
