@@ -65,6 +65,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         ("--reference", "MCPN_REFERENCE", "reference nets of the Ulysse mission"),
         ("--roscon", "MCPN_ROSCON", "worlds of the ROS deliberation workshop 2024"),
         ("--faults", "MCPN_FAULTS", "missions that once showed a fault"),
+        ("--trees", "MCPN_TREES", "behaviour trees that others wrote"),
+        ("--btcpp", "MCPN_BTCPP", "sources of BehaviorTree.CPP"),
     ):
         parser.addoption(option, default=os.environ.get(variable), help=f"folder of the {what} (${variable})")
 

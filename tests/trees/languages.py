@@ -122,7 +122,7 @@ def compare(both: Sides, *, exact: bool, most: int = 400) -> int:
     Raises:
         Difference: With the word, and what one side can be in after it and the other cannot.
     """
-    trees, missions = _Side(both.tree_moves, both.tree_rest), _Side(both.mission_moves, both.mission_rest)
+    trees, missions = Side(both.tree_moves, both.tree_rest), Side(both.mission_moves, both.mission_rest)
     nothing: State = ()
     start = (trees.closed([((), (nothing, IDLE))]), missions.closed([((), both.mission.initial)]))
     seen = {start}
@@ -150,7 +150,7 @@ def _within(word: tuple[Visible, ...], one: set[Any], other: set[Any], who: str)
         raise Difference(f"after {word} {who}: {sorted(more)}, the other only: {sorted(other)}")
 
 
-class _Side:
+class Side:
     """Sets of states that are closed under steps that are not seen; a step that shows much is taken apart."""
 
     def __init__(self, moves: Callable[[Any], list[Element]], rest: Callable[[Any], Rest | None]) -> None:

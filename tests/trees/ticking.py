@@ -135,6 +135,7 @@ class Tree:
 
     def tick_sequence_with_memory(self, node: TreeNode, at: str, again: bool) -> str:
         while (index := self.count(at, "index")) < len(node.children):
+            began = not self.runs(at, index)
             status = self.child(node, at, index, again)
             if status == RUNNING:
                 return RUNNING
@@ -143,6 +144,8 @@ class Tree:
                     self.halt_child(node, at, number)
                 return FAILURE
             self.set(at, "index", index + 1)
+            if began and index + 1 < len(node.children) and self.choose(("on", RUNNING)) == RUNNING:
+                return RUNNING  # the library returns between children, that it may be interrupted
         self.reset_children(node, at)
         self.set(at, "index", 0)
         return SUCCESS
@@ -271,6 +274,7 @@ class Tree:
         for _ in range(50):
             if times != -1 and self.count(at, "tries") >= times:
                 break
+            began = not self.runs(at, 0)
             status = self.child(node, at, 0, again)
             if status == RUNNING:
                 return RUNNING
@@ -280,8 +284,10 @@ class Tree:
                 return status
             if times != -1:
                 self.set(at, "tries", self.count(at, "tries") + 1)
-            elif self.choose((RUNNING, "on")) == RUNNING:
-                return RUNNING  # an endless loop of leaves that answer at once is cut
+            ends = times != -1 and self.count(at, "tries") >= times
+            # The library returns between rounds, that it may be interrupted.
+            if not ends and began and self.choose((RUNNING, "on")) == RUNNING:
+                return RUNNING
         else:
             return RUNNING
         self.set(at, "tries", 0)

@@ -1,0 +1,111 @@
+"""BehaviorTree.CPP itself against the interpreter of trees, and against the missions that are made of them.
+
+``--btcpp`` names a folder with its sources. They are built for the run, which takes some minutes, or once for
+all into the folder that ``MCPN_BTCPP_BUILD`` names.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from collections.abc import Iterable
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+
+from tests.shares import returns_early
+from tests.trees.languages import Side, TooMuch, sides
+from tests.trees.test_import import EXACT, MORE, TIME, imported, trees
+from tests.trees.ticking import IDLE, RUNNING, State, Tree, ticks
+
+NAV2 = {"RecoveryNode", "PipelineSequence", "RoundRobin", "RateController"}
+"""Nodes that BehaviorTree.CPP has not."""
+OPTIONS = ("GROOT_INTERFACE", "SQLITE_LOGGING", "EXAMPLES", "BUILD_TOOLS")
+"""What is not built."""
+
+
+@pytest.fixture(scope="session")
+def player(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The program that plays trees in BehaviorTree.CPP."""
+    given = request.config.getoption("--btcpp")
+    if not given:
+        pytest.skip("needs the sources of BehaviorTree.CPP: --btcpp")
+    sources = Path(given).resolve()
+    if not (sources / "CMakeLists.txt").is_file():
+        pytest.skip(f"{sources} has no CMakeLists.txt of BehaviorTree.CPP")
+    if shutil.which("cmake") is None or shutil.which("c++") is None:
+        pytest.skip("needs cmake and a compiler of C++")
+    beside = os.environ.get("MCPN_BTCPP_BUILD")
+    build = Path(beside) if beside else tmp_path_factory.mktemp("btcpp")
+    if not list(build.glob("libbehaviortree_cpp.*")):
+        off = [f"-DBTCPP_{option}=OFF" for option in OPTIONS]
+        subprocess.run(["cmake", "-S", sources, "-B", build, *off, "-DBUILD_TESTING=OFF"], check=True)
+        subprocess.run(["cmake", "--build", build, "-j2"], check=True)
+    program = tmp_path_factory.mktemp("player") / "played"
+    source = Path(__file__).with_name("played.cpp")
+    linked = [f"-L{build}", "-lbehaviortree_cpp", f"-Wl,-rpath,{build}"]
+    includes = ["-I", str(sources / "include")]
+    subprocess.run(["c++", "-std=c++17", *includes, source, "-o", program, *linked], check=True)
+    return program
+
+
+def played(
+    player: Path, tree: Path, seed: int
+) -> list[tuple[str, tuple[tuple[str, str], ...], tuple[str, ...]]]:
+    """What each tick did: the status, leaves that have answered, leaves that run then."""
+    ran = subprocess.run([player, tree, str(seed), "30"], check=True, capture_output=True, text=True)
+    found = []
+    for line in ran.stdout.splitlines():
+        status, seen, running = line.split(";")
+        answers = tuple((leaf, how) for leaf, _, how in (each.partition(":") for each in seen.split()))
+        found.append((status.lower(), answers, tuple(running.split())))
+    return found
+
+
+def agree(player: Path, folder: Path, tree: str, seeds: Iterable[int]) -> None:
+    """Each run of the library is one of the interpreter and one of the mission."""
+    made, ticked = imported(folder, tree)
+    both = sides(made, ticked)
+    for seed in seeds:
+        states: set[tuple[State, str]] = {((), IDLE)}
+        mission = Side(both.mission_moves, both.mission_rest)
+        there = mission.closed([((), both.mission.initial)])
+        for status, seen, running in played(player, folder / "tree.xml", seed):
+            states = {
+                (after, now)
+                for state, _ in states
+                for after, now, answers in ticks(both.tree, state)
+                if (now, answers) == (status, seen) and names(both.tree, after) == running
+            }
+            assert states, (seed, status, seen, running)
+            for answer in seen:
+                there = mission.behind(there).get(answer, frozenset())
+                assert there, (seed, answer)
+            assert status == RUNNING or (status,) in mission.rests(there)
+
+
+def names(tree: Tree, state: State) -> tuple[str, ...]:
+    """The leaves that run in a state, conditions apart."""
+    at = [key.removesuffix(":status") for key, value in state if key.endswith(":status") and value == RUNNING]
+    leaves = [tree.leaves[place].id for place in at if place in tree.leaves]
+    return tuple(sorted(leaf for leaf in leaves if leaf not in tree.quick))
+
+
+@pytest.mark.parametrize("name", [*EXACT, *TIME, *MORE])
+def test_each_kind_of_node(name: str, player: Path, tmp_path: Path) -> None:
+    tree = (EXACT | TIME | MORE)[name]
+    if any(f"<{node}" in tree for node in (*NAV2, "Timeout", "Delay", "Strange")):
+        pytest.skip("not of BehaviorTree.CPP, or its time is not free there")
+    agree(player, tmp_path, tree, range(10))
+
+
+@given(tree=trees().filter(lambda tree: not any(f"<{n}" in tree for n in (*NAV2, "Timeout", "Delay"))))
+def test_drawn_trees_in_the_library(
+    tree: str, player: Path, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    try:
+        agree(player, tmp_path_factory.mktemp("drawn"), tree, range(5))
+    except TooMuch:
+        returns_early("too many states")
