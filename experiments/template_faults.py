@@ -274,7 +274,6 @@ BY_ELEMENT: dict[str, dict[str, Fault]] = {
     "gates": {
         "what begins does not wait for what stops": ("objective", "begin", ignores("idle")),
         "a gate never opens": ("objective", "begin", missing),
-        "a gate opens in a block that is halted": ("objective", "begin", ignores("running")),
     },
     "contention": {
         "it waits and cannot be stopped": ("activity", r"cancel\d+", missing),
