@@ -135,7 +135,7 @@ SIGNED = """<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r">
 <objective name="go" activities="drive" failure="halt"/>
 <objective name="see" activities="look" failure="abort"/>
 <objective name="take" activities="pick" success="succeed" failure="abort"/>
-<objective name="halt" activities="stop" success="abort"/></mission>"""
+<objective name="halt" activities="stop" success="abort" failure="halt"/></mission>"""
 
 
 def test_the_list_before_it_goes_has_what_no_proof_covers() -> None:
