@@ -35,6 +35,8 @@ MOST_WORK, WORK_OF_CALL = 2_000_000, 500
 arcs, as if each net had some more."""
 MOST_TOGETHER = 20
 """Sums whose walks have their full number of firings."""
+MOST_JOINED = 40
+"""Conditions that are joined of several, each of which takes a program of its own."""
 SIPHON_STEPS = 500
 WALKS = 6
 """Walks, each twice as long as the one before, after which it is looked whether a transition is dead."""
@@ -213,7 +215,9 @@ class Facts:
         goals = list(changed.values())
         met = self._met(goals, STEPS * min(len(goals), MOST_TOGETHER))
         left = [condition for index, condition in enumerate(changed) if index not in met]
-        for condition in self._affordable(left):
+        sums = [condition for condition in left if isinstance(changed[condition], AtMost)]
+        joined = (condition for condition in left if not isinstance(changed[condition], AtMost))
+        for condition in self._affordable([*sums, *islice(joined, MOST_JOINED)]):
             if self._refuted(changed[condition]):
                 goal = as_goal(condition, self.net)
                 assert goal is not None, "it was one before"
