@@ -7,10 +7,14 @@ what precedes or responds, ``z`` is what must not be between, ``q`` begins a sco
 A scope is an interval, closed at its beginning and open at its end: before ``r`` up to the first ``r``, if
 there is one; after ``q`` from the first ``q`` on; between ``q`` and ``r`` from each ``q`` that is no ``r`` to
 the next ``r``; after ``q`` until ``r`` the same, and for ever where no ``r`` follows.
+
+Where ``q`` says that an event comes about, it is true of the state that the event leaves. What comes after
+the event begins with the next state, the reaction (:func:`after_step`).
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 SCOPES = ("globally", "before", "after", "between", "after_until")
@@ -136,6 +140,35 @@ MENDED: Mapping[str, Mapping[str, str]] = {
     },
 }
 """Formulas that are used where the published one does not say what its pattern and scope say."""
+
+
+def after_step(formula: str) -> str:
+    """The formula of a scope that ``q`` begins, where the interval begins one state later.
+
+    >>> after_step("G ((q & !r & F r) -> (!p U r))")
+    'G (q -> X ((!r & F r) -> (!p U r)))'
+    >>> after_step("F q -> (!q U (q & (G !p)))")
+    'F q -> (!q U (q & X ((G !p))))'
+
+    Args:
+        formula: As :func:`used` gives it, of one of the last three of :data:`SCOPES`.
+    """
+    for begin, repeated in _BEGINNINGS:
+        if (found := begin.fullmatch(formula)) is not None:
+            return found.expand(repeated)
+    raise AssertionError(f"{formula} begins as no formula of a scope does")
+
+
+_BEGINNINGS = tuple(
+    (re.compile(begin), repeated)
+    for begin, repeated in (
+        (r"G \(\(q & ([^()]+)\) -> (.*)\)", r"G (q -> X ((\1) -> \2))"),
+        (r"G \(q & ([^()]+) -> (.*)\)", r"G (q -> X ((\1) -> \2))"),
+        (r"G \(q -> (.*)\)", r"G (q -> X (\1))"),
+        (r"(.*!q U) \(q & (.*)\)\)", r"\1 (q & X (\2)))"),
+        (r"G !q \| F \(q & (.*)\)", r"G !q | F (q & X (\1))"),
+    )
+)
 
 
 def used(pattern: str, scope: str, most: int = 2) -> str:

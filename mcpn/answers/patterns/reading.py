@@ -9,8 +9,9 @@ from typing import TypeVar
 
 from mcpn.answers.patterns import robots
 from mcpn.answers.patterns.english import clause
-from mcpn.answers.patterns.published import used
+from mcpn.answers.patterns.published import after_step, used
 from mcpn.errors import InputError, LimitError
+from mcpn.logic.ltl.formulas import Happens, SomePath, normal
 from mcpn.logic.syntax import parse
 from mcpn.mission.requirement import (
     Avoidance,
@@ -27,7 +28,7 @@ from mcpn.mission.requirement import (
 )
 from mcpn.sentences import enumeration
 from mcpn.spaces.names import Names
-from mcpn.spaces.search.goal import FALSE, TRUE
+from mcpn.spaces.search.goal import FALSE, TRUE, And, Formula, Not, Or
 
 _Read = TypeVar("_Read")
 _TIMES = {1: "once", 2: "twice"}
@@ -86,6 +87,11 @@ class _PatternReader:
 
         return self._read(attribute, said)
 
+    def is_event(self, attribute: str) -> bool:
+        """Whether a formula of an attribute says that an event comes about, whatever else it says."""
+        text, names = getattr(self._pattern, attribute), self._names
+        return text is not None and _comes_about(self._read(attribute, lambda: parse(text, names)))
+
     def operand(self, attribute: str) -> str:
         """A formula of an attribute as it stands inside another."""
         text: str = getattr(self._pattern, attribute).strip()
@@ -128,9 +134,12 @@ class _PatternReader:
         letters |= more
         said = {letter: self.clause(a) for letter, a in letters.items() if getattr(of, a) is not None}
         texts = {letter: self.operand(letters[letter]) for letter in said}
-        formula = re.sub(r"\b[pqrstz]\b", lambda match: texts[match[0]], used(name, scope, most))
+        letters_only, sentence = used(name, scope, most), _SCOPES[scope]
+        if of.after is not None and self.is_event("after"):
+            letters_only, sentence = after_step(letters_only), _AFTER_EVENTS[scope]
+        formula = re.sub(r"\b[pqrstz]\b", lambda match: texts[match[0]], letters_only)
         body = _BODIES[name].format(**said, times=_TIMES.get(most, f"{most} times"))
-        return PatternText(formula, _SCOPES[scope].format(body=body, **said))
+        return PatternText(formula, sentence.format(body=body, **said))
 
     # --- robotic missions ---
 
@@ -163,7 +172,8 @@ class _PatternReader:
             sentence = f"at some time {self.clause('until')}, and the robot does not come to {either} before."
             return PatternText(formula, sentence)
         if of.after is not None:
-            formula = robots.FUTURE.format(each=here, after=self.operand("after"))
+            begins = robots.AFTER_EVENT if self.is_event("after") else robots.FUTURE
+            formula = begins.format(each=here, after=self.operand("after"))
             return PatternText(formula, f"once {self.clause('after')}, the robot never comes to {either}.")
         return PatternText(robots.GLOBAL.format(each=here), f"the robot never comes to {either}.")
 
@@ -171,6 +181,20 @@ class _PatternReader:
         to, gives = self.clause("to"), self.clause("gives")
         formula = robots.REACTIONS[of.when].format(to=self.operand("to"), gives=self.operand("gives"))
         return PatternText(formula, _REACTIONS[of.when].format(to=to, gives=gives))
+
+
+def _comes_about(formula: Formula) -> bool:
+    """Whether a formula holds only where some event comes about."""
+    match formula:
+        case Happens():
+            return True
+        case Not((SomePath((path,)),)):
+            return _comes_about(normal(path, wanted=False))
+        case And(operands):
+            return any(map(_comes_about, operands))
+        case Or(operands):
+            return all(map(_comes_about, operands))
+    return False
 
 
 def _kind(of: Scoped) -> tuple[str, dict[str, str]]:
@@ -200,6 +224,12 @@ _SCOPES = {
     "between": "whenever {q}, up to the next moment at which {r}, if there is one: {body}.",
     "after_until": "whenever {q}, up to the next moment at which {r}, or for ever: {body}.",
 }
+_AFTER_EVENTS = {
+    "after": "after the first moment at which {q}, from the reaction on: {body}.",
+    "between": "whenever {q}, from the reaction up to the next moment at which {r}, if there is one: {body}.",
+    "after_until": "whenever {q}, from the reaction up to the next moment at which {r}, or for ever: {body}.",
+}
+"""The same where an event begins the scope."""
 _BODIES = {
     "absence": "it is never so that {p}",
     "existence": "at some moment {p}",

@@ -102,6 +102,8 @@ REACTIONS: Mapping[str, str] = {
 """By ``when`` of a reaction, the formula that is published."""
 PAST, FUTURE, GLOBAL, WAIT = "!{each} U {until}", "G ({after} -> G !{each})", "G !{each}", "{each} U {until}"
 """Avoidance up to a moment, from a moment, always; and waiting: as they are published."""
+AFTER_EVENT = "G ({after} -> X G !{each})"
+"""Avoidance from the reaction to an event on."""
 
 
 def movement(kind: str, order: str, of: Texts) -> str:

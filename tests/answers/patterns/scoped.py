@@ -12,8 +12,14 @@ Interval = tuple[Truths, int, int, int]
 """The words that have it, its first position, the one behind its last, and that behind the last to judge."""
 
 
-def intervals(words: Words, scope: str) -> Iterator[Interval]:
-    """The intervals of a scope. Of endless ones the first rounds are judged, as far as the horizon tells."""
+def intervals(words: Words, scope: str, later: int = 0) -> Iterator[Interval]:
+    """The intervals of a scope. Of endless ones the first rounds are judged, as far as the horizon tells.
+
+    Args:
+        words: The words.
+        scope: The scope.
+        later: So many positions after ``q`` an interval begins.
+    """
     end = words.horizon
     judged = 2 * words.length - words.cycle
     everywhere = ~words.none
@@ -27,17 +33,18 @@ def intervals(words: Words, scope: str) -> Iterator[Interval]:
     elif scope == "after":
         none_yet = everywhere
         for a, q in enumerate(words["q"][: words.length]):
-            yield none_yet & q, a, end, judged
+            yield none_yet & q, a + later, end, judged + later
             none_yet = none_yet & ~q
     else:
         ends = words["r"]
         for a, q in enumerate(words["q"][: words.length]):
-            going_on = q & ~ends[a]
-            for b in range(a + 1, 2 * words.length):
-                yield going_on & ends[b], a, b, b
+            begin = a + later
+            going_on = q & ~ends[begin]
+            for b in range(begin + 1, min(2 * words.length + later, end)):
+                yield going_on & ends[b], begin, b, b
                 going_on = going_on & ~ends[b]
             if scope == "after_until":
-                yield going_on, a, end, judged
+                yield going_on, begin, end, judged + later
 
 
 def absence(w: Words, a: int, b: int, judged: int) -> Truths:
@@ -162,10 +169,10 @@ MEANT: dict[str, tuple[str, Callable[[Words, int, int, int], Truths]]] = {
 """By pattern its atoms and what it says of an interval."""
 
 
-def meant(words: Words, scope: str, of: Callable[[Words, int, int, int], Truths]) -> Truths:
+def meant(words: Words, scope: str, of: Callable[[Words, int, int, int], Truths], later: int = 0) -> Truths:
     """The words each of whose intervals are as a pattern says."""
     found = ~words.none
-    for having, a, b, judged in intervals(words, scope):
+    for having, a, b, judged in intervals(words, scope, later):
         if having.any():
             found = found & (~having | of(words, a, b, judged))
     return found

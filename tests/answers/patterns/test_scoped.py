@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mcpn.answers.patterns.published import MENDED, PUBLISHED, SCOPES, used
+from mcpn.answers.patterns.published import MENDED, PUBLISHED, SCOPES, after_step, used
 from tests.answers.patterns.scoped import MEANT, bounded, meant
 from tests.answers.patterns.words import Words, short
 
@@ -28,6 +28,15 @@ def test_there_are_eleven_patterns_in_five_scopes() -> None:
 def test_what_is_used_is_what_is_meant(pattern: str, scope: str) -> None:
     for words in words_of(pattern, scope):
         differing = words.satisfying(used(pattern, scope)) ^ meant(words, scope, MEANT[pattern][1])
+        assert not differing.any(), words.shown(differing)
+
+
+@pytest.mark.parametrize(("pattern", "scope"), [each for each in ALL if "q" in OF_SCOPES[each[1]]])
+def test_after_an_event_a_scope_begins_one_state_later(pattern: str, scope: str) -> None:
+    """``q`` is true of the state that the event leaves: by the same plain definitions, one position on."""
+    for words in words_of(pattern, scope):
+        found = words.satisfying(after_step(used(pattern, scope)))
+        differing = found ^ meant(words, scope, MEANT[pattern][1], later=1)
         assert not differing.any(), words.shown(differing)
 
 
