@@ -36,6 +36,7 @@ def test_check_passes_on_ulysse() -> None:
         "undecided",
         "warnings",
         "witnesses",
+        "ignored",
         "nominal",
         "engine",
         "why",

@@ -67,9 +67,11 @@ class MissionNames(Names):
             case "success" | "failure" | "abort":
                 about = [mission_net.mission.name]
             case "objective" | "pending":
-                about = self._copies.meant(name, self.within) or self._unknown(
-                    name, self._copies.objectives, "objective"
-                )
+                about = self._copies.meant(name, self.within)
+                if not about and self._copies.inside(name, self.within):
+                    message = f"{name} holds blocks: expected block({name}), found {kind}({name})"
+                    raise InputError.at(None, message)
+                about = about or self._unknown(name, self._copies.objectives, "objective")
             case "block":
                 about = self._copies.inside(name, self.within) or self._unknown(
                     name, self._copies.held, "block"

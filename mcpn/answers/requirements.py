@@ -48,6 +48,12 @@ class AskedRequirement:
         return self.requirement.description or self.sentence or self.text
 
     @property
+    def events(self) -> frozenset[str]:
+        """The events that it names, as they are written."""
+        said = self.names.said.values()
+        return frozenset(about[0] for kind, *about in said if kind in ("event", "happens"))
+
+    @property
     def said(self) -> dict[str, str | None]:
         """What it says, for programs."""
         return {

@@ -104,6 +104,7 @@ def _requirements_object(found: MissionCheck) -> list[dict[str, Any]]:
             "holds": answer.holds,
             "met": answer.met,
             "vacuous": list(answer.vacuous),
+            "ignored": [each.event for each in found.ignored if each.event in answer.asked.events],
             "witness": None if answer.witness is None else witness_object(answer.witness, net),
         }
         for answer in found.requirements
@@ -154,6 +155,10 @@ def _check_object(found: MissionCheck, seconds: float, internal: bool) -> dict[s
             for name, verdict in found.verdicts.items()
             if (runs := verdict.runs if internal else verdict.runs_of_events)
         },
+        "ignored": [
+            {"event": each.event, "objectives": list(each.objectives), "required": each.required}
+            for each in found.ignored
+        ],
         "nominal": {
             "left_out": list(found.verdicts["nominal_success"].left_out),
             "cycle": found.verdicts["nominal_success"].cycle,

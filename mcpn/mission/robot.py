@@ -160,6 +160,9 @@ class DeclaredEvent(Element):
 
     TAG = "event"
     NAMED = "event"
+    required: Annotated[
+        bool, "true: it must be handled whatever runs; where it is ignored, events_handled fails."
+    ] = False
     rate: Annotated[
         Rate, "How often it happens per hour, for numbers of risk; without it, it never happens in them."
     ] = None

@@ -7,7 +7,14 @@ from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 from mcpn.report.terminal import Terminal
-from mcpn.report.words import in_words, modes_together, skipped_in_words, what_happens, wrong_in_words
+from mcpn.report.words import (
+    in_words,
+    modes_together,
+    skipped_in_words,
+    unhandled_in_words,
+    what_happens,
+    wrong_in_words,
+)
 
 if TYPE_CHECKING:
     from mcpn.answers.likeness import Likeness
@@ -43,6 +50,11 @@ SENTENCES: Mapping[str, tuple[str, str, str]] = {
         "The mission is never aborted.",
         "Whether the mission can be aborted is not known.",
     ),
+    "abort_by_failure": (
+        "It can be aborted by the failure of what should make it safe.",
+        "No abort is reached by the failure of what should make it safe.",
+        "Whether an abort is reached by the failure of what should make it safe is not known.",
+    ),
     "can_always_end_safely": (
         "Whatever has happened, the mission can still succeed or be aborted.",
         "The mission can come to where it can neither succeed nor be aborted.",
@@ -52,6 +64,11 @@ SENTENCES: Mapping[str, tuple[str, str, str]] = {
         "Whatever has happened, the mission can still end.",
         "The mission can come to where it can no more end.",
         "Whether the mission can always end is not known.",
+    ),
+    "events_handled": (
+        "Every event that must be handled is handled, whatever runs.",
+        "An event that must be handled is ignored.",
+        "Whether every event that must be handled is handled is not known.",
     ),
     "deadlock_free": (
         "The robot never gets stuck before the mission ends.",
@@ -193,6 +210,8 @@ def _print_requirements(terminal: Terminal, check: MissionCheck) -> None:
             mark, colour = _INFORMATIVE, "yellow"
         asked = answer.asked
         terminal.print(f"{mark:4} {asked.words} ({asked.name})", style=colour, indent=2, hang=5)
+        for sentence in unhandled_in_words(asked, check.ignored):
+            terminal.print(sentence, indent=7)
         if answer.met:
             if answer.says_nothing_of:
                 terminal.print(answer.says_nothing_of, indent=7, style="dim")
@@ -271,6 +290,9 @@ def print_check(
         if name in check.verdicts:
             _print_verdict(terminal, check.mission_net, check.verdicts[name], internal, shown)
             shown.update(check.verdicts[name].runs)
+    for ignored in check.ignored:
+        line = f"{_INFORMATIVE:4} Ignored: {ignored.event} while {ignored.words}."
+        terminal.print(line, style="dim", indent=2, hang=5)
     _print_requirements(terminal, check)
     if check.modes:
         terminal.print()
@@ -363,7 +385,8 @@ def _print_verdict(
     if terminal.width is not None and len(line) + 2 > terminal.width:
         line = f"{mark:4} {sentence} ({verdict.name})"
     terminal.print(line, style=colour, indent=2, hang=5)
-    if verdict.required and not verdict.holds:
+    unwelcome = verdict.required or verdict.name == "abort_by_failure"
+    if unwelcome and verdict.holds is not verdict.required:
         terminal.print(verdict.explanation, indent=7)
     elif verdict.skipped:
         terminal.print(skipped_in_words(verdict.skipped), indent=7)

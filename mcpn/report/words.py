@@ -12,6 +12,8 @@ from mcpn.sentences import enumeration
 from mcpn.spaces.run import Run
 
 if TYPE_CHECKING:
+    from mcpn.answers.requirements import AskedRequirement
+    from mcpn.answers.verdicts.ignored import Ignored
     from mcpn.answers.verdicts.mission import MissionCheck
     from mcpn.drawing.compose import MissionNet
     from mcpn.runtime.tables import Inside
@@ -90,6 +92,14 @@ def wrong_in_words(mission_net: MissionNet, run: Run) -> str:
     wrong = (event for event in run.events if event.what in _WRONG)
     said = dict.fromkeys(what_happens(event, mission_net.mission.name) for event in wrong)
     return f"on this run {enumeration([*said])}" if said else ""
+
+
+def unhandled_in_words(asked: AskedRequirement, ignored: Sequence[Ignored]) -> Iterator[str]:
+    """Of each event that a requirement names, where it is ignored: what is asked holds of handled ones."""
+    named = asked.events
+    for each in ignored:
+        if each.event in named:
+            yield f"It holds of {each.event} where that is handled: it is ignored while {each.words}."
 
 
 def changes(before: Situation, after: Situation) -> list[str]:

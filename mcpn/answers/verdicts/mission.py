@@ -13,14 +13,17 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.spaces import MissionSpaces, MissionSubject, spaces_of
+from mcpn.answers.verdicts.ignored import Ignored, ignored_events
 from mcpn.answers.verdicts.modes import Mode, functioning_modes
 from mcpn.answers.verdicts.nominal import NominalRuns
 from mcpn.answers.verdicts.success import no_way_to_success, skipped
+from mcpn.answers.verdicts.unsafe_abort import abort_by_failure
 from mcpn.answers.verdicts.unselectable import Never, never_happens
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, Problem, SemanticsError, UnsafeError
-from mcpn.mission.static.warnings import static_warnings
+from mcpn.mission.static.warnings import names_of_objectives, static_warnings
 from mcpn.notebook import Told
+from mcpn.sentences import shortened
 from mcpn.spaces.algebra import S, Space
 from mcpn.spaces.engines import SMALL, Asked, Choice, answered
 from mcpn.spaces.markings.explicit import Progress
@@ -46,6 +49,10 @@ REQUIRED = (
 INFORMATIVE = ("failure_reachable", "unselectable")
 ENDS_SAFELY, ABORT_REACHABLE = "can_always_end_safely", "abort_reachable"
 """The further required and the further informative verdict of a mission that can abort."""
+UNSAFE_ABORT = "abort_by_failure"
+"""The informative verdict on an abort that the failure of what should make safe leads to."""
+HANDLED = "events_handled"
+"""The further required verdict of a mission with events that must be handled whatever runs."""
 
 UNDECIDED = {
     "safe": "not decided: the net is not 1-safe, so that its states cannot be explored",
@@ -110,19 +117,21 @@ class Verdict(Told):
     @property
     def required(self) -> bool:
         """Whether a mission must satisfy it."""
-        return self.name in (*REQUIRED, ENDS_SAFELY)
+        return self.name in (*REQUIRED, ENDS_SAFELY, HANDLED)
 
 
 def required_of(mission_net: MissionNet) -> tuple[str, ...]:
     """The verdicts that a mission must satisfy to be flown; one more where it can abort."""
-    return REQUIRED if mission_net.abort is None else (*REQUIRED, ENDS_SAFELY)
+    ends_safely = () if mission_net.abort is None else (ENDS_SAFELY,)
+    handled = (HANDLED,) if any(event.required for event in mission_net.mission.events) else ()
+    return (*REQUIRED, *ends_safely, *handled)
 
 
 def informative_of(mission_net: MissionNet) -> tuple[str, ...]:
     """The verdicts that tell more of a mission; one more where it can abort."""
     if mission_net.abort is None:
         return INFORMATIVE
-    return ("failure_reachable", ABORT_REACHABLE, "unselectable")
+    return ("failure_reachable", ABORT_REACHABLE, UNSAFE_ABORT, "unselectable")
 
 
 @dataclass(frozen=True)
@@ -139,6 +148,7 @@ class MissionCheck(Told):
         modes: Functioning modes by objective.
         unselectable: What can never be selected, entered or used, with its line.
         futile: Objectives and blocks whose success leads only to failure, with their lines.
+        ignored: Declared events that are ignored in some state, with what runs then.
         requirements: What the mission says that it must satisfy, and whether it does.
     """
 
@@ -151,6 +161,7 @@ class MissionCheck(Told):
     modes: dict[str, list[Mode]] = field(default_factory=dict)
     unselectable: tuple[Problem, ...] = ()
     futile: tuple[Problem, ...] = ()
+    ignored: tuple[Ignored, ...] = ()
     requirements: tuple[RequirementAnswer, ...] = ()
 
     @property
@@ -320,6 +331,7 @@ def _verdicts(
     known, reason = [decided], "" if space else UNDECIDED[decided.name]
     never = Never()
     firings: Mapping[int, int] = {}
+    ignored: tuple[Ignored, ...] = ()
     if space is not None:
         known.append(Verdict("safe", True, "no firing puts a second token in a place"))
         known.append(Verdict("bounded", True, "a 1-safe net is bounded"))
@@ -329,6 +341,10 @@ def _verdicts(
         never = never_happens(mission_net, space, firings)
         found = f"{len(never.unselectable)} found" if never.unselectable else "nothing found"
         known.append(Verdict("unselectable", bool(never.unselectable), found))
+        ignored = tuple(ignored_events(mission_net, space))
+        wrong = [each.sentence for each in ignored if each.required]
+        said = "; ".join(wrong) or "every event that must be handled is handled whatever runs"
+        known.append(Verdict(HANDLED, not wrong, said))
         step(Doing.FINDING_MODES)
     by_name = {verdict.name: verdict for verdict in known}
     names = (*required_of(mission_net), *informative_of(mission_net))
@@ -341,6 +357,7 @@ def _verdicts(
         None if alternatives is None else (alternatives.everything.count(), sum(firings.values())),
         {} if space is None else functioning_modes(mission_net, space),
         *never,
+        ignored,
     )
 
 
@@ -387,6 +404,7 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
     if mission_net.abort is not None:
         goals[ENDS_SAFELY] = space.everything - space.reaching(success | abort)
         goals[ABORT_REACHABLE] = abort
+        yield _unsafe_abort(mission_net, space, abort, settles=settles)
     for name, goal in goals.items():
         step(Doing.DECIDING, question=name)
         holds_if_found, found, nothing = RUNS[name]
@@ -401,6 +419,16 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
         else:
             shown = Run(space.net, transitions_of(run), settles=settles)
             yield Verdict(name, holds_if_found, found, (shown,))
+
+
+def _unsafe_abort(mission_net: MissionNet, space: Space[S], abort: S, *, settles: bool) -> Verdict:
+    """Whether the mission aborts by the failure of an objective by whose success it aborts, too."""
+    step(Doing.DECIDING, question=UNSAFE_ABORT)
+    names, run = abort_by_failure(mission_net, space, abort, settles=settles)
+    if run is None:
+        return Verdict(UNSAFE_ABORT, False, "what ends in abort by its success does not by its failure")
+    told = shortened(mission_net.graph.copies.told(names, names_of_objectives(mission_net.graph)))
+    return Verdict(UNSAFE_ABORT, True, f"abort is safe by word alone where this fails: {told}", (run,))
 
 
 def _success(nominal_runs: NominalRuns[S], goal: S) -> Verdict:

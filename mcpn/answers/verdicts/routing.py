@@ -18,7 +18,7 @@ from mcpn.mission.graph import TIMED_OUT, ElementarySection, ObjectivesGraph, Pa
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission
 from mcpn.mission.static.warnings import names_of_objectives
 from mcpn.nets.events import Event, What
-from mcpn.sentences import shortened
+from mcpn.sentences import enumeration, shortened
 
 _VERBS = {"success": "succeed", "failure": "fail", "abort": "abort", TIMED_OUT: "time out"}
 _EVENTS = {"success": What.SUCCESS, "failure": What.FAILURE, TIMED_OUT: What.TIMEOUT}
@@ -145,6 +145,9 @@ class Routing:
             else:
                 successes = shortened(self._copies.told((s.section.success for s in same), self._every))
                 cause = self._because(missing) or f": no route leads from {successes} to succeed"
+            events = {i.event for each in same for i in each.section.interruptions if i.target not in _ENDS}
+            if events and not several:
+                cause += f" ({enumeration(sorted(events))} may interrupt it before)"
             leads = "lead" if several else "leads"
             yield Problem(one.section.source, f"{subject} {leads} only to {where} by {whose} success{cause}")
 

@@ -8,7 +8,7 @@ from functools import cache
 from mcpn.errors import Problem
 from mcpn.mission.expansion.copies import grouped
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, flatten
-from mcpn.mission.model import ABORT, Block, Holder, Mission, Objective, Use, walk
+from mcpn.mission.model import ABORT, FAIL, Block, Holder, Mission, Objective, Use, walk
 from mcpn.mission.static.contentions import contention_warnings
 from mcpn.mission.static.usage import Usage
 from mcpn.mission.world.fact_warnings import fact_warnings
@@ -106,7 +106,25 @@ def _warnings(usage: Usage) -> Iterator[Problem]:
             yield Problem(protocol.source, f"protocol {protocol.name} is never used")
     yield from fact_warnings(usage.world, graph)
     yield from _vain(mission)
+    yield from _leading_out(mission)
     yield from never_entered(usage)
+
+
+def _leading_out(mission: Mission) -> Iterator[Problem]:
+    """Siblings that are run while blocks pause, or to recover them, and lead elsewhere when time is over."""
+    for blocks in (mission.blocks, *(protocol.blocks for protocol in mission.protocols)):
+        named = {block.name: block for block in walk(blocks)}
+        for block in named.values():
+            by = [(handler.pause, "pauses") for handler in block.handlers] + [(block.recover, "recovers")]
+            for name, why in by:
+                sibling = named.get(name or "")
+                late = sibling.timeout_goto if isinstance(sibling, Objective) else None
+                if sibling is not None and late not in (None, FAIL):
+                    message = (
+                        f"{sibling.name} runs while {block.name} {why}, and leads to {late} when its time is "
+                        f"over: {block.name} does not go on then"
+                    )
+                    yield Problem(sibling.source, message)
 
 
 def _vain(mission: Mission) -> Iterator[Problem]:

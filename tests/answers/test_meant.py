@@ -1,0 +1,105 @@
+"""Recipes of the language page do what they say, and what does not is told."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from mcpn.answers.verdicts.mission import MissionCheck, check
+from mcpn.drawing.compose import compose
+from mcpn.errors import InputError
+from mcpn.mission.static.warnings import find_warnings
+from mcpn.mission.xml import read_mission
+from mcpn.study import Study
+
+HEAD = """<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="auv">
+  <hardware name="motor"/><hardware name="watch"/>
+  <event name="ship"/><event name="dose_reached"/>
+  <activity name="swim" consumes="motor"/><activity name="guard" consumes="watch"/>
+  <activity name="hover"/></robot>
+"""
+
+
+def of(folder: Path, blocks: str) -> Study:
+    path = folder / "m.xml"
+    path.write_text(f"{HEAD}{blocks}</mission>")
+    return Study(read_mission(path))
+
+
+def holds(study: Study, formula: str, *, fair: bool = False) -> bool:
+    return study.ctl(formula, fair=["progress"] if fair else []).holds
+
+
+PAUSE = """<objective name="survey" success="succeed"><on event="ship" pause="deep"/>
+  <objective name="line" activities="swim"/></objective>"""
+
+
+def test_a_wait_in_a_pause_goes_on(tmp_path: Path) -> None:
+    inside = '<objective name="deep"><objective name="wait" activities="hover" timeout="600" {}/></objective>'
+    found = of(tmp_path, PAUSE + inside.format('timeout_goto="succeed"'))
+    name = next(s.name for s in found.mission_net.graph.walk() if "wait" in s.name)
+    over = f"happens(OBJ_{name}_EV_TIMEOUT)"
+    assert holds(found, f"G ({over} -> X objective(line))")
+    assert not [w for w in find_warnings(found.mission_net.mission) if "does not go on" in w.message]
+
+
+def test_a_sibling_that_leads_out_when_its_time_is_over_is_told(tmp_path: Path) -> None:
+    apart = '<objective name="deep" activities="hover" timeout="600" timeout_goto="succeed"/>'
+    found = of(tmp_path, PAUSE + apart)
+    told = [str(problem) for problem in find_warnings(found.mission_net.mission)]
+    assert [w for w in told if "deep runs while survey pauses, and leads to succeed" in w]
+    away = replace_timeout(apart)
+    quiet = find_warnings(of(tmp_path, PAUSE + away).mission_net.mission)
+    assert not [w for w in quiet if "does not go on" in w.message]
+
+
+def replace_timeout(block: str) -> str:
+    return block.replace(' timeout_goto="succeed"', "")
+
+
+def test_a_guard_that_is_lost_stops_the_work(tmp_path: Path) -> None:
+    found = of(tmp_path, '<objective name="work" activities="swim guard"/>')
+    assert holds(found, "AG (refused(guard) -> !event(OBJ_work_EV_OK))")
+
+
+def test_a_final_state_that_nobody_interrupts(tmp_path: Path) -> None:
+    blocks = """<objective name="work" success="last" failure="last"><on event="ship" goto="last"/>
+      <objective name="line" activities="swim"/></objective>
+      <objective name="last" activities="hover" failure="last"/>"""
+    found = of(tmp_path, blocks)
+    assert holds(found, "AG (objective(last) -> !event(ship))")
+    assert holds(found, "AG !failure")  # what must not give up is tried again
+    assert holds(found, "G (objective(line) -> F (objective(last) | !objective(line)))", fair=True)
+
+
+def test_what_a_driver_counts_ends_the_work_in_a_pause_too(tmp_path: Path) -> None:
+    blocks = """<objective name="all" success="succeed" failure="rest"><on event="dose_reached" goto="rest"/>
+      <objective name="survey" success="succeed"><on event="ship" pause="deep"/>
+      <objective name="line" activities="swim"/></objective><objective name="deep" activities="hover"/>
+      </objective><objective name="rest" activities="hover"/>"""
+    found = of(tmp_path, blocks)
+    assert holds(found, "G (happens(dose_reached) -> X objective(rest))")
+    assert holds(found, "EF (objective(deep) & event(dose_reached))")
+
+
+def test_a_block_is_asked_for_as_a_block(tmp_path: Path) -> None:
+    found = of(tmp_path, PAUSE + '<objective name="deep" activities="hover"/>')
+    with pytest.raises(InputError, match=r"survey holds blocks: expected block\(survey\)"):
+        found.ctl("EF objective(survey)")
+    assert found.ctl("EF block(survey)").holds
+
+
+def checked(folder: Path, blocks: str) -> MissionCheck:
+    return check(compose(of(folder, blocks).mission_net.mission))
+
+
+def test_an_event_that_pulls_out_is_named(tmp_path: Path) -> None:
+    blocks = """<objective name="work" activities="swim" success="succeed" failure="halt"/>
+      <objective name="halt" activities="hover" success="abort" failure="halt">
+      <on event="ship" goto="work"/></objective>"""
+    said = [problem.message for problem in checked(tmp_path, blocks).futile]
+    assert said == [
+        "objective halt leads only to abort by its success: its success leads to abort "
+        "(ship may interrupt it before)"
+    ]
