@@ -12,8 +12,8 @@ from mcpn.errors import LimitError
 from mcpn.mission.model import Handler, Mission, Objective
 from mcpn.mission.robot import DeclaredEvent, Robot
 from mcpn.spaces.engines import Engine
+from mcpn.testing import elements as drawn
 from tests.draws import composed, fewer
-from tests.judge import drawn
 from tests.judge.interpreter import DECLARED, Interpreter, Undetermined
 from tests.small import activity, mission
 

@@ -10,8 +10,8 @@ from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError
 from mcpn.mission.model import Mission, Objective
 from mcpn.spaces.engines import Engine
+from mcpn.testing import elements as drawn
 from tests.draws import composed, fewer
-from tests.judge import drawn
 from tests.judge.interpreter import FAILURE, SUCCESS, TIMEOUT, Interpreter, Undetermined
 from tests.small import activity, hw, mission, robot
 
