@@ -202,6 +202,7 @@ def parallel_node(at: Translator, node: TreeNode, context: Context) -> Result:
             # Where all children have ended and too few have succeeded, the block has failed anyway.
             event = at.event(f"{name}_fails", f"{losing} children of {name} have failed")
             made = replace(made, handlers=(Handler(event=event, goto=FAIL),))
+            made = Recursive(name=at.names.fresh(f"{name}_counted"), blocks=(made,))
             kind, why = Kind.MORE, f"that {losing} have failed is an event, which may happen before"
     at.note(node, made.name, kind, why)
     return Part(made)

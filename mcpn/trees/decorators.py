@@ -148,15 +148,10 @@ def timeout(at: Translator, node: TreeNode, context: Context) -> Result:
         return made
     name = result.block.name
     over = at.event(f"{name}_time_over", f"{text} ms are over while {name} runs")
-    if not result.plain or result.block.retries or result.block.repeat is not None:
-        result = Part(
-            Recursive(
-                name=at.names.fresh(node.name or f"{name}_timed"),
-                blocks=tidied([placed(result, SUCCEED, FAIL)]),
-            ),
-            skips=result.skips,
-        )
-    made = replace(result, block=handled(result.block, [Handler(event=over, goto=FAIL)], at.instants))
+    # The event leads to the exit of what is around, which must be the child's alone.
+    timed = handled(placed(result, SUCCEED, FAIL), [Handler(event=over, goto=FAIL)], at.instants)
+    around = at.names.fresh(node.name or f"{name}_timed")
+    made = Part(Recursive(name=around, blocks=tidied([timed])), skips=result.skips)
     at.note(node, made.block.name, Kind.TIME, f"the event {over} stands for its end")
     return made
 

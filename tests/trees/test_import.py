@@ -77,6 +77,7 @@ EXACT = {
 
 MORE = {
     "parallel, two of three fail": node("Parallel", A, B, C, success_count=1, failure_count=2),
+    "inverter of two of three": node("Inverter", node("Parallel", A, B, C, success_count=1, failure_count=2)),
     "parallel all, two may fail": node("ParallelAll", A, B, C, max_failures=2),
     "an unknown decorator": node("Strange", node("Sequence", A, B)),
     "round robin, halted from afar": node(
@@ -88,6 +89,7 @@ TIME = {
     "rate elsewhere": node("Sequence", node("RateController", A, hz=1), B),
     "timeout": node("Fallback", node("Timeout", A, msec=1500), B),
     "timeout around much": node("Repeat", node("Timeout", node("Sequence", A, B), msec=100), num_cycles=2),
+    "timeout of one that may fail": node("Fallback", node("Timeout", node("Sequence", A, B), msec=100), C),
     "delay": node("Sequence", node("Delay", A, delay_msec=100), B),
 }
 
