@@ -169,11 +169,12 @@ class StateEquation:
                         weights[variable - first] -= multiplier * weight
         return {place: total // weight for place, weight in enumerate(weights) if weight > 0}
 
-    def solve(self, goal: Goal) -> Solution:
+    def solve(self, goal: Goal, most: int = NODES) -> Solution:
         """Whether the equation, with traps, rules a goal out.
 
         Args:
             goal: Any goal.
+            most: Cases of the branch and bound.
 
         Returns:
             The answer; ``unknown`` also where the net or the goal is too large for the solver.
@@ -200,7 +201,7 @@ class StateEquation:
                 proofs.append(found[1])
                 continue
             nodes += 1
-            if solved.kind == "unknown" or nodes > NODES + len(program.traps):
+            if solved.kind == "unknown" or nodes > most + len(program.traps):
                 return Solution("unknown")
             trap = self._trap(program.empty(solved)) if len(program.traps) < TRAPS else frozenset()
             if trap:

@@ -35,8 +35,8 @@ MOST_WORK, WORK_OF_CALL = 2_000_000, 500
 arcs, as if each net had some more."""
 MOST_TOGETHER = 20
 """Sums whose walks have their full number of firings."""
-MOST_JOINED = 40
-"""Conditions that are joined of several, each of which takes a program of its own."""
+MOST_JOINED, FEW_CASES = 40, 4
+"""Conditions that are joined of several, each of which takes a program of its own, and cases of each."""
 SIPHON_STEPS = 500
 WALKS = 6
 """Walks, each twice as long as the one before, after which it is looked whether a transition is dead."""
@@ -228,7 +228,7 @@ class Facts:
         if isinstance(goal, AtMost):
             most = self.equation.most({place: -weight for place, weight in goal.weights}).bound
             return most is not None and most < -goal.bound
-        return self.equation.solve(goal).kind == "unreachable"
+        return self.equation.solve(goal, FEW_CASES).kind == "unreachable"
 
     def always(self, condition: Formula) -> bool | None:
         """The value of a condition that is the same in every reachable marking; ``None`` where not known."""
