@@ -13,11 +13,10 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from mcpn.mission.language.forms import GROUPS, Field, form_of, inside, language
-from mcpn.mission.language.grammar import relax_ng
+from mcpn.mission.language.forms import GROUPS, Field, form_of, inside, language, relax_ng
 from mcpn.mission.model import BlockElement
 from mcpn.mission.robot import Described, Element
-from mcpn.mission.schema import SCHEMA
+from mcpn.mission.xml import SCHEMA
 from mcpn.testing.kit.contract import PARTS
 
 SHARED = {"common": (Element, Described), "routing": (BlockElement,)}

@@ -26,7 +26,7 @@ from drawing import drawn
 from growth import FAMILIES
 from limits import Result, measured
 
-from mcpn.composite.exploring import Explored, explore_local
+from mcpn.composite.section_type import Explored, explore_local
 from mcpn.drawing.compose import compose
 from mcpn.drawing.sections import SectionParts
 from mcpn.mission.model import Mission

@@ -21,10 +21,10 @@ from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))
 
-from mcpn.answers.causes.edge_rates import decimal
+from mcpn.answers.causes.chain import decimal
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.causes.risk import risk
-from mcpn.answers.causes.whole.chain import whole_chain
+from mcpn.answers.causes.whole_chain import whole_chain
 from mcpn.drawing.compose import compose
 from mcpn.errors import McpnError
 from mcpn.mission.model import Block, Holder, Mission, Objective

@@ -29,7 +29,7 @@ from typing import Any
 
 from mcpn.answers.causes.risk import risk
 from mcpn.bench.runs import interval
-from mcpn.controller.monitors.writing import files, monitors_of
+from mcpn.controller.monitors import files, monitors_of
 from mcpn.controller.simulator import Simulation
 from mcpn.controller.targets.json import document
 from mcpn.drivers.mapping import check_plan

@@ -34,7 +34,7 @@ from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
-from mcpn.controller.monitors.writing import files, monitors_of
+from mcpn.controller.monitors import files, monitors_of
 from mcpn.controller.targets.json import document
 from mcpn.drivers.functions import Call
 from mcpn.drivers.reading import read_drivers

@@ -22,8 +22,8 @@ from mcpn.drawing.templates import Canvas, PaperTemplates, TemplateSet
 from mcpn.drawing.templates.compact import CompactTemplates
 from mcpn.mission.flatten import ObjectivesGraph
 from mcpn.mission.robot import Activity, Hardware, Software
-from mcpn.testing.kit.machines import MACHINES, driven
 from mcpn.testing.kit.running import broken
+from mcpn.testing.kit.units import MACHINES, driven
 
 
 @dataclass(frozen=True)

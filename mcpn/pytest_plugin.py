@@ -30,7 +30,7 @@ class TemplateTest(pytest.Item):
 
         profile = self.config.getoption("--mcpn-profile")
         if self.property.startswith(_ALONE):
-            from mcpn.testing.kit.machines import driven
+            from mcpn.testing.kit.units import driven
 
             alone = self.property.removeprefix(_ALONE)
             violation = driven(templates_named(self.templates), profile=profile, only=alone)
@@ -88,8 +88,8 @@ def pytest_collection_modifyitems(
 ) -> None:
     """Adds a test for each property of the templates asked for."""
     for templates in config.getoption("--mcpn-templates"):
-        from mcpn.testing.kit.machines import MACHINES
         from mcpn.testing.kit.running import ALL
+        from mcpn.testing.kit.units import MACHINES
 
         for name in (
             *ALL,

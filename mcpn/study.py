@@ -46,8 +46,7 @@ if TYPE_CHECKING:
     from mcpn.spaces.kept import Spaces
     from mcpn.spaces.markings.explicit import Progress
     from mcpn.spaces.markings.graph import StateGraph
-    from mcpn.spaces.sizes import Counting
-    from mcpn.spaces.summary import SpaceSummary
+    from mcpn.spaces.sizes import Counting, SpaceSummary
 
 # Methods import the modules that they need, so that each question loads no more than it needs.
 
@@ -360,7 +359,7 @@ class Study:
         """
         from mcpn.spaces.arrays import ArraySpace
         from mcpn.spaces.engines import Choice
-        from mcpn.spaces.stable.listing import written_out
+        from mcpn.spaces.stable.alternatives import written_out
 
         if on == "markings":
             space = self.spaces.space(Choice("explicit", max_states=max_states), "markings")

@@ -194,11 +194,11 @@ HEAVY = {
     "logging",
     "tempfile",
     "mcpn.spaces.diagrams.counters",
-    "mcpn.spaces.markings.widths",
+    "mcpn.spaces.markings.counted",
     "mcpn.spaces.search.portfolio",
     "mcpn.logic.contest",
 }
-TOKENS = {"mcpn.spaces.markings.widths"}
+TOKENS = {"mcpn.spaces.markings.counted"}
 ARRAYS, FILES = {"numpy"}, {"tempfile"}
 CONTEST = {"mcpn.logic.contest", "mcpn.spaces.search.portfolio"}
 LOADS: dict[str, set[str]] = {

@@ -24,9 +24,9 @@ from mcpn.mission.model import Mission
 from mcpn.nets.petri import PetriNet
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.spaces.markings.graph import StateGraph
-from mcpn.spaces.summary import SpaceSummary
+from mcpn.spaces.sizes import SpaceSummary
 from mcpn.testing import missions
-from mcpn.testing.shown import as_xml
+from mcpn.testing.shape import as_xml
 from tests.conftest import ROOT, ULYSSE
 from tests.nets.nets import graph_of, pt_nets
 

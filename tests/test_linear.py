@@ -16,7 +16,7 @@ from lxml import etree
 from mcpn.errors import InputError
 from mcpn.mission.language import datatypes
 from mcpn.mission.language.datatypes import Datatype
-from mcpn.mission.language.grammar import _data
+from mcpn.mission.language.forms import _data
 from mcpn.mission.xml import read_mission
 from tests.conftest import ROOT
 from tests.mutation import at_most

@@ -54,7 +54,7 @@ def test_the_mutants_of_a_small_file(mutants: ModuleType) -> None:
 
 
 @pytest.mark.parametrize(
-    "path", ["mcpn/errors.py", "mcpn/runtime/tables.py", "mcpn/spaces/stable/commutation.py"]
+    "path", ["mcpn/errors.py", "mcpn/runtime/tables.py", "mcpn/spaces/stable/confluence.py"]
 )
 def test_each_mutant_parses_and_is_another_program(mutants: ModuleType, path: str) -> None:
     source = (ROOT / path).read_bytes()
@@ -110,7 +110,7 @@ def checkout(tmp_path: Path) -> Path:
         (tmp_path / path).mkdir(parents=True)
     shutil.copy(ROOT / "experiments" / "mutants.py", tmp_path / "experiments")
     for name in ("old", "new"):
-        (tmp_path / "mcpn" / "space" / f"{name}.py").write_bytes(SOURCE)
+        (tmp_path / "mcpn" / "spaces" / f"{name}.py").write_bytes(SOURCE)
     return tmp_path
 
 
@@ -137,12 +137,12 @@ def test_since_a_revision_or_a_date(checkout: Path) -> None:
         command = ["git", "-c", "user.name=n", "-c", "user.email=e@e", *arguments]
         subprocess.run(command, cwd=checkout, env={**os.environ, **who}, check=True, capture_output=True)
 
-    new = checkout / "mcpn" / "space" / "new.py"
+    new = checkout / "mcpn" / "spaces" / "new.py"
     git("init", day=1)
     git("add", ".", day=1)
     git("commit", "-m", "first", day=1)
     new.write_bytes(SOURCE + b"\n")
-    (checkout / "mcpn" / "space" / "gone.py").write_bytes(SOURCE)
+    (checkout / "mcpn" / "spaces" / "gone.py").write_bytes(SOURCE)
     git("add", ".", day=20)
     git("commit", "-m", "second", day=20)
     git("rm", "mcpn/spaces/gone.py", day=21)

@@ -22,8 +22,7 @@ from mcpn.errors import LimitError, McpnError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.kept import Spaces
-from mcpn.spaces.sizes import summarise
-from mcpn.spaces.summary import ENGINES
+from mcpn.spaces.sizes import ENGINES, summarise
 
 SIZES = ("states", "edges", "stable_states", "dead_states", "max_tokens")
 """What engines must agree on, as far as each counts it."""
@@ -39,7 +38,7 @@ class Measurement:
     """What one engine found, and what it took.
 
     Args:
-        engine: One of :data:`mcpn.spaces.summary.ENGINES`, ``local``, or one of the caller's own.
+        engine: One of :data:`mcpn.spaces.sizes.ENGINES`, ``local``, or one of the caller's own.
         sizes: By the names of :data:`SIZES` and :data:`DIAGRAM`; a size that the engine does not count is
             ``None``. The whole is ``None`` where the engine gave up.
         seconds: Wall-clock time of the engine, imports apart: the least of all runs.

@@ -10,10 +10,9 @@ from mcpn.answers.names import MissionNames, progress
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError, LimitError, Problem
 from mcpn.logic.evaluate import Evaluation
-from mcpn.logic.syntax import parse
+from mcpn.logic.syntax import parse, show
 from mcpn.logic.vacuity import idle_parts
 from mcpn.logic.witness import Witness, explain
-from mcpn.logic.writing import show
 from mcpn.mission.flatten import requirements_of
 from mcpn.mission.requirement import Requirement
 from mcpn.spaces.algebra import Space

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from mcpn.composite.clash_words import in_mission_words
+from mcpn.composite.clash import in_mission_words
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.mortal import mortal
 from mcpn.drawing.sections import SectionParts, part_of, refuse_many_alternatives, refuse_wide

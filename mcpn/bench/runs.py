@@ -1,22 +1,43 @@
-"""Runs of a mission in virtual time, and what was seen in them."""
+"""Monitors on the runs of a bench: how many of them violate each requirement, satisfy it, leave it open."""
 
 from __future__ import annotations
 
 import random
 from bisect import bisect_right
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from math import inf, sqrt
 from statistics import NormalDist
 
 from mcpn.bench.demands import StartDemand
-from mcpn.bench.places import ControllerPlace
-from mcpn.bench.world import BenchNode, World
+from mcpn.bench.world import BenchNode, ControllerPlace, World
 from mcpn.controller.nominal import awaited, nominal_run
 from mcpn.nets.events import Event
 from mcpn.runtime.machines import TypeTables
+from mcpn.runtime.monitors import Monitors
 from mcpn.runtime.tables import Tables
+
+
+def watched(monitors: Monitors, runs: Iterable[BenchRun]) -> dict[str, dict[str, int]]:
+    """By requirement, what its monitor says at the ends of how many runs.
+
+    Args:
+        monitors: Those of the mission; they begin anew with each run.
+        runs: The runs.
+    """
+    found = {name: dict.fromkeys(("violated", "satisfied", "open"), 0) for name in monitors.values}
+    for run in runs:
+        monitors.restart()
+        for event in run.events:
+            if not event.refused:
+                monitors.take(event.event)
+        for name, value in monitors.values.items():
+            found[name][value] += 1
+    return found
+
+
+# --- Runs of a mission in virtual time, and what was seen in them -----------------------------------------
 
 MOST_EVENTS = 10_000
 """Of one run: a mission may go on for ever."""

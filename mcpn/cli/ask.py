@@ -139,11 +139,9 @@ def ask(
 def _print_automata(questions: Questions, formulas: tuple[str, ...], as_json: bool) -> None:
     """The automata of formulas on paths, in the Hanoi format."""
     from mcpn.errors import InputError
-    from mcpn.logic.ltl.automaton import translated
+    from mcpn.logic.ltl.automaton import classes, translated, write_hoa
     from mcpn.logic.ltl.formulas import is_of_paths, normal
-    from mcpn.logic.ltl.hoa import classes, write_hoa
-    from mcpn.logic.syntax import parse_open
-    from mcpn.logic.writing import show
+    from mcpn.logic.syntax import parse_open, show
 
     found = []
     for text in formulas:
@@ -162,7 +160,7 @@ def _print_automata(questions: Questions, formulas: tuple[str, ...], as_json: bo
 
 def _list_words(mission_net: MissionNet, as_json: bool) -> None:
     """The words that formulas about a mission are made of."""
-    from mcpn.answers.vocabulary import vocabulary
+    from mcpn.answers.names import vocabulary
 
     words = vocabulary(mission_net)
     if as_json:

@@ -125,10 +125,8 @@ def causes(
         numbers = slopes = bounded = by_then = unanswered = None
         if rates:
             from mcpn.answers.causes.risk import risk
-            from mcpn.answers.causes.whole.bounds import bounds
-            from mcpn.answers.causes.whole.chain import whole_chain
-            from mcpn.answers.causes.whole.slopes import slopes_of
-            from mcpn.answers.causes.whole.within import within as ends_within
+            from mcpn.answers.causes.whole_chain import bounds, slopes_of, whole_chain
+            from mcpn.answers.causes.whole_chain import within as ends_within
 
             try:
                 numbers, slopes = risk(every.prospects, max_chain), slopes_of(every.prospects, max_chain)

@@ -41,7 +41,7 @@ COMMANDS = {
     "serve": "report",
     "simulate": "simulate",
     "states": "spaces",
-    "tests": "robot.sequences",
+    "tests": "robot.bench",
 }
 """By command, the module of this package that has it."""
 ALIASES = {"ctl": "ask"}

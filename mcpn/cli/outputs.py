@@ -176,9 +176,9 @@ def _write_chain(
 ) -> None:
     """Writes the chain of a mission with rates as a Markov automaton."""
     without_threads_of_numpy()
-    from mcpn.answers.causes.edge_rates import decimal
+    from mcpn.answers.causes.chain import decimal
     from mcpn.answers.causes.prospects import Prospects
-    from mcpn.answers.causes.whole.chain import whole_chain
+    from mcpn.answers.causes.whole_chain import whole_chain
     from mcpn.files import write_atomically
     from mcpn.opening import open_study
     from mcpn.report.failures.drn import drn

@@ -30,8 +30,7 @@ if TYPE_CHECKING:
     from mcpn.spaces.engines import Asked, Choice, On
     from mcpn.spaces.kept import Spaces
     from mcpn.spaces.markings.explicit import Progress
-    from mcpn.spaces.sizes import Counting
-    from mcpn.spaces.summary import SpaceSummary
+    from mcpn.spaces.sizes import Counting, SpaceSummary
 
 
 @click.command()
@@ -87,7 +86,7 @@ def states(
 
 def _in_order(spaces: Spaces, order: Path | None, seed: int | None, save_order: Path | None) -> SpaceSummary:
     from mcpn.spaces.diagrams.order import read_order, write_order
-    from mcpn.spaces.summary import summary_of
+    from mcpn.spaces.sizes import summary_of
 
     started, net = time.perf_counter(), spaces.net
     space = spaces.ordered(read_order(order, net) if order else None, seed)
@@ -135,12 +134,11 @@ def alternatives(
     as_json: bool,
 ) -> None:
     """Build the alternatives graph of MISSION: its stable markings and events."""
-    from mcpn.composite.clash_words import in_mission_words
+    from mcpn.composite.clash import in_mission_words
     from mcpn.opening import open_study
     from mcpn.spaces.arrays import ArraySpace
     from mcpn.spaces.engines import answered
-    from mcpn.spaces.stable.alternatives import AlternativesGraph
-    from mcpn.spaces.stable.listing import written_out
+    from mcpn.spaces.stable.alternatives import AlternativesGraph, written_out
 
     without_threads_of_numpy()
     if method is not None or not proof:

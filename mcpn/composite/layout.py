@@ -1,13 +1,4 @@
-"""The diagram store of a composite: one for all sections, so that sets pass from section to section.
-
-The first levels hold the places of the local net of one section; all sections use the same levels. The last
-levels, the *slots*, hold the status that sections hand on: for each hardware resource of the mission whether
-it is out of service (and lost for good, where hardware may die), for each handler that happens once whether
-it has happened, for each fact what is true of it, and for hardware that is detected late whether it is known
-to be out of service. A section keeps the status of its own hardware and handlers in places of its local
-net. Its diagrams leave the slots of these unconstrained, so that sections of one type have equal diagrams
-whatever their hardware is called.
-"""
+"""Names of one section as those of another of the same type."""
 
 from __future__ import annotations
 
@@ -18,12 +9,85 @@ from typing import Literal, NamedTuple, TypeAlias
 
 from mcpn._kernel import Store, Zdd
 from mcpn.drawing.compose import MissionNet
-from mcpn.drawing.sections import Element
+from mcpn.drawing.sections import Element, LocalPart
+from mcpn.mission.expansion.faults import noticed
+from mcpn.mission.flatten import ElementarySection, Section
+from mcpn.mission.graph import names_in
 from mcpn.mission.world.conditions import all_flags, flags
 from mcpn.nets.events import What
 from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY
 from mcpn.spaces.memoized import memoized
 from mcpn.spaces.run import Completion
+
+
+class Renaming:
+    """From the names in one section to those in another of the same type.
+
+    Args:
+        old: The section that the names are of.
+        new: The other section.
+
+    Attributes:
+        activities: By name in the old section.
+        alternatives: As ``activity.alternative``.
+        hardware: By name.
+        once: Handlers that happen once, by where they are written.
+        facts: What may be true of facts (:attr:`LocalPart.flags`), and of hardware that is detected late.
+        objectives: By name, blocks and branches with them.
+        elements: All of them, with software and parallel blocks, each with its kind.
+    """
+
+    def __init__(self, old: LocalPart, new: LocalPart) -> None:
+        both = list(zip(old.used.activities, new.used.activities, strict=True))
+        self.activities = {theirs.name: mine.name for theirs, mine in both}
+        self.alternatives = {
+            f"{theirs.name}.{a.name}": f"{mine.name}.{b.name}"
+            for theirs, mine in both
+            for a, b in zip(theirs.alternatives, mine.alternatives, strict=True)
+        }
+        self.hardware = {a.name: b.name for a, b in zip(old.used.hardware, new.used.hardware, strict=True)}
+        self.once = dict(zip(old.once, new.once, strict=True))
+        self.facts = dict(zip(old.flags, new.flags, strict=True))
+        late = zip(old.used.late, new.used.late, strict=True)
+        self.facts |= {noticed(theirs): noticed(mine) for theirs, mine in late}
+        sections = zip(old.graph.sections, new.graph.sections, strict=True)
+        self.objectives = {
+            its: own for pair in sections for its, own in zip(*map(names_in, pair), strict=True)
+        }
+        software = zip(old.used.software, new.used.software, strict=True)
+        by_kind = {
+            "hardware": self.hardware,
+            "once": self.once,
+            "fact": {a.name: b.name for a, b in zip(old.facts, new.facts, strict=True)},
+            "software": {a.name: b.name for a, b in software},
+            "activity": self.activities,
+            "alternative": self.alternatives,
+        }
+        self.elements: dict[Element, Element] = {
+            (kind, name): (kind, mine) for kind, names in by_kind.items() for name, mine in names.items()
+        } | renamed_sections(old, new)
+
+
+def renamed_sections(old: LocalPart, new: LocalPart) -> dict[Element, Element]:
+    """From the objectives and blocks of a part to those of another of the same type."""
+    both = zip(old.graph.all_sections(), new.graph.all_sections(), strict=True)
+    return {(kind_of(theirs), theirs.name): (kind_of(mine), mine.name) for theirs, mine in both}
+
+
+def kind_of(section: Section) -> str:
+    """What the provenances of a section's places call it."""
+    return "objective" if isinstance(section, ElementarySection) else "parallel"
+
+
+# The diagram store of a composite: one for all sections, so that sets pass from section to section.
+#
+# The first levels hold the places of the local net of one section; all sections use the same levels. The last
+# levels, the *slots*, hold the status that sections hand on: for each hardware resource of the mission
+# whether it is out of service (and lost for good, where hardware may die), for each handler that happens once
+# whether it has happened, for each fact what is true of it, and for hardware that is detected late whether it
+# is known to be out of service. A section keeps the status of its own hardware and handlers in places of its
+# local net. Its diagrams leave the slots of these unconstrained, so that sections of one type have equal
+# diagrams whatever their hardware is called.
 
 Said: TypeAlias = Literal["oos", "dead", "happened", "fact", "known"]
 

@@ -8,10 +8,8 @@ from functools import cache, cached_property
 from typing import Literal, TypeVar, get_args
 
 from mcpn._kernel import Zdd
-from mcpn.composite.exploring import explore_local
-from mcpn.composite.layout import Layout, Toggle
-from mcpn.composite.renaming import Renaming, renamed_sections
-from mcpn.composite.section_type import ALL, Allowed, Exit, SectionType
+from mcpn.composite.layout import Layout, Renaming, Toggle, renamed_sections
+from mcpn.composite.section_type import ALL, Allowed, Exit, SectionType, explore_local
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.mortal import mortal
 from mcpn.drawing.sections import Element, LocalPart, Used

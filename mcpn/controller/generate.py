@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Literal, overload
 
 from mcpn.answers.spaces import MissionSubject, spaces_of
-from mcpn.composite.clash_words import in_mission_words
+from mcpn.composite.clash import in_mission_words
 from mcpn.controller.hierarchy import TableController, flat_controller, hierarchical_controller
 from mcpn.controller.modular import AnyController, ModularController
 from mcpn.controller.rules import modular_controller

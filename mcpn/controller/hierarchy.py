@@ -26,13 +26,13 @@ import numpy as np
 
 from mcpn.answers.verdicts.modes import Situation
 from mcpn.composite.composite import CompositeSpace
-from mcpn.composite.renaming import Renaming
+from mcpn.composite.layout import Renaming
 from mcpn.composite.section_type import SectionType
 from mcpn.controller.actions import PlannedAction
 from mcpn.controller.machine import Machine, controller, event_at
 from mcpn.controller.sizes import refuse_entries
 from mcpn.drawing.compose import MissionNet
-from mcpn.drawing.forgetful import ALWAYS, Guard
+from mcpn.drawing.mortal import ALWAYS, Guard
 from mcpn.drawing.sections import LocalPart
 from mcpn.mission.expansion.faults import noticed
 from mcpn.mission.model import ABORT, FAIL, SUCCEED

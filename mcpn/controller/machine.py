@@ -51,7 +51,7 @@ class Machine:
         mission: The mission's name.
         states: What each state is, by number.
         graph: The alternatives graph, whose edges they are: sorted by source, then in the net's order; at
-            most one for each state and event, but in a net that forgets (:mod:`mcpn.drawing.forgetful`).
+            most one for each state and event, but in a net that forgets (:mod:`mcpn.drawing.mortal`).
         orders: By edge, the number of its list of actions.
         lists: By number, actions in order: stops, releases, selections, starts.
         waiting: Numbers of the states before the mission's start.

@@ -12,7 +12,7 @@ from collections.abc import Hashable, Sequence
 from dataclasses import replace
 
 from mcpn.controller.hierarchy import Move, SectionMachine, TableController
-from mcpn.drawing.forgetful import Guard
+from mcpn.drawing.mortal import Guard
 
 
 def minimise(controller: TableController) -> TableController:

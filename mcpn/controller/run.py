@@ -19,8 +19,7 @@ import numpy as np
 
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import DivergenceError
-from mcpn.spaces.markings.explicit import KernelNet
-from mcpn.spaces.markings.firing import MaskedNet, bits_of
+from mcpn.spaces.markings.explicit import KernelNet, MaskedNet, bits_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

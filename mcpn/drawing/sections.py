@@ -25,9 +25,8 @@ from mcpn.mission.graph import TIMED_OUT
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Activity, Fact, Hardware, Software
 from mcpn.mission.static.usage import Usage
-from mcpn.mission.world.conditions import all_flags
+from mcpn.mission.world.conditions import all_flags, touched_by
 from mcpn.mission.world.decisions import FactCase
-from mcpn.mission.world.fact_usage import touched_by
 
 Element: TypeAlias = tuple[str, str]
 """The kind and the name that the provenances of an element's places have."""

@@ -10,12 +10,11 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
-from mcpn.drivers.mapping import ending, starts_by_itself, tells
-from mcpn.drivers.plan import FAILURE, SUCCESS, DriverSpec, Plan
+from mcpn.drivers.inbox import Turns
+from mcpn.drivers.mapping import FAILURE, SUCCESS, DriverSpec, Plan, ending, starts_by_itself, tells
 from mcpn.drivers.processes import Warden
 from mcpn.drivers.starts import Started
 from mcpn.drivers.topics import StopMessage, buses_of, tell_to_stop
-from mcpn.drivers.turns import Turns
 from mcpn.runtime.controller import Controller
 from mcpn.runtime.tables import START, Action, Refused, Tables
 

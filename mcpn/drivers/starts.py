@@ -12,7 +12,7 @@ from typing import Protocol
 
 from mcpn.drivers.functions import Call, FunctionDriver, function_of
 from mcpn.drivers.inbox import Inbox
-from mcpn.drivers.plan import DriverSpec, Topics, filled
+from mcpn.drivers.mapping import DriverSpec, Topics, filled
 from mcpn.drivers.processes import NOT_STARTED, ProcessDriver, Warden
 from mcpn.drivers.topics import Bus, StopMessage, TopicDriver
 

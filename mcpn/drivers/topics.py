@@ -9,7 +9,7 @@ import threading
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, Protocol
 
-from mcpn.drivers.plan import Plan, Topics
+from mcpn.drivers.mapping import Plan, Topics
 from mcpn.errors import InputError, LimitError, Source
 
 SECONDS = 10.0

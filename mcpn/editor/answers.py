@@ -14,9 +14,8 @@ from pygls.workspace import TextDocument
 from mcpn.editor.layout import Outlined, formatted, outline
 from mcpn.editor.meaning import resolved
 from mcpn.editor.project import Project
-from mcpn.editor.scan import ScannedAttribute, ScannedElement
+from mcpn.editor.scan import ScannedAttribute, ScannedElement, targets
 from mcpn.editor.symbols import Symbol, attribute_of, scope_of, symbols
-from mcpn.editor.targets import targets
 from mcpn.editor.words import words
 from mcpn.errors import Problem
 from mcpn.mission.language.datatypes import BOOLEAN, NAME

@@ -18,7 +18,7 @@ from mcpn.spaces.run import Completion
 from mcpn.spaces.search.goal import DEADLOCK, FALSE, TRUE, And, Formula, Goal, as_goal, calm, holds
 
 if TYPE_CHECKING:
-    from mcpn.logic.ltl.search import FoundPath
+    from mcpn.logic.ltl.lasso import FoundPath
     from mcpn.spaces.search.facts import Facts
 
 SOME_DEADLOCK = EU(TRUE, DEADLOCK)

@@ -1,12 +1,13 @@
-"""What the schema cannot say of a mission: references, kinds, routing. All of it is found in one go."""
+"""Checks the types of the fields of a mission built in Python, which Python does not enforce."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Mapping
+from types import NoneType
+from typing import Any
 
 from mcpn.errors import InputError, Problem, Source
-from mcpn.mission.expansion.clashes import clashes
 from mcpn.mission.expansion.faults import (
     Crash,
     crash_errors,
@@ -16,8 +17,10 @@ from mcpn.mission.expansion.faults import (
 )
 from mcpn.mission.expansion.pauses import no_siblings, pause_problems
 from mcpn.mission.expansion.recovery import problems as recoveries
+from mcpn.mission.expansion.scope import clashes
+from mcpn.mission.fact_errors import fact_errors
 from mcpn.mission.language.datatypes import NAME
-from mcpn.mission.language.forms import form_of
+from mcpn.mission.language.forms import Field, form_of
 from mcpn.mission.language.repeats import cycles, duplicates, repeats, unseen
 from mcpn.mission.model import (
     ABORT,
@@ -38,8 +41,69 @@ from mcpn.mission.model import (
 from mcpn.mission.near import Hints
 from mcpn.mission.requirement import Requirement
 from mcpn.mission.robot import Activity, Described, Element, Parameter
-from mcpn.mission.typecheck import find_misfits
-from mcpn.mission.world.fact_errors import fact_errors
+
+_WORDS = {
+    str: "a text",
+    bool: "True or False",
+    int: "a whole number",
+    float: "a number",
+    NoneType: "None",
+    Source: "a source",
+}
+
+
+def _fits(value: object, classes: tuple[type, ...]) -> bool:
+    """Whether a value, or a member of one, is of some classes."""
+    if isinstance(value, bool):
+        return bool in classes
+    if isinstance(value, int) and float in classes:
+        return abs(value).bit_length() <= 1000  # so that there is such a float
+    return isinstance(value, classes)
+
+
+def find_misfits(mission: Mission) -> Iterator[Problem]:
+    """Fields of a mission whose values are not what the model says.
+
+    Args:
+        mission: A mission built in Python.
+
+    Returns:
+        Problems, with lines where the elements have them. The walk keeps its own stack and is linear in the
+        mission's size.
+    """
+    stack: list[Any] = [mission]
+    while stack:
+        element = stack.pop()
+        for of in form_of(element.__class__).fields:
+            value = getattr(element, of.name)
+            if of.several and not isinstance(value, tuple):
+                yield _misfit(element, of, f"is {_shown(value)}")
+                continue
+            for member in value if of.several else (value,):
+                if not _fits(member, of.classes):
+                    yield _misfit(element, of, f"{'holds' if of.several else 'is'} {_shown(member)}")
+                elif isinstance(member, Described):
+                    stack.append(member)
+
+
+def _misfit(element: Any, of: Field, found: str) -> Problem:
+    source = element.source if isinstance(element.source, Source) else None
+    name = getattr(element, "name", None) or getattr(element, "event", None)
+    owner = type(element).__name__ + (f" {name}" if isinstance(name, str) else "")
+    words = " or ".join(_WORDS.get(kind) or f"{kind.__name__} objects" for kind in of.classes)
+    expected = f"a tuple of {words}" if of.several else words
+    return Problem(source, f"{of.name} of {owner} {found}, expected {expected}")
+
+
+def _shown(value: object) -> str:
+    """A value as an error shows it: short, whatever it is."""
+    if value is None or isinstance(value, bool | int | float | str):
+        text = repr(value) if not isinstance(value, int) or abs(value).bit_length() < 200 else "a huge number"
+        return text if len(text) <= 60 else f"{text[:57]}..."
+    return f"a {type(value).__name__}"
+
+
+# What the schema cannot say of a mission: references, kinds, routing. All of it is found in one go.
 
 MAX_CONSUMED = 1_000
 """Resources of one alternative: the net has arcs from the loss of each to all the others."""

@@ -16,7 +16,7 @@ from mcpn.controller.generate import generate
 from mcpn.controller.targets.json import document
 from mcpn.errors import McpnError
 from mcpn.mission.static.intervals import at_their_means
-from mcpn.report.pictures.local_graphs import LocalPicture, local_pictures
+from mcpn.report.pictures.machines import LocalPicture, local_pictures
 from mcpn.report.progress import Steps, counted, exploring
 
 if TYPE_CHECKING:

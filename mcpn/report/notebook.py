@@ -18,9 +18,8 @@ from mcpn.report.assets import environment
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.report.pictures.graph import drawing
 from mcpn.report.pictures.machines import controller_drawing, graph_drawing
-from mcpn.report.pictures.mission import mission_drawing
 from mcpn.report.pictures.nets import net_drawing, units_drawing
-from mcpn.report.pictures.objectives import objectives_picture
+from mcpn.report.pictures.objectives import mission_drawing, objectives_picture
 from mcpn.report.text import SENTENCES
 from mcpn.report.words import in_words
 from mcpn.sentences import enumeration

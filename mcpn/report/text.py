@@ -18,8 +18,8 @@ from mcpn.report.words import (
 
 if TYPE_CHECKING:
     from mcpn.answers.likeness import Likeness
+    from mcpn.answers.names import NamedWord, Vocabulary
     from mcpn.answers.verdicts.mission import MissionCheck, Verdict
-    from mcpn.answers.vocabulary import NamedWord, Vocabulary
     from mcpn.composite.composite import CompositeSpace
     from mcpn.drawing.compose import MissionNet
     from mcpn.logic.questions import Answer
@@ -241,7 +241,7 @@ _MEANT = {
 
 def print_vocabulary(words: Vocabulary) -> None:
     """Prints the words of a mission, by kind, each with what it stands for."""
-    from mcpn.answers.vocabulary import NamedActivity, NamedFact
+    from mcpn.answers.names import NamedActivity, NamedFact
 
     terminal = Terminal()
     terminal.print(f"words of the mission {words.mission}", style="bold")

@@ -22,7 +22,7 @@ from mcpn.mission.model import Mission
 from mcpn.testing.blocks import MissionDrawing
 from mcpn.testing.names import awkwardly_named
 from mcpn.testing.shape import Shape as Shape
-from mcpn.testing.shown import register
+from mcpn.testing.shape import register
 
 register()
 

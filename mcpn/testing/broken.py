@@ -28,8 +28,7 @@ from mcpn.errors import InputError
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.testing import missions
-from mcpn.testing.shape import Shape
-from mcpn.testing.shown import as_xml
+from mcpn.testing.shape import Shape, as_xml
 
 NAMESPACE = "urn:mcpn:mission:1"
 FILE = Path("broken.xml")

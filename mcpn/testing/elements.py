@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from mcpn.mission.model import Mission
 from mcpn.testing import missions
 from mcpn.testing.data import data_sharing_missions
-from mcpn.testing.stacks import stacked_missions
+from mcpn.testing.shape import stacked_missions
 
 ANY = missions(sections=6)
 INTERRUPTED = missions(sections=5, hardware=2, producers=2, events=2)

@@ -8,8 +8,8 @@ from typing import TypedDict
 from hypothesis import strategies as st
 
 from mcpn.mission.robot import Activity, Alternative, Fault, Hardware, Software
+from mcpn.testing.data import WorldDrawing
 from mcpn.testing.shape import Shape
-from mcpn.testing.world import WorldDrawing
 
 
 @dataclass

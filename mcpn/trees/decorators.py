@@ -6,10 +6,10 @@ from dataclasses import replace
 
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Handler, Objective, Recursive
 from mcpn.trees.controls import became, ended
-from mcpn.trees.known import WAITING
 from mcpn.trees.ledger import Kind
 from mcpn.trees.nodes import TreeNode
 from mcpn.trees.pieces import Part, Result, bare, handled, placed, tidied, wrapped
+from mcpn.trees.reading import WAITING
 from mcpn.trees.translator import Context, Rule, Translator
 
 COPIES = 1000

@@ -8,10 +8,10 @@ from mcpn.mission.model import FAIL, SUCCEED, Block, FactRoute, Handler, Objecti
 from mcpn.mission.robot import FactChange
 from mcpn.trees.controls import became, fallback, series
 from mcpn.trees.decorators import COPIES
-from mcpn.trees.known import WAITING
 from mcpn.trees.ledger import Kind
 from mcpn.trees.nodes import TreeNode
 from mcpn.trees.pieces import Part, Result, handled, marked, placed, tidied, wrapped
+from mcpn.trees.reading import WAITING
 from mcpn.trees.translator import Context, Rule, Translator, parallel
 
 

@@ -19,7 +19,7 @@ from mcpn.mission.xml import read_mission
 from mcpn.nets.events import Event
 from mcpn.opening import open_study
 from mcpn.report.failures.openpsa import structured
-from mcpn.report.pictures.mission import mission_drawing
+from mcpn.report.pictures.objectives import mission_drawing
 from mcpn.spaces.engines import Engine
 from tests.logic.asked import ENGINES, Asked
 from tests.logic.oracle import minimal

@@ -10,8 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.answers.causes.elimination import Elimination
-from mcpn.answers.causes.linear_systems import Floats, resolvent
+from mcpn.answers.causes.linear_systems import Elimination, Floats, resolvent
 
 
 @given(st.data())

@@ -20,14 +20,19 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from mcpn.answers.causes.edge_rates import decimal
+from mcpn.answers.causes import whole_chain as uniformisation
+from mcpn.answers.causes.chain import decimal
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.causes.risk import risk
-from mcpn.answers.causes.whole import within as uniformisation
-from mcpn.answers.causes.whole.bounds import bounds
-from mcpn.answers.causes.whole.chain import WholeChain, whole_chain
-from mcpn.answers.causes.whole.slopes import slopes, slopes_of
-from mcpn.answers.causes.whole.within import poisson, within
+from mcpn.answers.causes.whole_chain import (
+    WholeChain,
+    bounds,
+    poisson,
+    slopes,
+    slopes_of,
+    whole_chain,
+    within,
+)
 from mcpn.answers.spaces import spaces_of
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError

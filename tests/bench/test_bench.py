@@ -16,12 +16,10 @@ from hypothesis import strategies as st
 
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.causes.risk import risk
-from mcpn.bench.against import Program, compare
-from mcpn.bench.places import ControllerPlace, Places
+from mcpn.bench.against import Program, Statechart, compare
 from mcpn.bench.runs import bench, interval, one_run
 from mcpn.bench.sequences import sequences
-from mcpn.bench.statechart import Statechart
-from mcpn.bench.world import World
+from mcpn.bench.world import ControllerPlace, Places, World
 from mcpn.controller.generate import generate
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document

@@ -8,8 +8,7 @@ import pytest
 from hypothesis import assume, event, given
 
 from mcpn.answers.verdicts.mission import check
-from mcpn.composite.clash import Clash, Rival, find_clash
-from mcpn.composite.clash_words import explained, sentence
+from mcpn.composite.clash import Clash, Rival, explained, find_clash, sentence
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective, Parallel

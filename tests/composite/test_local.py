@@ -13,9 +13,8 @@ import pytest
 from hypothesis import event, given, reject
 from hypothesis.strategies import booleans
 
-from mcpn.composite.composing import composite_space
+from mcpn.composite.composing import composite_space, sharing_pairs
 from mcpn.composite.composite import CompositeSpace
-from mcpn.composite.nonconfluent import sharing_pairs
 from mcpn.composite.section_type import SectionType
 from mcpn.composite.sections import NOWHERE
 from mcpn.controller.generate import generate
@@ -29,11 +28,10 @@ from mcpn.mission.model import Mission, Objective, Recursive
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 from mcpn.nets.events import Event
 from mcpn.spaces.markings.explicit import explore
-from mcpn.spaces.stable.alternatives import AlternativesGraph, by_reduction, direct
+from mcpn.spaces.stable.alternatives import AlternativesGraph, by_reduction, direct, written_out
 from mcpn.spaces.stable.confluence import prove_confluent
-from mcpn.spaces.stable.listing import written_out
 from mcpn.testing import missions
-from mcpn.testing.stacks import stacked_missions
+from mcpn.testing.shape import stacked_missions
 from tests.draws import composed, fewer
 from tests.logic.test_properties import play
 from tests.shares import returns_early

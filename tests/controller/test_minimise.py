@@ -15,7 +15,7 @@ from mcpn.controller.hierarchy import Entry, Move, SectionMachine
 from mcpn.controller.minimise import is_bisimulation, minimise, partition, quotient
 from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import MissionNet, compose
-from mcpn.drawing.forgetful import Guard
+from mcpn.drawing.mortal import Guard
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.nets.events import Event

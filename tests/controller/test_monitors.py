@@ -13,8 +13,7 @@ import pytest
 from hypothesis import event, given
 from hypothesis import strategies as st
 
-from mcpn.controller.monitors.merging import merged
-from mcpn.controller.monitors.writing import files, monitors_of
+from mcpn.controller.monitors import files, merged, monitors_of
 from mcpn.opening import open_study
 from mcpn.runtime import Controller, ControllerFileError, Decision, Journal, Monitors, Refused
 from mcpn.runtime.__main__ import main

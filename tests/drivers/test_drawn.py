@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from mcpn.controller.generate import generate
 from mcpn.controller.simulator import Simulation
 from mcpn.controller.targets.json import document
-from mcpn.drivers.mapping import check_plan
-from mcpn.drivers.plan import OTHER, DriverSpec, Plan
+from mcpn.drivers.mapping import OTHER, DriverSpec, Plan, check_plan
 from mcpn.drivers.running import RobotRun
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission

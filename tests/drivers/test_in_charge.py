@@ -16,7 +16,7 @@ from typing import Any, cast
 
 import pytest
 
-from mcpn.cli.robot.resuming import _alone, _rows
+from mcpn.cli.robot.records import _alone, _rows
 from mcpn.drivers import warden
 from mcpn.drivers.inbox import LONGEST, Splitter
 from mcpn.drivers.running import RobotRun

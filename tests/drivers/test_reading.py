@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 from mcpn.controller.generate import generate
 from mcpn.controller.targets.json import document
 from mcpn.drivers.mapping import check_plan
-from mcpn.drivers.reading import lines_of, read_drivers
-from mcpn.drivers.skeleton import skeleton
+from mcpn.drivers.reading import lines_of, read_drivers, skeleton
 from mcpn.errors import InputError, LimitError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.runtime.tables import Tables

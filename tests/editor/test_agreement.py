@@ -10,8 +10,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from lxml import etree
 
+from mcpn.answers.names import NamedWord, vocabulary
 from mcpn.answers.requirements import asked_of
-from mcpn.answers.vocabulary import NamedWord, vocabulary
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError, Problem
 from mcpn.mission.flatten import flatten
@@ -24,8 +24,7 @@ from mcpn.mission.xml import read_mission
 from mcpn.spaces.names import WORDS
 from mcpn.testing import missions
 from mcpn.testing.broken import BrokenMission, broken_missions
-from mcpn.testing.shape import Shape
-from mcpn.testing.shown import as_xml
+from mcpn.testing.shape import Shape, as_xml
 
 pytest.importorskip("pygls", reason="needs mcpn[editor]")
 

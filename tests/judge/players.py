@@ -22,8 +22,7 @@ from mcpn.runtime import Controller as Runtime
 from mcpn.runtime.restoring import snapshot_text
 from mcpn.runtime.tables import Inside
 from mcpn.spaces.engines import Engine
-from mcpn.spaces.stable.alternatives import AlternativesGraph
-from mcpn.spaces.stable.listing import written_out
+from mcpn.spaces.stable.alternatives import AlternativesGraph, written_out
 from tests.judge.interpreter import Happening, Seen
 
 ENGINES: tuple[Engine, ...] = ("explicit", "symbolic", "local")

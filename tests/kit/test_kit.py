@@ -23,7 +23,6 @@ from mcpn.testing.elements import LATE, LATE_APART
 from mcpn.testing.elements import MISSIONS as MISSIONS_OF_ANY_KIND
 from mcpn.testing.kit.contract import PARTS, WORDS, contract_of_arcs
 from mcpn.testing.kit.corpus import MISSIONS
-from mcpn.testing.kit.machines import MACHINES
 from mcpn.testing.kit.properties import PROPERTIES, no_dead_transition
 from mcpn.testing.kit.running import (
     ALL,
@@ -36,8 +35,8 @@ from mcpn.testing.kit.running import (
     without_leftovers,
 )
 from mcpn.testing.kit.subject import Subject, Violation
-from mcpn.testing.shape import Shape
-from mcpn.testing.small import hw
+from mcpn.testing.kit.units import MACHINES
+from mcpn.testing.shape import Shape, hw
 from tests.conftest import ULYSSE
 from tests.draws import fewer
 from tests.shares import returns_early

@@ -8,8 +8,8 @@ from hypothesis.stateful import run_state_machine_as_test
 from experiments.template_faults import BY_ELEMENT, FAULTS, HARMLESS, Faulty
 from mcpn.drawing.templates import PaperTemplates, TemplateSet
 from mcpn.drawing.templates.compact import CompactTemplates
-from mcpn.testing.kit.machines import MACHINES, driven, machine_of
 from mcpn.testing.kit.subject import Violation
+from mcpn.testing.kit.units import MACHINES, driven, machine_of
 
 DRIVEN = {"hardware": ("hardware", "shared hardware"), "software": ("software",), "activity": ("activity",)}
 """By kind of element, the machines."""

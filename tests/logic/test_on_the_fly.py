@@ -12,7 +12,7 @@ from mcpn._kernel import Checker, Goals, TokenNet
 from mcpn.logic.formulas import EG, EU, EX
 from mcpn.logic.on_the_fly import LocalChecks, OnTheFlyCheck
 from mcpn.nets.petri import NetBuilder, PetriNet
-from mcpn.nets.reduce.reduction import reduce_for_branching
+from mcpn.nets.reduction import reduce_for_branching
 from mcpn.spaces.search.goal import TRUE, AtMost
 from mcpn.spaces.search.searches import Searches
 from tests.draws import fewer

@@ -22,7 +22,7 @@ from mcpn.nets.formats import save_net
 from mcpn.nets.petri import NetBuilder
 from mcpn.report.pictures import drawing as drawing_module
 from mcpn.report.pictures import graph as graphs
-from mcpn.report.pictures import graphviz
+from mcpn.report.pictures import graph as graphviz
 from mcpn.report.pictures.choice import KINDS, drawn
 from mcpn.report.pictures.graph import Arrow, Cluster, Graph, Node, Placed, lay_out
 from mcpn.report.pictures.machines import sections_of

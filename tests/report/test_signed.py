@@ -19,7 +19,7 @@ from mcpn.mission.xml import read_mission
 from mcpn.report.findings import Findings, findings
 from mcpn.report.page import page
 from mcpn.report.pages.tables import MOST_BITS, tables
-from mcpn.report.pictures.mission import mission_drawing
+from mcpn.report.pictures.objectives import mission_drawing
 from mcpn.testing import missions
 from mcpn.testing.shape import Shape
 from tests.conftest import ROOT, ULYSSE

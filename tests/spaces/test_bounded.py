@@ -27,7 +27,7 @@ from mcpn.spaces.diagrams.order import candidates
 from mcpn.spaces.diagrams.race import finished
 from mcpn.spaces.diagrams.spaces import DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import SymbolicSpace, closing
-from mcpn.spaces.markings import widths
+from mcpn.spaces.markings import counted as widths
 from mcpn.spaces.markings.counted import count_tokens, explore_tokens
 from mcpn.spaces.sizes import summarise
 from tests.draws import fewer

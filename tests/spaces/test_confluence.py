@@ -20,16 +20,15 @@ from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsE
 from mcpn.mission.model import Mission
 from mcpn.nets.events import Event
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet
-from mcpn.spaces.diagrams.encoding import Encoding
-from mcpn.spaces.diagrams.evolution import leading
+from mcpn.spaces.diagrams.encoding import Encoding, leading
 from mcpn.spaces.diagrams.symbolic import reach
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.stable.alternatives import AlternativesGraph, by_reduction, direct, direct_with_proof
-from mcpn.spaces.stable.commutation import open_conflicts
 from mcpn.spaces.stable.completion import PROOF_BY_MARKINGS, fault_after
 from mcpn.spaces.stable.confluence import (
     PROOF_BY_PATTERNS,
     PROOF_OF_ENDS,
+    open_conflicts,
     proof_of_conflicts,
     prove_confluent,
 )

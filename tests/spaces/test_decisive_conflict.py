@@ -13,8 +13,7 @@ from mcpn.nets.events import Event
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.stable import completion
 from mcpn.spaces.stable.alternatives import direct
-from mcpn.spaces.stable.completion import fault_after
-from mcpn.spaces.stable.decisive_conflict import parting_runs
+from mcpn.spaces.stable.completion import fault_after, parting_runs
 from tests.spaces.runs import assert_parts, markings_of
 
 Graph = dict[int, dict[int, int]]

@@ -35,13 +35,11 @@ from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import reach
 from mcpn.spaces.engines import Choice
 from mcpn.spaces.images import ImageStore
-from mcpn.spaces.markings.counted import count_tokens, explore_tokens
+from mcpn.spaces.markings.counted import boundedness, count_tokens, explore_tokens
 from mcpn.spaces.markings.explicit import count, explore
-from mcpn.spaces.markings.tokens import boundedness
 from mcpn.spaces.search.goal import FALSE, AtMost
 from mcpn.spaces.search.searches import Searches
-from mcpn.spaces.stable.alternatives import direct, direct_with_proof
-from mcpn.spaces.stable.listing import written_out
+from mcpn.spaces.stable.alternatives import direct, direct_with_proof, written_out
 from mcpn.testing import missions
 from tests import small
 from tests.commands import mcpn

@@ -8,8 +8,7 @@ from hypothesis import given
 from mcpn.errors import LimitError, UnboundedError
 from mcpn.nets.events import Event
 from mcpn.nets.petri import NetBuilder, PetriNet
-from mcpn.spaces.markings.counted import count_tokens, explore_tokens
-from mcpn.spaces.markings.tokens import OMEGA, boundedness
+from mcpn.spaces.markings.counted import OMEGA, boundedness, count_tokens, explore_tokens
 from tests.nets.nets import nets
 from tests.shares import returns_early
 

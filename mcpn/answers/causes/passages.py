@@ -2,8 +2,8 @@
 
 Sections that lead to each other are a linear system in the values at their entries. It is solved in one of
 three ways, whichever is expected to cost least: by block elimination, where equal blocks are computed once
-(:mod:`mcpn.answers.causes.elimination`); or reduced to the *heads*, the entries that sections lead back to,
-one sweep through the loop giving the operator on their values, which is solved directly or by iteration.
+(:mod:`mcpn.answers.causes.linear_systems`); or reduced to the *heads*, the entries that sections lead back
+to, one sweep through the loop giving the operator on their values, which is solved directly or by iteration.
 
 A resource beside a section is a small chain of its own, while the section takes a random time ``T``. It is
 told by a clock that starts with the section. Hardware in service fails at the rate ``f``, and out of
@@ -30,8 +30,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mcpn.answers.causes.chain import Chain, Clocks, Phases
-from mcpn.answers.causes.elimination import Elimination
-from mcpn.answers.causes.linear_systems import MOST_DENSE, Floats, solver_of
+from mcpn.answers.causes.linear_systems import MOST_DENSE, Elimination, Floats, solver_of
 from mcpn.spaces.markings.graph import Ints, Mask
 
 MOST_BYTES = 1 << 30

@@ -45,7 +45,7 @@ from mcpn.mission.static.warnings import of_objectives
 from mcpn.mission.world.conditions import all_flags
 from mcpn.nets.events import Event, What
 from mcpn.spaces.arrays import ArraySet, ArraySpace
-from mcpn.spaces.stable.listing import written_out
+from mcpn.spaces.stable.alternatives import written_out
 from mcpn.steps import Doing, step
 
 MOST_STATES = 50_000

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from mcpn.answers.verdicts.entered import objectives_run
+from mcpn.answers.verdicts.unselectable import objectives_run
 from mcpn.drawing.compose import MissionNet
 from mcpn.mission.expansion.copies import Copies
 from mcpn.mission.static.warnings import names_of_objectives

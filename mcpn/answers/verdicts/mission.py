@@ -310,7 +310,7 @@ def _broken(mission_net: MissionNet, error: SemanticsError) -> Verdict:
         name = "confluent"
         step(Doing.EXPLAINING)
         if isinstance(error, ConfluenceError):
-            from mcpn.composite.clash_words import explained
+            from mcpn.composite.clash import explained
 
             error = explained(mission_net, error)
     net, index = mission_net.net, mission_net.net.transition_index

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mcpn.cli.robot.watching import monitors_for
+from mcpn.cli.robot.monitor import monitors_for
 from mcpn.cli.shared import (
     EXIT_FAILED,
     FILE,
@@ -80,7 +80,7 @@ def bench(
     """
     from mcpn.bench.runs import bench as played
     from mcpn.bench.runs import nominal_run_of, one_run_of
-    from mcpn.bench.script import read_script
+    from mcpn.bench.sequences import read_script
     from mcpn.bench.world import World
     from mcpn.controller.targets.json import document
     from mcpn.files import write_folder
@@ -133,7 +133,7 @@ def bench(
         told["traces"] = [str(traces / name) for name in files]
     every = (one_run_of(world, seed, number, script) for number in range(runs))
     if watching:
-        from mcpn.bench.watching import watched
+        from mcpn.bench.runs import watched
 
         told["monitors"] = watched(monitors_for(study, max_states), every)
     if against is not None:
@@ -156,7 +156,7 @@ def bench(
 
 def _generated(target: str, controller: AnyController, mission_net: MissionNet, folder: Path) -> Generated:
     if target == "scxml":
-        from mcpn.bench.statechart import Statechart
+        from mcpn.bench.against import Statechart
         from mcpn.controller.modular import ModularController
 
         if isinstance(controller, ModularController):
@@ -265,3 +265,55 @@ def _print(told: dict[str, Any]) -> None:
             click.echo(f"  expected {of['expected']}\n  found    {of['found']}")
     for path in told["traces"]:
         click.echo(path)
+
+
+# --- Sequences of events that take every edge of a mission's controller, as tests -------------------------
+
+
+@click.command()
+@click.argument("mission", type=FILE)
+@click.option("-o", "--output", type=FILE, required=True, help="Directory to write the tests to.")
+@limit_option
+@import_option
+@templates_option
+@json_option
+def tests(
+    mission: Path,
+    output: Path,
+    max_states: int | None,
+    import_root: Path | None,
+    templates: TemplateSet | None,
+    as_json: bool,
+) -> None:
+    """Write sequences of events that take every edge of the controller of MISSION.
+
+    They are for a robot's own code: test_controller.py for pytest, events.txt and expected.txt for a program
+    that reads lines, as the example of the C target does.
+    """
+    from mcpn.bench.sequences import files, sequences
+    from mcpn.controller.targets.json import FILE_NAME, document, write_json
+    from mcpn.files import write_folder
+    from mcpn.opening import open_study
+    from mcpn.runtime.tables import Tables
+
+    study = open_study(mission, import_root=import_root, templates=templates)
+    controller = study.controller("hierarchical", max_states=max_states)
+    found = sequences(Tables(document(controller, study.mission_net)))
+    texts = dict(files(found, controller.mission)) | {FILE_NAME: write_json(controller, study.mission_net)}
+    write_folder(output, texts)
+    told = {
+        "mission": controller.mission,
+        "edges": found.edges,
+        "sequences": len(found.each),
+        "events": sum(map(len, found.each)),
+        "files": [str(output / name) for name in texts],
+    }
+    if as_json:
+        emit_json(told)
+        return
+    click.echo(
+        f"{told['sequences']:,} sequences of {told['events']:,} events take all {told['edges']:,} edges "
+        f"of the controller of {told['mission']}"
+    )
+    for path in texts:
+        click.echo(str(output / path))

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from mcpn.cli.robot.watching import not_within
 from mcpn.cli.shared import (
     EXIT_FAILED,
     FILE,
@@ -23,7 +23,10 @@ from mcpn.cli.shared import (
 from mcpn.errors import InputError, Source
 
 if TYPE_CHECKING:
+    from mcpn.controller.monitors import MissionMonitors
     from mcpn.drawing.templates import TemplateSet
+    from mcpn.runtime.monitors import Monitors
+    from mcpn.study import Study
 
 
 @click.command()
@@ -54,7 +57,7 @@ def monitor(
     if output is None and log is None:
         raise click.UsageError("-o or --log is needed")
     without_threads_of_numpy()
-    from mcpn.controller.monitors.writing import files, monitors_of
+    from mcpn.controller.monitors import files, monitors_of
     from mcpn.files import write_folder
     from mcpn.opening import open_study
     from mcpn.runtime.journal import JournalError
@@ -110,3 +113,27 @@ def _lines(log: Path) -> list[str]:
     except (OSError, UnicodeDecodeError) as error:
         why = getattr(error, "strerror", None) or "it is no text"
         raise InputError.at(Source(str(log)), f"cannot be read: {why}") from None
+
+
+# --- Monitors of a mission's requirements, for commands that play or run it -------------------------------
+
+
+def monitors_for(study: Study, max_states: int | None) -> Monitors:
+    """The monitors of a mission that its controller plays: its own continuations decide, where they can."""
+    from mcpn.controller.monitors import files, monitors_of
+    from mcpn.runtime.monitors import Monitors
+
+    of = monitors_of(study.mission_spaces("what it requires"), max_states, within=True)
+    for line in not_within(of):
+        click.echo(line, err=True)
+    return Monitors(json.loads(files(of)["monitors.json"]))
+
+
+def not_within(of: MissionMonitors) -> Iterator[str]:
+    """Which monitors are decided by any continuation though the mission's own were asked for, and why."""
+    from mcpn.controller.monitors import MAX_WITHIN
+
+    for each in of.monitors:
+        if not each.within:
+            why = f"within the mission it would have more than {MAX_WITHIN} states"
+            yield f"{each.name}: decided by any continuation, for {why}"

@@ -17,8 +17,9 @@ from mcpn.controller.targets.names import (
     c_string,
     comment,
     identifiers,
+    render,
+    rows,
 )
-from mcpn.controller.targets.render import render, rows
 from mcpn.controller.targets.tables import MachineNumbers, RuleNumbers
 from mcpn.drawing.compose import MissionNet
 

@@ -81,8 +81,7 @@ from mcpn.drawing.compose import MissionNet
 from mcpn.mission.expansion.faults import noticed
 from mcpn.mission.flatten import requirements_of
 from mcpn.mission.robot import Parameter
-from mcpn.mission.world.conditions import all_flags, flags
-from mcpn.mission.world.fact_usage import FactUsage
+from mcpn.mission.world.conditions import FactUsage, all_flags, flags
 from mcpn.nets.events import Event, What
 from mcpn.runtime.file_schema import FORMAT, VERSION, digest_of
 

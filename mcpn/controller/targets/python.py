@@ -9,8 +9,7 @@ from importlib.resources import files
 
 from mcpn.controller.modular import AnyController
 from mcpn.controller.targets.json import write_json
-from mcpn.controller.targets.names import PYTHON_KEYWORDS, comment, identifiers
-from mcpn.controller.targets.render import render
+from mcpn.controller.targets.names import PYTHON_KEYWORDS, comment, identifiers, render
 from mcpn.drawing.compose import MissionNet
 
 PACKAGE = "mcpn.runtime"

@@ -1,6 +1,6 @@
 """Whether some path from the initial marking satisfies a formula, decided on the fly, without a space.
 
-The automaton of the formula is run beside the net (:mod:`mcpn.logic.ltl.search`). Before that, conditions on
+The automaton of the formula is run beside the net (:mod:`mcpn.logic.ltl.lasso`). Before that, conditions on
 markings that are known to hold always, or never, are replaced by constants. If the automaton then accepts
 nothing, no marking is explored; nor is one if it accepts nothing in conjunction with the conditions that are
 known to hold at some time on every path. For a stutter-insensitive formula the net is reduced first.
@@ -13,12 +13,11 @@ from dataclasses import dataclass, replace
 from itertools import chain
 
 from mcpn.errors import LimitError
-from mcpn.logic.ltl.automaton import translated
+from mcpn.logic.ltl.automaton import is_stutter_insensitive, translated
 from mcpn.logic.ltl.formulas import Release, Until, atom_of, is_of_paths, normal
-from mcpn.logic.ltl.hoa import is_stutter_insensitive
-from mcpn.logic.ltl.search import FoundPath, PathSearch
+from mcpn.logic.ltl.lasso import FoundPath, PathSearch
 from mcpn.nets.petri import PetriNet
-from mcpn.nets.reduce.reduction import Reduction, reduce_for_paths
+from mcpn.nets.reduction import Reduction, reduce_for_paths
 from mcpn.spaces.search.goal import (
     FALSE,
     TRUE,

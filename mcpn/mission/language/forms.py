@@ -6,12 +6,14 @@ The reader, the writer, the schema and its complaints, the renaming and the tabl
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Container, Iterator
+from collections.abc import Container, Iterable, Iterator
 from dataclasses import MISSING, dataclass, field, replace
 from functools import cache
 from inspect import get_annotations
 from types import UnionType
 from typing import Any, TypeAlias, TypeVar, Union, get_args, get_origin
+
+from lxml import etree
 
 from mcpn.mission.language.datatypes import BY_CLASS, Called, Children, Datatype
 from mcpn.mission.model import BlockElement, Import, Mission, Protocols
@@ -207,3 +209,110 @@ def _tag(classes: tuple[_Element, ...]) -> Tag:
     required = frozenset.intersection(*(frozenset(a.tag for a in f.attributes if a.required) for f in forms))
     children = frozenset(child.TAG for of in classes for child in inside(of))
     return Tag(classes, attributes, required, children)
+
+
+# Makes the RELAX NG schema of the mission language from the classes of the model; declares nothing itself.
+#
+# A new attribute of hardware, of an activity or of a fact is declared in :mod:`mcpn.mission.robot`, one of a
+# block in :mod:`mcpn.mission.model`, each as a field of its class. Then ``python docs/tables.py`` writes the
+# file ``schema.rng`` anew, by which mission files are validated, here and in editors.
+
+_RNG = "{http://relaxng.org/ns/structure/1.0}"
+_DOCUMENTATION = "{http://relaxng.org/ns/compatibility/annotations/1.0}documentation"
+_HEAD = """\
+<?xml version="1.0" encoding="UTF-8"?>
+<!-- The mission language. What a schema cannot say (references, kinds, routing) is checked after it.
+     In an editor: write this schema beside your files, and as the second line of each of them
+     <?xml-model href="mission.rng" schematypens="http://relaxng.org/ns/structure/1.0"?>
+     Rates are per hour, durations in hours. Made of the model by docs/tables.py: do not edit. -->
+"""
+_ROOT = f"""\
+<grammar xmlns="http://relaxng.org/ns/structure/1.0" ns="{NAMESPACE}"
+  xmlns:a="http://relaxng.org/ns/compatibility/annotations/1.0"
+  datatypeLibrary="http://www.w3.org/2001/XMLSchema-datatypes"/>
+"""
+
+
+def relax_ng() -> str:
+    """The schema as the text of its file."""
+    tags = language()
+    datatypes = {a.datatype.name: a.datatype for tag in tags.values() for a in tag.attributes.values()}
+    groups = {of.TAG: [_attribute(a) for a in form_of(of).attributes if a.owner is of] for of in GROUPS}
+    root = etree.fromstring(_ROOT)
+    root.append(_node("start", _any(root.TAG for root in ROOTS)))
+    root.extend(_node("define", _data(of), name=f"data.{name}") for name, of in datatypes.items())
+    root.extend(_node("define", *attributes, name=group) for group, attributes in groups.items())
+    root.extend(_node("define", _element(name, tag), name=name) for name, tag in tags.items())
+    etree.indent(root)  # what declares no more than an attribute is one line
+    for node in root.iter():
+        if next(node.iter(_RNG + "element"), None) is None and len([*node.iter(_DOCUMENTATION)]) < 2:
+            for part in node.iter():
+                part.text = None if len(part) else part.text
+                part.tail = part.tail if part is node else None
+    return _HEAD + etree.tostring(root, encoding="unicode") + "\n"
+
+
+def _node(kind: str, *inside: etree._Element, **attributes: str) -> etree._Element:
+    node = etree.Element(_RNG + kind, attributes)
+    node.extend(inside)
+    return node
+
+
+def _note(words: str) -> etree._Element:
+    note = etree.Element(_DOCUMENTATION)
+    note.text = words
+    return note
+
+
+def _data(datatype: Datatype) -> etree._Element:
+    if datatype.pattern is None:
+        return _node("text")
+    pattern = _node("param", name="pattern")
+    pattern.text = datatype.pattern
+    return _node("data", pattern, type="string")
+
+
+def _attribute(of: Field) -> etree._Element:
+    data = _node("ref", name=f"data.{of.datatype.name}")
+    attribute = _node("attribute", _note(of.meaning), data, name=of.tag)
+    return attribute if of.required else _node("optional", attribute)
+
+
+def _element(name: str, tag: Tag) -> etree._Element:
+    variants = list(_variants(tag))
+    shared = [a for a in tag.attributes.values() if all(a in said for said, _, _ in variants)]
+    groups = dict.fromkeys(a.owner.TAG for a in shared if a.owner in GROUPS)
+    attributes = [_attribute(a) for a in shared if a.owner not in GROUPS]
+    ways = [
+        [*(_attribute(a) for a in said if a not in shared), *_children(free, needed, len(variants) > 1)]
+        for said, free, needed in variants
+    ]
+    rest = ways[0] if len(ways) == 1 else [_node("choice", *(_node("group", *way) for way in ways))]
+    return _node(
+        "element", _note(tag.words), *(_node("ref", name=of) for of in groups), *attributes, *rest, name=name
+    )
+
+
+def _variants(tag: Tag) -> Iterator[tuple[list[Field], list[str], list[str]]]:
+    """The ways to write an element: its attributes, what may stand inside, what must."""
+    for of in tag.forms:
+        form = form_of(of)
+        free = [Import.TAG] * (of in ROOTS)
+        free += [child.TAG for content in form.contents if not content.required for child in content.elements]
+        needed = [child.TAG for content in form.contents if content.required for child in content.elements]
+        for content in form.contents:
+            if content.short:
+                yield [*form.attributes, content.short], free, []
+        yield [*form.attributes], free, needed
+
+
+def _children(free: list[str], needed: list[str], mixed: bool) -> Iterator[etree._Element]:
+    """What may stand inside, and what must: after it, or mixed with it."""
+    parts = [_node("zeroOrMore", _any(free))] if free else []
+    parts += [_node("oneOrMore", _any(needed))] if needed else []
+    yield from [_node("interleave", *parts)] if mixed and len(parts) > 1 else parts
+
+
+def _any(names: Iterable[str]) -> etree._Element:
+    refs = [_node("ref", name=name) for name in dict.fromkeys(names)]
+    return refs[0] if len(refs) == 1 else _node("choice", *refs)

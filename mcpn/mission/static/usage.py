@@ -23,8 +23,7 @@ from mcpn.mission.static.contentions import Contention
 from mcpn.mission.static.handover import Handover
 from mcpn.mission.static.sharing import Sharing, occasions
 from mcpn.mission.static.switching import Switching
-from mcpn.mission.world.conditions import FACTS
-from mcpn.mission.world.fact_usage import FactUsage
+from mcpn.mission.world.conditions import FACTS, FactUsage
 
 Demand: TypeAlias = tuple[str, int]
 """An activity's name and the index of one of its alternatives, from 0."""

@@ -7,11 +7,11 @@ from functools import cache
 
 from mcpn.errors import Problem
 from mcpn.mission.expansion.copies import grouped
+from mcpn.mission.fact_errors import fact_warnings
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, flatten
 from mcpn.mission.model import ABORT, FAIL, Block, Holder, Mission, Objective, Use, walk
 from mcpn.mission.static.contentions import contention_warnings
 from mcpn.mission.static.usage import Usage
-from mcpn.mission.world.fact_warnings import fact_warnings
 
 
 def find_warnings(of: Mission | Usage) -> list[Problem]:

@@ -10,8 +10,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields
+from functools import cached_property
 from typing import Any, NamedTuple
 
+from mcpn.mission.graph import ElementarySection, ObjectivesGraph, Section
 from mcpn.mission.model import Mission, walk
 from mcpn.mission.robot import BOOLEAN_VALUES, Described, Fact
 from mcpn.mission.world.decisions import Condition
@@ -123,3 +125,76 @@ def all_flags(fact: Fact) -> tuple[str, ...]:
 def is_boolean(fact: Fact) -> bool:
     """Whether a fact is false or true, so that its name alone says that it is true."""
     return fact.values == BOOLEAN_VALUES
+
+
+# --- Who changes and who reads which fact: static knowledge of a mission's facts --------------------------
+
+
+class FactUsage:
+    """Who changes and who reads which fact.
+
+    Args:
+        mission: A valid mission.
+
+    Attributes:
+        facts: Its facts by name, those of objectives that something reads among them.
+        changing: By declared event that changes facts, the value that each of them has then.
+    """
+
+    def __init__(self, mission: Mission) -> None:
+        self.mission = mission
+        self.facts: Mapping[str, Fact] = facts_of(mission)
+        self.changing: Mapping[str, Mapping[str, str]] = {
+            event.name: {change.fact: change.to for change in event.sets}
+            for event in mission.events
+            if event.sets
+        }
+
+    @cached_property
+    def _requires(self) -> Mapping[tuple[str, int], Condition]:
+        return {
+            (activity.name, i): resolved((*activity.requires, *way.requires), self.facts)
+            for activity in self.mission.activities
+            for i, way in enumerate(activity.alternatives)
+            if activity.requires or way.requires
+        }
+
+    def requires(self, activity: str, alternative: int) -> Condition:
+        """What facts must be for an alternative to be possible, its activity's own condition included."""
+        return self._requires.get((activity, alternative), ())
+
+    def read_by(self, activity: str) -> Iterator[str]:
+        """Facts that some alternative of an activity requires to be so."""
+        if self._requires:
+            alternatives = next(a.alternatives for a in self.mission.activities if a.name == activity)
+            for i in range(len(alternatives)):
+                yield from (fact for fact, _ in self.requires(activity, i))
+
+    @cached_property
+    def requiring(self) -> frozenset[str]:
+        """Activities with an alternative that requires facts to be so."""
+        return frozenset(activity for activity, _ in self._requires)
+
+    def closed(self, names: Iterable[str]) -> tuple[Fact, ...]:
+        """Some facts, and all facts that events change together with them, in the order of the search."""
+        found, stack = dict[str, None](), [*names][::-1]
+        while stack:
+            name = stack.pop()
+            if name not in found:
+                found[name] = None
+                together = (facts for facts in self.changing.values() if name in facts)
+                stack.extend(other for facts in together for other in facts)
+        return tuple(self.facts[name] for name in found)
+
+
+def touched_by(graph: ObjectivesGraph) -> Iterator[str]:
+    """Facts that the sections of a graph change or read by themselves, at any depth, in their order."""
+    for section in graph.all_sections():
+        yield from _of_section(section)
+
+
+def _of_section(section: Section) -> Iterator[str]:
+    if isinstance(section, ElementarySection):
+        yield from (setting.fact for setting in section.sets)
+    for case in section.all_cases:
+        yield from (fact for fact, _ in case.when)

@@ -21,7 +21,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from mcpn.answers.causes.whole.chain import WholeChain
+from mcpn.answers.causes.whole_chain import WholeChain
 from mcpn.answers.verdicts.modes import Situation, situation
 from mcpn.mission.static.intervals import at_their_means
 

@@ -10,12 +10,12 @@ from mcpn.answers.causes.cutsets import CutSet
 from mcpn.answers.causes.find import Causes, GoalCauses, Survival
 from mcpn.answers.causes.prospects import CriticalEvent
 from mcpn.nets.events import Event
-from mcpn.report.failures.sentences import accomplished, condition, safe
+from mcpn.report.failures.terminal import accomplished, condition, safe
 from mcpn.spaces.run import Run
 
 if TYPE_CHECKING:
     from mcpn.answers.causes.risk import Risk
-    from mcpn.answers.causes.whole.within import Within
+    from mcpn.answers.causes.whole_chain import Within
 
 
 def causes_object(causes: Causes, *, runs: bool = True) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.causes.cutsets import CutSet
-from mcpn.controller.chance import likelihood
+from mcpn.controller.simulator import likelihood
 from mcpn.nets.events import Event
 from mcpn.nets.petri import Arcs, PetriNet
 from mcpn.report.words import folded, what_happens

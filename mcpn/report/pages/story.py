@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from mcpn.answers.causes.cutsets import CutSet
 from mcpn.answers.verdicts.mission import NOMINAL
 from mcpn.nets.events import Event
-from mcpn.report.failures.sentences import without_a_rate
+from mcpn.report.failures.terminal import without_a_rate
 from mcpn.report.pages.live import nominal_run, strip
 from mcpn.report.pages.preflight import single_losses
 from mcpn.report.text import SENTENCES

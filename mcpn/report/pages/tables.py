@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from mcpn.answers.names import MissionNames
-from mcpn.report.failures.sentences import risk_counts
 from mcpn.report.failures.tables import COLUMNS, fmeca_rows
+from mcpn.report.failures.terminal import risk_counts
 from mcpn.report.words import modes_in_words, modes_together, what_happens
 from mcpn.sentences import enumeration
 

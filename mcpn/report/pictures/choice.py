@@ -33,7 +33,7 @@ def drawn(of: MissionSubject, kind: str = "mission", section: str | None = None)
 
 
 def _mission(spaces: MissionSpaces) -> Drawing:
-    from mcpn.report.pictures.mission import mission_drawing
+    from mcpn.report.pictures.objectives import mission_drawing
 
     return mission_drawing(spaces.mission)
 
@@ -51,7 +51,7 @@ def _net(spaces: MissionSpaces) -> Drawing:
 
 
 def _alternatives(spaces: MissionSpaces) -> Drawing:
-    from mcpn.composite.clash_words import in_mission_words
+    from mcpn.composite.clash import in_mission_words
     from mcpn.report.pictures.machines import alternatives_drawing
 
     with in_mission_words(spaces.mission):

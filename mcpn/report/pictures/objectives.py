@@ -1,4 +1,4 @@
-"""The objectives graph as a picture: sections and their routes; of a long one the blocks they stand in."""
+"""The picture of a mission as it was written."""
 
 from __future__ import annotations
 
@@ -10,8 +10,23 @@ from mcpn.mission.expansion.routes import GO_ON, Interruption
 from mcpn.mission.graph import TIMED_OUT, ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.world.decisions import FactCase
-from mcpn.report.pictures.drawing import Drawing
+from mcpn.report.pictures.boxes import boxes
+from mcpn.report.pictures.drawing import Drawing, rendered
 from mcpn.report.pictures.graph import Arrow, Cluster, Graph, Node, drawing
+from mcpn.report.pictures.layout import lay_out
+
+
+def mission_drawing(mission_net: MissionNet) -> Drawing:
+    """The picture of a mission: blocks in blocks, routes, activities and hardware."""
+    mission = mission_net.mission
+    root, _ = boxes(mission, mission_net.graph)
+    return Drawing(
+        f"the mission {mission.name}",
+        lambda: rendered("mission.svg", picture=lay_out(root, mission), name=mission.name),
+    )
+
+
+# The objectives graph as a picture: sections and their routes; of a long one the blocks they stand in.
 
 MOST_SECTIONS = 80
 """Sections that are drawn one by one; of more, those of one block are drawn as one."""

@@ -15,7 +15,7 @@ from typing import TypeAlias
 from mcpn._kernel import Zdd
 from mcpn.spaces.algebra import Edge, Guards
 from mcpn.spaces.diagrams.base import Diagrams
-from mcpn.spaces.diagrams.evolution import behind, leading
+from mcpn.spaces.diagrams.encoding import behind, leading
 from mcpn.spaces.diagrams.symbolic import SymbolicSpace, chained
 from mcpn.spaces.run import Completion
 

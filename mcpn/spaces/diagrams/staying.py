@@ -6,7 +6,7 @@ turns with them. A run that stays in the set comes to
 
 - a dead state: one closure back finds what does;
 - or a cycle. Of the states that remain, only transitions of a T-semiflow of those with edges there may fire
-  on one (:mod:`mcpn.nets.repeatable`). Where there are none, there is no cycle. Where they are few, layers by
+  on one (:mod:`mcpn.nets.structure`). Where there are none, there is no cycle. Where they are few, layers by
   the edges of these alone, which lead less far, come to the cycles, and a closure back to what leads there.
   Else this way is given up.
 
@@ -23,7 +23,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mcpn._kernel import BudgetExceeded, Zdd
-from mcpn.nets.repeatable import repeatable
+from mcpn.nets.structure import repeatable
 
 if TYPE_CHECKING:
     from mcpn.spaces.diagrams.base import Diagrams

@@ -17,12 +17,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from mcpn._kernel import MemoryLimit, Zdd
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.nets.petri import PetriNet, Provenance
-from mcpn.spaces.diagrams.encoding import Encoding, distinct
-from mcpn.spaces.diagrams.evolution import Clock, behind, leading, passing
+from mcpn.spaces.diagrams.encoding import Clock, Encoding, behind, distinct, leading, passing
 from mcpn.spaces.diagrams.order import Order
 from mcpn.spaces.diagrams.race import FIRST_BUDGET, Race, Work, cores, finished
-from mcpn.spaces.markings.explicit import Counts
-from mcpn.spaces.markings.firing import unsafe_at_start
+from mcpn.spaces.markings.explicit import Counts, unsafe_at_start
 
 if TYPE_CHECKING:
     from mcpn.spaces.markings.graph import StateGraph

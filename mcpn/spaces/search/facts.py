@@ -16,9 +16,8 @@ from typing import TypeAlias, TypeVar
 
 from mcpn.errors import LimitError
 from mcpn.nets.petri import PetriNet
-from mcpn.nets.repeatable import repeatable
 from mcpn.nets.siphons import classes, commoner
-from mcpn.nets.structure import incidence, needs
+from mcpn.nets.structure import incidence, needs, repeatable
 from mcpn.spaces.search.equation import Ceiling, StateEquation
 from mcpn.spaces.search.goal import AtMost, Fires, Formula, Goal, as_goal, asks_dead, fireable, holds, marked
 from mcpn.spaces.search.portfolio import INITIAL_STATE, RANDOM_WALK, STATE_EQUATION, TRAPS

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from mcpn.nets.petri import PetriNet
-from mcpn.nets.reduce.reduction import Reduction, reduce_for_deadlock, reduce_for_goal
+from mcpn.nets.reduction import Reduction, reduce_for_deadlock, reduce_for_goal
 from mcpn.spaces.search.goal import DEADLOCK, Goal, asks_dead, holds, renamed, wanted
 from mcpn.spaces.search.searches import Run, Searches, leads_to, replay, shortened
 

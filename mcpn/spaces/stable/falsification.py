@@ -13,8 +13,7 @@ from heapq import heappop, heappush
 from mcpn.errors import LimitError, SemanticsError, UnsafeError
 from mcpn.nets.events import What
 from mcpn.nets.petri import PetriNet
-from mcpn.spaces.markings.explicit import KernelNet
-from mcpn.spaces.markings.firing import MaskedNet, mask_of, unsafe_after
+from mcpn.spaces.markings.explicit import KernelNet, MaskedNet, mask_of, unsafe_after
 from mcpn.spaces.stable.completion import LEAST_TRANSIENT, Walk, settled
 
 FIRINGS = 50_000

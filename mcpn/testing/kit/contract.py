@@ -14,16 +14,22 @@ Status has no agreed parts: what templates declare by a role (the values of fact
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
-from typing import TypeAlias
+from typing import ClassVar, TypeAlias
 
-from mcpn.drawing.compose import MissionNet
-from mcpn.drawing.templates import Role
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, precondition, rule
+
+from mcpn.drawing.compose import MissionNet, compose
+from mcpn.drawing.templates import Role, TemplateSet
 from mcpn.drawing.templates.names import names_of
+from mcpn.mission.model import Mission
 from mcpn.mission.robot import Activity
 from mcpn.mission.static.usage import Usage
 from mcpn.mission.world.conditions import word
-from mcpn.nets.petri import Provenance
+from mcpn.nets.events import Event
+from mcpn.nets.petri import Provenance, Transition
 from mcpn.testing.kit.subject import Subject, Violation
 
 Allowed: TypeAlias = Mapping[str, str]
@@ -168,3 +174,138 @@ def _loses(usage: Usage, hardware: str, activity: str) -> bool:
 def drawer(by: Provenance) -> tuple[str, str]:
     """The element whose template drew something; alternatives belong to their activity."""
     return ("activity", by.name.split(".", 1)[0]) if by.kind == "alternative" else (by.kind, by.name)
+
+
+# --- One template alone: what it draws, cut out of a composed net, and driven by hand at its places -------
+#
+# The places at which it meets others stay; what others do there is the *environment*, which a machine plays
+# (:mod:`mcpn.testing.kit.units`) as generally as the contract allows.
+
+
+class Alone:
+    """What one template draws of one element.
+
+    Args:
+        mission: A mission with the element.
+        templates: The templates.
+        kind: The element's kind.
+        name: Its name.
+
+    Attributes:
+        usage: The static analysis of the mission.
+        tokens: By name of a place, its tokens now.
+        run: What has happened: transitions that fired, and in brackets what the environment did.
+    """
+
+    def __init__(self, mission: Mission, templates: TemplateSet | None, kind: str, name: str) -> None:
+        found = compose(mission, templates)
+        self.usage: Usage = found.usage
+        self._names = names_of(found.usage)
+        net = found.net
+        self._places = [place.name for place in net.places]
+        self.tokens: Counter[str] = Counter({place.name: place.initial for place in net.places})
+        self._own = [
+            t for t in net.transitions if t.provenance is not None and drawer(t.provenance) == (kind, name)
+        ]
+        self.run: list[str] = []
+
+    def place(self, kind: str, element: str, part: str, owner: str | None = None) -> str:
+        """The name of a place, drawn or not."""
+        return self._names.of(kind, element, part, *([owner] if owner else []))
+
+    @property
+    def internal(self) -> list[Transition]:
+        """Internal transitions of the template that may fire: of the lowest rank."""
+        enabled = [t for t in self._own if t.internal and self._enabled(t)]
+        lowest = min((t.rank for t in enabled), default=0)
+        return [t for t in enabled if t.rank == lowest]
+
+    @property
+    def events(self) -> dict[Event, Transition]:
+        """Events that are possible where nothing internal is."""
+        return {t.event: t for t in self._own if t.event is not None and self._enabled(t)}
+
+    def _enabled(self, transition: Transition) -> bool:
+        needed = (*transition.consume, *transition.read)
+        return all(self.tokens[self._places[place]] >= weight for place, weight in needed)
+
+    def fire(self, transition: Transition) -> None:
+        """Fires a transition of the template."""
+        self.run.append(transition.name)
+        for place, weight in transition.consume:
+            self.tokens[self._places[place]] -= weight
+        for place, weight in transition.produce:
+            self._put(self._places[place], weight)
+
+    def move(self, said: str, taken: tuple[str, ...], put: tuple[str, ...]) -> None:
+        """The environment takes tokens and puts others.
+
+        Raises:
+            Violation: A place has two then.
+        """
+        self.run.append(f"[{said}]")
+        for place in taken:
+            self.tokens[place] -= 1
+        for place in put:
+            self._put(place, 1)
+
+    def _put(self, place: str, weight: int) -> None:
+        self.tokens[place] += weight
+        self.require(self.tokens[place] <= 1, f"a second token in {place}")
+
+    def require(self, holds: bool, message: str) -> None:
+        """Sees that something holds now.
+
+        Raises:
+            Violation: It does not.
+        """
+        if not holds:
+            raise Violation(f"{message}, after {' '.join(self.run) or 'nothing'}")
+
+
+CHOICE = st.integers(0, 5)
+"""Which of several is taken: counted round."""
+
+
+class TemplateMachine(RuleBasedStateMachine):
+    """Plays what surrounds one template."""
+
+    templates: ClassVar[TemplateSet | None] = None
+    mission: ClassVar[Mission]
+    element: ClassVar[tuple[str, str]]
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.of = Alone(self.mission, self.templates, *self.element)
+
+    def at(self, part: str, owner: str | None = None, element: tuple[str, str] | None = None) -> str:
+        """The name of a place."""
+        kind, name = element or self.element
+        return self.of.place(kind, name, part, owner)
+
+    def has(self, part: str, owner: str | None = None, element: tuple[str, str] | None = None) -> bool:
+        """Whether a place is marked."""
+        return self.of.tokens[self.at(part, owner, element)] > 0
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether nothing internal of the template may fire, and nobody owes it anything."""
+        return not self.of.internal and not self.owed()
+
+    def owed(self) -> bool:
+        """Whether others must act before an event may happen."""
+        return False
+
+    @precondition(lambda self: self.of.internal)
+    @rule(choice=CHOICE)
+    def fires(self, choice: int) -> None:
+        """An internal transition of the template fires, any of those that may."""
+        enabled = self.of.internal
+        self.of.fire(enabled[choice % len(enabled)])
+
+    @precondition(lambda self: self.at_rest and self.of.events)
+    @rule(choice=CHOICE)
+    def happens(self, choice: int) -> None:
+        """An event of the template happens."""
+        events = list(self.of.events.values())
+        self.of.fire(events[choice % len(events)])

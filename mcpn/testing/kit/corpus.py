@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from mcpn.mission.model import FactRoute, Handler, Mission, Objective, Parallel, Recursive
 from mcpn.mission.robot import Activity, DeclaredEvent, Fact, FactChange, Fault
-from mcpn.testing.small import activity, hw, mission, robot
+from mcpn.testing.shape import activity, hw, mission, robot
 
 
 def wide(number: int) -> Mission:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mcpn.answers.patterns.robots import (
+from mcpn.answers.patterns.catalogue import (
     FUTURE,
     GLOBAL,
     PAST,

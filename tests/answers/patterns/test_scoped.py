@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mcpn.answers.patterns.published import MENDED, PUBLISHED, SCOPES, after_step, used
+from mcpn.answers.patterns.catalogue import MENDED, PUBLISHED, SCOPES, after_step, used
 from tests.answers.patterns.scoped import MEANT, bounded, meant
 from tests.answers.patterns.words import Words, short
 

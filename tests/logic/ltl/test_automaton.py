@@ -12,11 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.errors import LimitError
-from mcpn.logic.ltl.automaton import translated
+from mcpn.logic.ltl.automaton import classes, translated, write_hoa
 from mcpn.logic.ltl.formulas import Next, always, eventually, normal
-from mcpn.logic.ltl.hoa import classes, write_hoa
-from mcpn.logic.syntax import parse_open
-from mcpn.logic.writing import show
+from mcpn.logic.syntax import parse_open, show
 from mcpn.nets.petri import NetBuilder
 from mcpn.spaces.components import strongly_connected
 from mcpn.spaces.names import Names

@@ -12,12 +12,11 @@ from mcpn.logic.formulas import Justice, every_path, on_one_path, says_paths, so
 from mcpn.logic.known import Known
 from mcpn.logic.ltl.automaton import translated
 from mcpn.logic.ltl.formulas import SomePath, is_of_paths, normal
+from mcpn.logic.ltl.lasso import FoundPath, PathSearch
 from mcpn.logic.ltl.parts import PathParts
-from mcpn.logic.ltl.search import FoundPath, PathSearch
 from mcpn.logic.questions import Questions
-from mcpn.logic.syntax import parse, parse_open
+from mcpn.logic.syntax import parse, parse_open, show
 from mcpn.logic.witness import explain
-from mcpn.logic.writing import show
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.arrays import ArraySpace

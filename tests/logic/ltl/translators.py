@@ -187,7 +187,7 @@ def _prefixed(text: str) -> Guard:
 
 
 def of_hoa(text: str) -> Büchi:
-    """An automaton in the Hanoi format, as :mod:`mcpn.logic.ltl.hoa` writes it."""
+    """An automaton in the Hanoi format, as :mod:`mcpn.logic.ltl.automaton` writes it."""
     head, _, body = text.partition("--BODY--")
     (aps,) = re.findall(r"^AP: \d+(.*)$", head, re.MULTILINE)
     names = re.findall(r'"([^"]*)"', aps)

@@ -1,1 +1,0 @@
-"""What is played at a prompt: a mission event by event, a net transition by transition."""

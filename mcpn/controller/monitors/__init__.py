@@ -1,1 +1,0 @@
-"""Monitors: machines that watch, event by event, whether a robot does what its mission requires."""

@@ -1,1 +1,0 @@
-"""Structural reductions: smaller nets with the same answer to a question, whose runs are lifted back."""
