@@ -24,7 +24,7 @@ from mcpn.mission.language.references import EXITS
 
 _OPEN_VALUE = re.compile(r"(?<![\w.-])([A-Za-z_][\w.-]*)\s*=\s*(?:\"([^\"]*)|'([^']*))\Z")
 """An attribute whose value is not closed yet, and the value so far."""
-_COLUMN = re.compile(r"(?:(\w+) of <(\w+)>: )?formula, column ([0-9]+)")
+_COLUMN = re.compile(r"(?:\b(\w++) of <(\w++)>: )?formula, column ([0-9]++)")
 """Where a formula is wrong, by a message: the attribute, if another than ``formula``, and the column."""
 _ENTITY = re.compile(r"&[#\w]+;|.", re.DOTALL)
 

@@ -17,7 +17,7 @@ from mcpn.xmlio import parse_whole
 WIDTH = 120
 """Characters of a line, beyond which attributes go on in lines of their own."""
 INDENT = "  "
-_ATTRIBUTE = re.compile(r"\s+([\w:.-]+)=(\"[^\"]*\"|'[^']*')")
+_ATTRIBUTE = re.compile(r"(?<!\s)\s++([\w:.-]++)=(\"[^\"]*\"|'[^']*')")
 _START = re.compile(r"<[A-Za-z_][\w.:-]*(?:\s+[\w:.-]+=(?:\"[^\"]*\"|'[^']*'))*\s*/?>")
 _COMMENT = re.compile(r"(<!--.*?-->)", re.DOTALL)
 

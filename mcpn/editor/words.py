@@ -11,7 +11,9 @@ from mcpn.mission.language.references import VALUED, WORDS
 from mcpn.mission.robot import BOOLEAN_VALUES
 
 _IN_NAME = re.compile(r"\b([a-z]+)\(\s*\"?([\w.]*)\Z")
-_IN_VALUE = re.compile(r"(?:\b([a-z]+)\(\s*)?\"?([A-Za-z_][\w.]*)\"?\s*\)?\s*=\s*\w*\Z")
+_IN_VALUE = re.compile(
+    r"(?:\b([a-z]++)\(\s*+)?\"?(?<![\w.])([A-Za-z_][\w.]*+)\"?\s*+\)?\s*+=\s*+\w*+\Z"
+)
 _OPERATORS = {
     "AG": "in every state that is reached",
     "AF": "some day, on every run",
@@ -81,7 +83,7 @@ def words(refers: str, before: str, scope: str, symbols: list[Symbol]) -> Iterat
         yield from declared.named("fact", "", "")
         yield Offer("done", _MEANINGS["done"], behind="($1)")
     elif refers:
-        qualified = re.search(r"[\w.]*\Z", before)
+        qualified = re.search(r"(?<![\w.])[\w.]*+\Z", before)
         yield from declared.named(refers, scope, qualified[0] if qualified else "")
 
 

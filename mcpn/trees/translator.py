@@ -85,7 +85,7 @@ def _fitting(text: str) -> str:
     """A text as a name: letters, digits and ``_``, no digit first."""
     name = re.sub(r"[^A-Za-z0-9_]+", "_", text).strip("_")
     # A number behind _ is how copies of a block are named, so that it is joined to what is before it.
-    name = re.sub(r"_+(?=\d+$)", "", name)
+    name = re.sub(r"(?<!_)_++(?=\d++$)", "", name)
     return name if name and not name[0].isdigit() else f"n{name}"
 
 
