@@ -9,7 +9,7 @@ import pytest
 from hypothesis import assume, event, given
 from hypothesis import strategies as st
 
-from mcpn.answers.spaces import spaces_of
+from mcpn.answers.spaces import MissionSpaces, spaces_of
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.logic.questions import Answer, Questions
@@ -26,7 +26,6 @@ from tests.draws import fewer
 from tests.logic.formulas import edges_of, formulas, satisfying, text
 from tests.nets.nets import nets, reachable, state_machines
 
-QUESTIONS = Questions.__module__
 GRAPHS: tuple[On, ...] = ("markings", "alternatives")
 ENGINES: tuple[Engine, ...] = ("explicit", "symbolic")
 ANY_NETS = nets(max_places=5, max_transitions=6) | state_machines().map(lambda drawn: drawn[0])
@@ -89,7 +88,7 @@ def test_searches_answer_of_missions_as_their_spaces_do(
         "EF deadlock",
         "EF (!stable)",
     ]
-    with patch(f"{QUESTIONS}.expected_small", lambda *_: False):
+    with patch.object(MissionSpaces, "few", lambda *_: False):
         answers = answer_typed(Questions(spaces_of(found), on=on), asked)
     for answer in answers:
         assert answer.holds == spaces.answer(answer.formula).holds, answer.formula
@@ -226,7 +225,7 @@ def test_an_engine_by_name_and_fairness_ask_the_space(ulysse_net: MissionNet) ->
     for engine in ENGINES:
         answer = Questions(ring(4), engine=engine).answer("EF deadlock")
         assert (answer.holds, answer.choice.engine) == (True, engine)
-    with patch(f"{QUESTIONS}.expected_small", lambda *_: False):
+    with patch.object(MissionSpaces, "few", lambda *_: False):
         fair = Questions(spaces_of(ulysse_net), fair=["progress"]).answer("EF success")
         found = Questions(spaces_of(ulysse_net)).answer("EF success")
     assert (fair.holds, found.holds, fair.choice.engine, found.choice.engine) == (
