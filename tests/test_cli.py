@@ -267,7 +267,7 @@ def test_an_engine_of_one_s_own_runs_beside_the_others(
     (tmp_path / "n.net").write_text(
         "net n\n" + "".join(f"pl a{i} (1)\ntr t{i} a{i} -> b{i}\n" for i in range(4))
     )
-    (tmp_path / "mine.py").write_text((ROOT / "tests" / "space" / "plain.py").read_text())
+    (tmp_path / "mine.py").write_text((ROOT / "tests" / "spaces" / "plain.py").read_text())
     monkeypatch.chdir(tmp_path)
     found = output("compare", "n.net", "--engine", "mine:PlainSets", "--engine", "mine:Raising")
     by_engine = {m["engine"]: m for m in found["engines"]}
@@ -278,7 +278,7 @@ def test_an_engine_of_one_s_own_runs_beside_the_others(
     assert "the engines disagree on states, one of them is wrong" in wrong.stderr
     for name, told in (
         ("mine:Nothing", "cannot be loaded: AttributeError"),
-        ("mine:Set", "found no single, moved, union, minus, count; expected a class with the methods"),
+        ("mine:Set", "found no single, moved, minus, count; expected a class with the methods"),
         ("mine", "found the engine 'mine', expected MODULE:CLASS"),
     ):
         refused = mcpn("compare", "n.net", "--engine", name)

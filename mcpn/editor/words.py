@@ -11,9 +11,7 @@ from mcpn.mission.language.references import VALUED, WORDS
 from mcpn.mission.robot import BOOLEAN_VALUES
 
 _IN_NAME = re.compile(r"\b([a-z]+)\(\s*\"?([\w.]*)\Z")
-_IN_VALUE = re.compile(
-    r"(?:\b([a-z]++)\(\s*+)?\"?(?<![\w.])([A-Za-z_][\w.]*+)\"?\s*+\)?\s*+=\s*+\w*+\Z"
-)
+_IN_VALUE = re.compile(r"(?:\b([a-z]++)\(\s*+)?\"?(?<![\w.])([A-Za-z_][\w.]*+)\"?\s*+\)?\s*+=\s*+\w*+\Z")
 _OPERATORS = {
     "AG": "in every state that is reached",
     "AF": "some day, on every run",

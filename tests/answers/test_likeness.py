@@ -69,7 +69,9 @@ def listed(mission: Mission, templates: TemplateSet) -> Behaviour:
     graph, found = spaces.listed(), list[tuple[str, tuple[str, ...], list[int]]]()
     for state in range(graph.states):
         said = situation(spaces.mission, graph.marking(state))
-        onward = sorted((str(graph.net.transitions[t].event), after) for t, after in graph.successors(state))
+        onward = sorted(
+            {(str(graph.net.transitions[t].event), after) for t, after in graph.successors(state)}
+        )
         words = str(sorted(map(str, vars(said).items())))
         found.append((words, tuple(event for event, _ in onward), [after for _, after in onward]))
     return found
@@ -79,7 +81,11 @@ def listed(mission: Mission, templates: TemplateSet) -> Behaviour:
 def test_faults_are_told_apart_by_a_shortest_run(name: str) -> None:
     for mission in MISSIONS.values():
         faulty = Faulty(*{**FAULTS, **HARMLESS}[name])
-        found = likeness(mission, PaperTemplates(), faulty, max_states=50_000)
+        try:
+            found = likeness(mission, PaperTemplates(), faulty, max_states=50_000)
+        except SemanticsError:  # an event has several outcomes: that is how these are known to be wrong
+            assert name in FAULTS
+            continue
         if found.sizes[1].reason:
             assert found.difference is not None  # the paper's templates always have a graph here
             assert found.sizes[1].reason in found.difference.message

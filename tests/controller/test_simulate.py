@@ -134,7 +134,9 @@ def test_what_is_wrong_in_a_pipe_is_an_error(typed: str, told: str) -> None:
 def test_what_check_prints_is_replayed(tmp_path: Path) -> None:
     for command in ("check", "causes"):
         printed = CliRunner().invoke(command_line, [command, str(ULYSSE)]).stdout.splitlines()
-        heading = next(i for i, line in enumerate(printed) if "_reachable" in line or "failure by" in line)
+        heading = next(
+            i for i, line in enumerate(printed) if "nominal_success" in line or "failure by" in line
+        )
         run = [printed[heading].split("  ")[0].rstrip(":") + ":"]
         for line in printed[heading + 1 :]:
             if not re.match(r" +\d+\. ", line):

@@ -98,7 +98,7 @@ def test_names_across_files(client: Client, folder: Path) -> None:
     at = place(protocols, text, "objective name", 17)
     assert "is no name" in client.refused("textDocument/rename", **at, newName="1 x")
     assert "is taken" in client.refused(
-        "textDocument/rename", **place(protocols, text, "<objective", 17), newName="diving"
+        "textDocument/rename", **place(protocols, text, "<objective", 17), newName="isopheric_observation"
     )
 
 

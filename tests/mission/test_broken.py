@@ -79,7 +79,7 @@ BROKEN: dict[str, tuple[str, int, str]] = {
     "element misspelt": (
         body("<objectiv name='g' activities='go'/>"),
         8,
-        "<robot>, <use> (did you mean objective?)",
+        "<robot>, <translated>, <use> (did you mean objective?)",
     ),
     "attribute misspelt": (
         body("<objective name='o' activites='go'/>"),

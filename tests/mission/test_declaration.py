@@ -162,6 +162,8 @@ RANGES = {
     "at_most": (1, 9),
     "at_least": (1, 9),
     "exactly": (1, 9),
+    "exact": (0, 999_999),
+    "line": (0, 999_999),
 }
 """The least and the largest value of each number, as the pages say them."""
 
@@ -248,6 +250,12 @@ REFERS = {
     "protocol": "protocol",
 }
 """What each attribute that refers to something names."""
+REQUIRED = {
+    **dict.fromkeys(("of", "in"), "objective"),
+    **dict.fromkeys(("formula", "after", "before", "until", "without"), "formula"),
+    **dict.fromkeys(("by", "followed_by", "then", "to", "gives"), "formula"),
+}
+"""The same of requirements, whose formulas name elements in words."""
 NAMED = {
     "fault": "resource",
     "hardware": "resource",
@@ -263,7 +271,7 @@ NAMED = {
 
 
 def test_every_attribute_that_refers_is_known() -> None:
-    assert {a.tag: a.datatype.refers for _, a in ATTRIBUTES if a.datatype.refers} == REFERS
+    assert {a.tag: a.datatype.refers for _, a in ATTRIBUTES if a.datatype.refers} == REFERS | REQUIRED
 
 
 def renaming(begun: re.Match[str]) -> str:

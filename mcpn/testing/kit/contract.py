@@ -81,7 +81,9 @@ PARTS: Contract = {
         "active": ("another alternative runs", {"owner": "tp", "loss": "r"}),
         "idle": ("it is not started, nor stopping", {"owner": "tp", "control": "t"}),
     },
-    "fact": {"value": ("the fact has this value", {"owner": "tpr", "control": "tpr", "reader": "r"})},
+    "fact": {
+        "value": ("the fact has this value", {"owner": "tpr", "control": "tpr", "reader": "r", "event": "tp"})
+    },
     "mission": {
         "resting": ("an objective has ended in this reaction", {"control": "tp", "activity": "r"}),
     },
@@ -144,6 +146,8 @@ def _sides(
         side = "control"
     elif kind == "fact" and drawer_kind == "activity" and element in _required(usage.activities[name]):
         side = "reader"
+    elif kind == "fact" and drawer_kind == "fact" and _changed_together(usage, element, name):
+        side = "event"
     elif kind == "mission" and drawer_kind == "activity":
         side = "activity"
     elif kind == "activity" and drawer_kind == "hardware" and _loses(usage, name, element):
@@ -163,6 +167,11 @@ def _required(activity: Activity) -> set[str]:
     """The facts that alternatives of an activity require; ``done(x)`` is one."""
     texts = (*activity.requires, *(text for way in activity.alternatives for text in way.requires))
     return {word(text).fact for text in texts}
+
+
+def _changed_together(usage: Usage, one: str, other: str) -> bool:
+    """Whether an event changes two facts at once; the transitions that do stand with one of the two."""
+    return any({one, other} <= changes.keys() for changes in usage.world.changing.values())
 
 
 def _loses(usage: Usage, hardware: str, activity: str) -> bool:
