@@ -265,8 +265,9 @@ RARE = {
     ("hardware", "error", "consumer", "r"),
     # An activity returns for hardware that only its supplier uses.
     ("hardware", "service", "watcher", "r"),
-    # An event that changes several facts reads those that are so already.
+    # An event that changes several facts does so by transitions of one of them, and reads what is so already.
     ("fact", "value", "owner", "r"),
+    *(("fact", "value", "event", letter) for letter in "tpr"),
     # Producers are kept where a branch goes on while another needs the same.
     *(("mission", "resting", *who) for who in (("control", "p"), ("control", "t"), ("activity", "r"))),
 }

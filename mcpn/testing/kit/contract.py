@@ -82,7 +82,10 @@ PARTS: Contract = {
         "idle": ("it is not started, nor stopping", {"owner": "tp", "control": "t"}),
     },
     "fact": {
-        "value": ("the fact has this value", {"owner": "tpr", "control": "tpr", "reader": "r", "event": "tp"})
+        "value": (
+            "the fact has this value",
+            {"owner": "tpr", "control": "tpr", "reader": "r", "event": "tpr"},
+        )
     },
     "mission": {
         "resting": ("an objective has ended in this reaction", {"control": "tp", "activity": "r"}),
