@@ -146,7 +146,7 @@ def test_most_places_of_missions_are_in_units(mission: Mission) -> None:
     net = compose(mission).net
     prepared = KernelNet(net)
     covered = {p for unit in prepared.kernel.units(prepared.initial) for p in unit}
-    assert len(covered) >= 0.8 * len(net.places)
+    assert len(covered) >= 2 / 3 * len(net.places)  # less than elsewhere where hardware is used by nobody
 
 
 def side_by_side(machines: int) -> PetriNet:
