@@ -267,19 +267,19 @@ def test_an_engine_of_one_s_own_runs_beside_the_others(
     (tmp_path / "n.net").write_text(
         "net n\n" + "".join(f"pl a{i} (1)\ntr t{i} a{i} -> b{i}\n" for i in range(4))
     )
-    (tmp_path / "mine.py").write_text((ROOT / "tests" / "spaces" / "plain.py").read_text())
+    (tmp_path / "own_engines.py").write_text((ROOT / "tests" / "spaces" / "plain.py").read_text())
     monkeypatch.chdir(tmp_path)
-    found = output("compare", "n.net", "--engine", "mine:PlainSets", "--engine", "mine:Raising")
+    found = output("compare", "n.net", "--engine", "own_engines:PlainSets", "--engine", "own_engines:Raising")
     by_engine = {m["engine"]: m for m in found["engines"]}
-    assert by_engine["mine:PlainSets"]["sizes"]["states"] == 16
-    assert by_engine["mine:Raising"]["reason"] == "its code raised ZeroDivisionError: of one's own"
-    wrong = mcpn("compare", "n.net", "--engine", "mine:Wrong")
+    assert by_engine["own_engines:PlainSets"]["sizes"]["states"] == 16
+    assert by_engine["own_engines:Raising"]["reason"] == "its code raised ZeroDivisionError: of one's own"
+    wrong = mcpn("compare", "n.net", "--engine", "own_engines:Wrong")
     assert wrong.returncode == 1
     assert "the engines disagree on states, one of them is wrong" in wrong.stderr
     for name, told in (
-        ("mine:Nothing", "cannot be loaded: AttributeError"),
-        ("mine:Set", "found no single, moved, minus, count; expected a class with the methods"),
-        ("mine", "found the engine 'mine', expected MODULE:CLASS"),
+        ("own_engines:Nothing", "cannot be loaded: AttributeError"),
+        ("own_engines:Set", "found no single, moved, minus, count; expected a class with the methods"),
+        ("own_engines", "found the engine 'own_engines', expected MODULE:CLASS"),
     ):
         refused = mcpn("compare", "n.net", "--engine", name)
         assert refused.returncode == 2

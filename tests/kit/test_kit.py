@@ -318,9 +318,9 @@ def test_templates_go_by_their_names() -> None:
 
 def test_the_plugin_runs_the_kit(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
-    pytester.makepyfile(mine="from tests.kit.test_kit import Forgetful as Mine\n")
+    pytester.makepyfile(forgetting="from tests.kit.test_kit import Forgetful as Mine\n")
     options = ["-p", "mcpn.pytest_plugin", "-p", "no:cacheprovider", "--mcpn-profile", "dev", "-k", "unit"]
-    asked = ["--mcpn-templates", "mine:Mine", "--mcpn-templates", "paper"]
+    asked = ["--mcpn-templates", "forgetting:Mine", "--mcpn-templates", "paper"]
     result = pytester.runpytest_inprocess(*options, *asked)
     result.assert_outcomes(passed=1, failed=1, deselected=2 * (len(ALL) - 1 + len(MACHINES)))
     result.stdout.fnmatch_lines(["*hardware h0 does not hold one token*", "*<mission *", "*</mission>*"])
@@ -331,9 +331,9 @@ def test_the_plugin_drives_templates_alone(
     pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
-    pytester.makepyfile(mine="from tests.kit.test_kit import Forgetful as Mine\n")
+    pytester.makepyfile(forgetting="from tests.kit.test_kit import Forgetful as Mine\n")
     options = ["-p", "mcpn.pytest_plugin", "-p", "no:cacheprovider", "--mcpn-profile", "dev"]
-    asked = ["--mcpn-templates", "mine:Mine", "-k", "alone and (software or hardware)"]
+    asked = ["--mcpn-templates", "forgetting:Mine", "-k", "alone and (software or hardware)"]
     result = pytester.runpytest_inprocess(*options, *asked)
     result.assert_outcomes(passed=1, failed=2, deselected=len(ALL) + 1)
     result.stdout.fnmatch_lines(
@@ -344,9 +344,9 @@ def test_the_plugin_drives_templates_alone(
 
 def test_the_plugin_compares_sets(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
-    pytester.makepyfile(mine="from tests.kit.test_kit import Forgetful as Mine\n")
+    pytester.makepyfile(forgetting="from tests.kit.test_kit import Forgetful as Mine\n")
     options = ["-p", "mcpn.pytest_plugin", "-p", "no:cacheprovider", "--mcpn-profile", "dev", "-k", "behaves"]
-    asked = ["--mcpn-templates", "mine:Mine", "--mcpn-templates", "compact", "--mcpn-like", "paper"]
+    asked = ["--mcpn-templates", "forgetting:Mine", "--mcpn-templates", "compact", "--mcpn-like", "paper"]
     result = pytester.runpytest_inprocess(*options, *asked)
     result.assert_outcomes(passed=1, failed=1, deselected=2 * (len(ALL) - 1 + len(MACHINES)))
     result.stdout.fnmatch_lines(["*behaves_as is broken: They differ:*", "*these*paper*", "*<mission *"])

@@ -7,7 +7,8 @@ to know nothing of the other but this.
 
 Sides: the ``resource`` itself; its ``consumer``, an activity; its ``producer``, an activity; ``control``, the
 objectives graph; a ``product`` of an activity; the ``loss`` of hardware that an activity detects, or of what
-stands for its crash; a ``reader``, an activity with an alternative that requires the fact.
+stands for its crash; a ``reader``, an activity with an alternative that requires the fact,
+or needs a supplier that does.
 
 Status has no agreed parts: what templates declare by a role (the values of facts) is known by the role.
 """
@@ -25,7 +26,6 @@ from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.templates import Role, TemplateSet
 from mcpn.drawing.templates.names import names_of
 from mcpn.mission.model import Mission
-from mcpn.mission.robot import Activity
 from mcpn.mission.static.usage import Usage
 from mcpn.mission.world.conditions import word
 from mcpn.nets.events import Event
@@ -147,7 +147,7 @@ def _sides(
         side = "owner"
     elif by.kind in CONTROL:
         side = "control"
-    elif kind == "fact" and drawer_kind == "activity" and element in _required(usage.activities[name]):
+    elif kind == "fact" and drawer_kind == "activity" and element in _required(usage, name):
         side = "reader"
     elif kind == "fact" and drawer_kind == "fact" and _changed_together(usage, element, name):
         side = "event"
@@ -166,10 +166,15 @@ def _sides(
     return side, place[1].get(side, "")
 
 
-def _required(activity: Activity) -> set[str]:
-    """The facts that alternatives of an activity require; ``done(x)`` is one."""
+def _required(usage: Usage, name: str) -> set[str]:
+    """The facts that alternatives of an activity require; ``done(x)`` is one.
+
+    With them those that a supplier requires for an alternative that the activity may return to.
+    """
+    activity = usage.activities[name]
     texts = (*activity.requires, *(text for way in activity.alternatives for text in way.requires))
-    return {word(text).fact for text in texts}
+    ways = (way for i in range(len(activity.alternatives)) for way in usage.switching.better(name, i))
+    return {word(text).fact for text in texts} | {what.partition("=")[0] for way in ways for what in way}
 
 
 def _changed_together(usage: Usage, one: str, other: str) -> bool:
