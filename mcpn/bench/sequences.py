@@ -8,12 +8,10 @@ from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 
-from mcpn.bench.runs import edge_of
-from mcpn.bench.world import ControllerPlace, Places
 from mcpn.errors import InputError, LimitError, Source
 from mcpn.files import read_bounded
 from mcpn.nets.events import Event, What
-from mcpn.runtime.tables import Tables
+from mcpn.runtime.tables import BEFORE, RUNNING, Action, RuntimePosition, Tables
 
 
 def read_script(path: Path) -> list[tuple[float, str]]:
@@ -52,6 +50,9 @@ def read_script(path: Path) -> list[tuple[float, str]]:
 
 MOST_PLACES = 200_000
 """Places that may be looked at: with much hardware there are very many."""
+
+FIRST_PATIENCE = 64
+"""Bounds that a search raises before it looks at all places around; later as many as it then looked at."""
 
 
 @dataclass(frozen=True)
@@ -95,101 +96,185 @@ def sequences(tables: Tables, most: int = MOST_PLACES) -> Sequences:
     Raises:
         LimitError: There are more.
     """
-    places = Places(tables)
-    search = _UntakenEdges(places, most)
+    search = _UntakenEdges(_PlaceGraph(tables, most))
     found: list[tuple[Expected, ...]] = []
     while True:
-        place, steps = places.start, list[Expected]()
+        place, steps = 0, list[Expected]()
         while (way := search.way(place)) is not None:
-            for event in way:
-                search.take(place, event)
-                step = places.after(place, event)
-                assert step is not None, "it was possible"
-                place, actions = step
-                steps.append(Expected(event, tuple(map(str, actions)), place.outcome))
+            for edge in way:
+                steps.append(search.take(edge))
+                place = edge.target
         if not steps:
-            return Sequences(tuple(found), len(search.taken))
+            return Sequences(tuple(found), search.taken)
         found.append(tuple(steps))
 
 
-class _UntakenEdges:
-    """A search for edges that are not taken yet.
+@dataclass(eq=False, slots=True)
+class _PlaceEdge:
+    """An event in a place of the controller.
 
     Args:
-        places: The controller's.
-        most: How many places may be looked at.
-
-    Attributes:
-        taken: Edges that are taken.
+        event: Its text.
+        target: The place that it leads to.
+        actions: What the controller orders.
+        number: Of the edge of the section that it takes, if it is of one; several places share it.
+        expected: The step as it is written, once it has been.
     """
 
-    def __init__(self, places: Places, most: int) -> None:
-        self._places, self._most = places, most
-        self.taken = set[tuple[str, int, str]]()
-        self._done = set[ControllerPlace]()
-        """Places behind which all edges are taken."""
-        self._open: dict[ControllerPlace, list[str]] = {}
-        """By place, events whose edges may not be taken yet."""
-        self._next: dict[ControllerPlace, list[tuple[ControllerPlace, str]]] = {}
-        """By place, those that one event leads to, with the first one that does."""
+    event: str
+    target: int
+    actions: tuple[Action, ...]
+    number: int | None
+    expected: Expected | None = None
 
-    def take(self, place: ControllerPlace, event: str) -> None:
-        """Notes that an event was taken in a place."""
-        edge = edge_of(self._places.tables, place, event)
-        if edge is not None:
-            self.taken.add(edge)
 
-    def way(self, start: ControllerPlace) -> list[str] | None:
-        """A shortest way from a place over an edge that is not taken yet."""
-        origin: dict[ControllerPlace, tuple[ControllerPlace, str] | None] = {start: None}
-        queue = deque([start])
-        while queue:
-            place = queue.popleft()
-            if (event := self._untaken(place)) is not None:
-                return [*_back(origin, place), event]
-            for target, event in self._ahead(place):
-                if target not in origin and target not in self._done:
-                    origin[target] = place, event
-                    queue.append(target)
-            if len(origin) > self._most:
+class _PlaceGraph:
+    """The places of a controller by numbers, each followed once, as far as they are asked for.
+
+    Args:
+        tables: The controller's.
+        most: How many places there may be.
+    """
+
+    def __init__(self, tables: Tables, most: int) -> None:
+        self._tables, self._most = tables, most
+        self._numbers: dict[tuple[str, str, int, frozenset[str], frozenset[str]], int] = {}
+        self._places: list[RuntimePosition] = []
+        self._ahead: dict[int, list[_PlaceEdge]] = {}
+        self._edges: dict[tuple[str, int, str], int] = {}
+        gone, happened = frozenset(tables.out_of_service), frozenset(tables.true_at_first)
+        self._number(RuntimePosition(BEFORE, None, 0, gone, happened))
+
+    def __len__(self) -> int:
+        return len(self._places)
+
+    def outcome(self, place: int) -> str | None:
+        """How the mission has ended there."""
+        phase = self._places[place].phase
+        return None if phase in (BEFORE, RUNNING) else phase
+
+    def ahead(self, place: int) -> list[_PlaceEdge]:
+        """What may happen in a place, in the order of the events."""
+        if place not in self._ahead:
+            at = self._places[place]
+            events = () if self.outcome(place) else sorted(self._tables.possible(at))
+            self._ahead[place] = [self._edge(at, event) for event in events]
+        return self._ahead[place]
+
+    def _edge(self, at: RuntimePosition, event: str) -> _PlaceEdge:
+        step = self._tables.after(at, event)
+        assert step is not None, "it is possible"
+        number = None
+        if at.section is not None and event in at.section.number:
+            number = self._edges.setdefault((at.section.name, at.state, event), len(self._edges))
+        return _PlaceEdge(event, self._number(step[0]), step[1], number)
+
+    def _number(self, at: RuntimePosition) -> int:
+        name = at.section.name if at.section else ""
+        gone, happened = frozenset(at.gone), frozenset(at.happened)
+        number = self._numbers.setdefault((at.phase, name, at.state, gone, happened), len(self._places))
+        if number == len(self._places):
+            self._places.append(at._replace(gone=gone, happened=happened))
+            if number == self._most:
                 raise LimitError(
                     f"more than {self._most} places of the controller looked at for an edge that is not "
                     "taken yet: the limit was hit"
                 )
-        self._done.update(origin)
-        return None
+        return number
 
-    def _untaken(self, place: ControllerPlace) -> str | None:
-        """The first event of a place whose edge is not taken yet."""
+
+class _UntakenEdges:
+    """Shortest ways to edges that are not taken yet: learning depth-first search (Bonet and Geffner, 2005).
+
+    As edges are taken, the way from a place to the next one that is not only grows. So a bound from below
+    that was found for a place holds for ever. A search walks on to where the bound is smaller by one; where
+    there is no such place it raises the bound and goes back. Bounds that rise for long are asked of a
+    breadth-first search, which finds out where there is nothing left.
+
+    Args:
+        graph: The places of the controller.
+    """
+
+    def __init__(self, graph: _PlaceGraph) -> None:
+        self._graph = graph
+        self._taken = set[int]()
+        self._open: dict[int, list[_PlaceEdge]] = {}
+        """By place, edges that may not be taken yet, the first one last."""
+        self._least = list[float]()
+        """By place, how far the next edge that is not taken is at least."""
+        self._patience = FIRST_PATIENCE
+
+    @property
+    def taken(self) -> int:
+        """How many edges of sections were taken."""
+        return len(self._taken)
+
+    def take(self, edge: _PlaceEdge) -> Expected:
+        """Takes an edge; says what is expected of it."""
+        if edge.number is not None:
+            self._taken.add(edge.number)
+        if edge.expected is None:
+            actions = tuple(map(str, edge.actions))
+            edge.expected = Expected(edge.event, actions, self._graph.outcome(edge.target))
+        return edge.expected
+
+    def way(self, start: int) -> list[_PlaceEdge] | None:
+        """A shortest way from a place over an edge that is not taken yet."""
+        way = list[_PlaceEdge]()
+        raised = 0
+        while True:
+            place = way[-1].target if way else start
+            if (edge := self._untaken(place)) is not None:
+                return [*way, edge]
+            ahead = self._ahead(place)
+            bound = self._least.__getitem__
+            nearest = min(ahead, key=lambda edge: bound(edge.target), default=None)
+            far = inf if nearest is None else 1 + bound(nearest.target)
+            if far == inf and not way:
+                return None
+            if nearest is not None and far <= bound(place):
+                way.append(nearest)
+                continue
+            self._least[place] = far
+            raised += 1
+            if way:
+                way.pop()
+            if raised >= self._patience:
+                raised, self._patience = 0, max(self._measure(start), FIRST_PATIENCE)
+                way.clear()
+
+    def _measure(self, start: int) -> int:
+        """Bounds all places by their distance from one; returns how many were looked at."""
+        steps = {start: 0}
+        queue = deque([start])
+        far = inf
+        while queue:
+            place = queue.popleft()
+            if self._untaken(place) is not None:
+                far = steps[place]
+                break
+            for edge in self._ahead(place):
+                if edge.target not in steps and self._least[edge.target] < inf:
+                    steps[edge.target] = steps[place] + 1
+                    queue.append(edge.target)
+        for place, step in steps.items():
+            self._least[place] = max(self._least[place], far - step)
+        return len(steps)
+
+    def _ahead(self, place: int) -> list[_PlaceEdge]:
+        ahead = self._graph.ahead(place)
+        self._least += [0] * (len(self._graph) - len(self._least))
+        return ahead
+
+    def _untaken(self, place: int) -> _PlaceEdge | None:
+        """The first edge of a place that is not taken yet."""
         left = self._open.get(place)
         if left is None:
-            left = [] if place.outcome is not None else list(place.possible)
-        if left:
-            edges = ((event, edge_of(self._places.tables, place, event)) for event in left)
-            left = [event for event, edge in edges if edge is not None and edge not in self.taken]
-        self._open[place] = left
-        return left[0] if left else None
-
-    def _ahead(self, place: ControllerPlace) -> list[tuple[ControllerPlace, str]]:
-        """The places that one event leads to from a place, each with the first event that does."""
-        if place not in self._next:
-            ahead: dict[ControllerPlace, str] = {}
-            for event in place.possible if place.outcome is None else ():
-                step = self._places.after(place, event)
-                assert step is not None, "it is possible"
-                ahead.setdefault(step[0], event)
-            self._next[place] = list(ahead.items())
-        return self._next[place]
-
-
-def _back(
-    origin: dict[ControllerPlace, tuple[ControllerPlace, str] | None], place: ControllerPlace
-) -> list[str]:
-    way = []
-    while (before := origin[place]) is not None:
-        place, event = before
-        way.append(event)
-    return way[::-1]
+            left = [edge for edge in reversed(self._ahead(place)) if edge.number is not None]
+            self._open[place] = left
+        while left and left[-1].number in self._taken:
+            left.pop()
+        return left[-1] if left else None
 
 
 def files(found: Sequences, mission: str) -> Iterator[tuple[str, str]]:

@@ -5,16 +5,26 @@ from __future__ import annotations
 import logging
 import threading
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Set
 from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic, perf_counter
 from typing import Any, Protocol
 
-from mcpn.runtime.file_schema import ENDS, ControllerFileError
+from mcpn.runtime.file_schema import ControllerFileError
 from mcpn.runtime.hooks import Hook, HookError, Hooks
-from mcpn.runtime.restoring import BEFORE, RUNNING, Saved, actions_to, read_snapshot
-from mcpn.runtime.tables import START, Action, Inside, Refused, Tables, TableSection, read
+from mcpn.runtime.restoring import Saved, actions_to, read_snapshot
+from mcpn.runtime.tables import (
+    BEFORE,
+    RUNNING,
+    Action,
+    Inside,
+    Refused,
+    RuntimePosition,
+    Tables,
+    TableSection,
+    read,
+)
 from mcpn.runtime.timers import Timers
 
 _log = logging.getLogger("mcpn.runtime")
@@ -99,8 +109,8 @@ class Controller:
         self._phase = BEFORE
         self._section: TableSection | None = None
         self._state = 0
-        self._out_of_service: set[str] = {*tables.out_of_service}
-        self._happened: set[str] = {*tables.true_at_first}
+        self._out_of_service: Set[str] = {*tables.out_of_service}
+        self._happened: Set[str] = {*tables.true_at_first}
 
     @classmethod
     def load(cls, path: str | Path, *, monitors: Listener | None = None, **options: Any) -> Controller:
@@ -185,12 +195,11 @@ class Controller:
     def possible(self) -> tuple[str, ...]:
         """The events that can be taken now, sorted."""
         with self._lock:
-            events = {*self._tables.beside(self._section, self._out_of_service, self._happened)}
-            if self._section:
-                events.update(self._section.possible(self._state, self._happened))
-            elif self._phase == BEFORE:
-                events.add(START)
-            return tuple(sorted(events))
+            return tuple(sorted(self._tables.possible(self._position)))
+
+    @property
+    def _position(self) -> RuntimePosition:
+        return RuntimePosition(self._phase, self._section, self._state, self._out_of_service, self._happened)
 
     @property
     def where(self) -> Where:
@@ -302,42 +311,13 @@ class Controller:
 
     def _take(self, event: str) -> tuple[Action, ...] | None:
         """Takes an event: changes the state and returns the actions; ``None`` where it cannot be taken."""
-        tables, section = self._tables, self._section
         if not isinstance(event, str):
             return None
-        actions: tuple[Action, ...] = ()
-        if section is not None and event in section.number:
-            step = section.move(self._state, event, self._happened)
-            if step is None:
-                return None
-            target, actions, happening, ended = step
-            self._happened = (self._happened | happening) - ended
-            self._out_of_service = tables.out_after(event, self._out_of_service)
-            if isinstance(target, str):
-                actions += self._enter(section.routes[target])
-            else:
-                self._state = target
-        elif tables.is_beside(event):
-            if not tables.may_happen(event, self._out_of_service, self._happened):
-                return None
-            self._happened = tables.changed(event, self._happened)
-            self._out_of_service = tables.out_after(event, self._out_of_service)
-        elif event == START and self._phase == BEFORE:
-            actions = self._enter(tables.initial.name)
-        else:
+        step = self._tables.after(self._position, event)
+        if step is None:
             return None
-        return actions
-
-    def _enter(self, route: str) -> tuple[Action, ...]:
-        """Enters a section, or ends the mission."""
-        if route in ENDS:
-            self._section, self._state, self._phase = None, 0, ENDS[route]
-            return ()
-        section = self._tables.sections[route]
-        state, actions, begun, ended = section.entry(self._out_of_service, self._happened)
-        self._happened = (self._happened | begun) - ended
-        self._section, self._state, self._phase = section, state, RUNNING
-        return actions
+        self._phase, self._section, self._state, self._out_of_service, self._happened = step[0]
+        return step[1]
 
     # --- hooks ---
 

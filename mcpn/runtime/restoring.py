@@ -7,10 +7,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from mcpn.runtime.file_schema import ENDS, DamagedFile, parsed, signed_line
-from mcpn.runtime.tables import Action, Inside, Laws, Tables, TableSection
+from mcpn.runtime.tables import BEFORE, RUNNING, Action, Inside, Laws, Tables, TableSection
 
 SNAPSHOT, SNAPSHOT_VERSION = "mcpn-controller-snapshot", 2
-BEFORE, RUNNING = "before", "running"
 
 snapshot_text = signed_line
 """The text of a snapshot, from what it says."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from mcpn.runtime.file_schema import FORMS, ControllerFileError, check_digest, check_shape, parsed
+from mcpn.runtime.file_schema import ENDS, FORMS, ControllerFileError, check_digest, check_shape, parsed
 from mcpn.runtime.machines import MachineProtocol, RuleTables, TypeTables
 
 
@@ -199,6 +199,27 @@ class TableSection:
         )
 
 
+BEFORE, RUNNING = "before", "running"
+
+
+class RuntimePosition(NamedTuple):
+    """Where a controller is, its timers aside.
+
+    Args:
+        phase: ``before``, ``running``, or the outcome with which the mission has ended.
+        section: The section that runs.
+        state: The number of its state.
+        gone: Hardware out of service.
+        happened: Handlers that happen once and have happened, and the flags that are true.
+    """
+
+    phase: str
+    section: TableSection | None
+    state: int
+    gone: Set[str]
+    happened: Set[str]
+
+
 def _numbers(names: Sequence[str], some: Set[str]) -> Set[int]:
     """The positions in ``names`` of those names that are in ``some``."""
     return {number for number, name in enumerate(names) if name in some}
@@ -274,6 +295,48 @@ class Tables:
         beside = (*self.changing, *self.failures, *self.repairs)
         self.known = {START, *beside, *(e for s in sections for e in s.events)}
 
+    def possible(self, at: RuntimePosition) -> set[str]:
+        """The events that can be taken."""
+        events = {*self.beside(at.section, at.gone, at.happened)}
+        if at.section:
+            events.update(at.section.possible(at.state, at.happened))
+        elif at.phase == BEFORE:
+            events.add(START)
+        return events
+
+    def after(self, at: RuntimePosition, event: str) -> tuple[RuntimePosition, tuple[Action, ...]] | None:
+        """Where an event leads, and the actions; ``None`` where it cannot be taken."""
+        section = at.section
+        if section is not None and event in section.number:
+            step = section.move(at.state, event, at.happened)
+            if step is None:
+                return None
+            target, actions, begun, ended = step
+            happened = (at.happened | begun) - ended if begun or ended else at.happened
+            gone = self.out_after(event, at.gone)
+            if not isinstance(target, str):
+                return RuntimePosition(RUNNING, section, target, gone, happened), actions
+            inside, first = self._entered(section.routes[target], gone, happened)
+            return inside, actions + first
+        if self.is_beside(event):
+            if not self.may_happen(event, at.gone, at.happened):
+                return None
+            happened, gone = self.changed(event, at.happened), self.out_after(event, at.gone)
+            return at._replace(gone=gone, happened=happened), ()
+        if event == START and at.phase == BEFORE:
+            return self._entered(self.initial.name, at.gone, at.happened)
+        return None
+
+    def _entered(
+        self, route: str, gone: Set[str], happened: Set[str]
+    ) -> tuple[RuntimePosition, tuple[Action, ...]]:
+        """Where a route leads: into a section, or to the end of the mission."""
+        if route in ENDS:
+            return RuntimePosition(ENDS[route], None, 0, gone, happened), ()
+        section = self.sections[route]
+        state, actions, begun, ended = section.entry(gone, happened)
+        return RuntimePosition(RUNNING, section, state, gone, (happened | begun) - ended), actions
+
     def beside(self, section: TableSection | None, gone: Set[str], true: Set[str]) -> Iterator[str]:
         """Possible events that the section does not handle itself: of hardware, and changes of facts."""
         hardware, events = (section.hardware, section.number) if section else ((), ())
@@ -304,7 +367,7 @@ class Tables:
             return name in gone and (name not in self.late or self.late[name] in true)
         return self.changes(event, true)
 
-    def out_after(self, event: str, gone: set[str]) -> set[str]:
+    def out_after(self, event: str, gone: Set[str]) -> Set[str]:
         """Hardware that is out of service after an event."""
         if event in self.failures:
             return gone | {self.failures[event]}
@@ -325,7 +388,7 @@ class Tables:
         """Whether an event that changes facts would change something."""
         return self.changed(event, true) != true
 
-    def changed(self, event: str, true: Set[str]) -> set[str]:
+    def changed(self, event: str, true: Set[str]) -> Set[str]:
         """The flags that are true after an event that the section does not handle itself."""
         changes, known = self.changing.get(event, _NO_CHANGE), self.late.get(self.repairs.get(event, ""))
         return {*true, *changes["true"]}.difference(changes["false"], [known])
