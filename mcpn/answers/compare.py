@@ -30,7 +30,7 @@ DIAGRAM = ("nodes", "peak_nodes")
 """Sizes of a diagram: in the end, and the most at once."""
 
 SECONDS = 60.0
-"""Wall-clock seconds that a run may take by default."""
+"""Wall-clock seconds that a run may take by default; of pyeda its CPU time is limited, too."""
 
 
 @dataclass(frozen=True)
@@ -214,7 +214,7 @@ def _in_own_process(
 ) -> tuple[Measurement, McpnError | None]:
     here, there = Pipe(duplex=False)
     process = get_context("spawn").Process(
-        target=_run, args=(subject, engine, max_states, there), daemon=True
+        target=_run, args=(subject, engine, max_states, seconds, there), daemon=True
     )
     process.start()
     there.close()
@@ -236,7 +236,9 @@ STARTING = 10.0
 """Seconds that a process may take to start, and to read what it is given."""
 
 
-def _run(subject: Mission | PetriNet, engine: str, max_states: int | None, pipe: Connection) -> None:
+def _run(
+    subject: Mission | PetriNet, engine: str, max_states: int | None, seconds: float, pipe: Connection
+) -> None:
     sizes: dict[str, int | None] | None = None
     problem: LimitError | SemanticsError | None = None
     order: str | None = None
@@ -249,7 +251,7 @@ def _run(subject: Mission | PetriNet, engine: str, max_states: int | None, pipe:
             stable = spaces_of(of).composite().everything.count()
             sizes = {**dict.fromkeys((*SIZES, *DIAGRAM)), "stable_states": stable}
         else:
-            summary = summarise(of, engine, max_states=max_states)
+            summary = summarise(of, engine, max_states=max_states, seconds=seconds)
             sizes = {name: getattr(summary, name) for name in (*SIZES, *DIAGRAM)}
             order = summary.order
     except (LimitError, SemanticsError) as error:

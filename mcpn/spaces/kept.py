@@ -288,17 +288,21 @@ class Spaces:
 
         return self._once(("counted", tokens), build, limit)
 
-    def reference(self) -> ReferenceCounts:
+    def reference(self, seconds: float | None = None) -> ReferenceCounts:
         """What the independent reference counts.
+
+        Args:
+            seconds: How much CPU time it may take.
 
         Raises:
             UnsafeError: The net is not 1-safe.
-            LimitError: pyeda holds too many nodes, or is not installed.
+            LimitError: pyeda holds too many nodes, the time is over, or pyeda is not installed.
         """
         try:
             from mcpn.spaces import pyeda_reference
 
-            return self._once("reference", lambda: pyeda_reference.count(self.net))
+            time = pyeda_reference.MAX_SECONDS if seconds is None else seconds
+            return self._once(("reference", time), lambda: pyeda_reference.count(self.net, seconds=time))
         except ImportError as error:
             raise LimitError("the reference engine needs pyeda: pip install 'mcpn[pyeda]'") from error
 

@@ -1,32 +1,41 @@
-"""The independent reference: markings as pyeda's BDDs, a plain fixpoint, exact counts.
+"""The independent reference: markings as pyeda's BDDs, plain fixpoints, exact counts.
 
 It shares nothing with the kernel but a static order of places, on which no count depends. pyeda gives the
 nodes and their unique table; its operators are not memoised, which makes them exponential, and its
 ``satisfy_count`` counts cubes instead of models. So the operators here are the memoised *apply* of Bryant
 (*Graph-based algorithms for Boolean function manipulation*, IEEE Transactions on Computers 35, 1986), written
-on pyeda's nodes, and a transition fires in one walk of the nodes, which asks for tokens and moves them.
+on pyeda's nodes. What no transition may overtake is closed by *saturation* (Ciardo, Lüttgen, Siminiceanu,
+TACAS 2001), other transitions fire one after the other in what those before them have made (*chaining*).
 """
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Sequence
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from mcpn.errors import LimitError, UnsafeError
-from mcpn.nets.petri import EVENTS, PetriNet, SafeTransition
+from mcpn.nets.petri import EVENTS, PetriNet
 from mcpn.spaces.diagrams.order import clustered
 
 MAX_NODES = 5_000_000
 """Nodes that pyeda may hold at a time; some 300 bytes each."""
+MAX_SECONDS = 3600.0
+"""CPU seconds that a count may take."""
+MAX_RESULTS = 3_000_000
+"""Results of operators that are remembered at a time."""
+CHECKED = 4096
+"""How many results there are from one look at the limits to the next."""
 
 Node: TypeAlias = Any
 """A node of pyeda, which has no types: ``root`` is its variable, ``lo`` and ``hi`` what follows."""
 
 Asked: TypeAlias = tuple[int, bool, bool]
-"""A variable, whether it must be marked, and whether it is marked afterwards."""
+"""A level, whether its place must be marked, and whether it is marked afterwards."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +49,7 @@ class ReferenceCounts:
         dead_states: Markings that enable no transition.
         max_tokens: Most tokens in a marking.
         nodes: Nodes of the diagram of the reachable markings.
-        peak_nodes: Most nodes that pyeda held at the end of a round of the fixpoint.
+        peak_nodes: Most nodes that pyeda held when the limits were looked at.
     """
 
     states: int
@@ -53,27 +62,67 @@ class ReferenceCounts:
 
 
 class _Diagrams:
-    """Sets of markings as nodes of pyeda, one variable for each place.
+    """Sets of markings as nodes of pyeda, one level for each place.
 
     Args:
         places: How many there are.
         max_nodes: How many nodes pyeda may hold.
+        seconds: How much CPU time there is.
 
     Raises:
         ImportError: pyeda is not installed.
     """
 
-    def __init__(self, places: int, max_nodes: int) -> None:
+    def __init__(self, places: int, max_nodes: int, seconds: float) -> None:
         from pyeda.boolalg import bdd
 
         # A variable has the same number whatever net it is used for: later ones have larger numbers.
         self.roots: list[int] = [bdd.bddvar("p", number).node.root for number in range(places)]
-        self.level = {root: number for number, root in enumerate(self.roots)}
+        self.places = places
         self.zero: Node = bdd.BDDNODEZERO
         self.one: Node = bdd.BDDNODEONE
-        self.made: Callable[[int, Node, Node], Node] = bdd._bddnode
+        self.level = {root: number for number, root in enumerate(self.roots)}
+        self.level |= {self.zero.root: places, self.one.root: places}
+        self._made: Callable[[int, Node, Node], Node] = bdd._bddnode
         self.held, self.max_nodes, self.peak = bdd._NODES, max_nodes, 0
-        self._known: dict[tuple[str, Node, Node], Node] = {}
+        self.seconds, self.begun = seconds, time.process_time()
+        self._results = 0
+        self._known: dict[tuple[Any, ...], Node] = {}
+        self._moved: defaultdict[tuple[Asked, ...], dict[Node, Node]] = defaultdict(dict)
+        self.forgetting = [self._known.clear, self._moved.clear]
+
+    def made(self, level: int, lo: Node, hi: Node) -> Node:
+        """The node of a level; every so many times, the limits are looked at.
+
+        Raises:
+            LimitError: pyeda holds more nodes than allowed, or the time is over.
+        """
+        self._results += 1
+        if self._results % CHECKED == 0:
+            self.check()
+        return self._made(self.roots[level], lo, hi)
+
+    def check(self) -> None:
+        """Looks at the limits, and forgets results of operators where there are many.
+
+        Raises:
+            LimitError: pyeda holds more nodes than allowed, or the time is over.
+        """
+        self.peak = max(self.peak, len(self.held))
+        took = time.process_time() - self.begun
+        if len(self.held) > self.max_nodes or self._results > MAX_RESULTS:
+            self._results = 0
+            for forget in self.forgetting:
+                forget()
+        over = f"pyeda holds {len(self.held)} nodes after {took:.0f} s of CPU time"
+        if len(self.held) > self.max_nodes:
+            raise LimitError(f"{over}: the limit is {self.max_nodes} nodes")
+        if took > self.seconds:
+            raise LimitError(f"{over}: the limit is {self.seconds:g} s")
+
+    def parts(self, f: Node, level: int) -> tuple[Node, Node]:
+        """The markings of a set without and with a token in the place of a level, which is not below it."""
+        return (f.lo, f.hi) if self.level[f.root] == level else (f, f)
 
     def union(self, f: Node, g: Node) -> Node:
         """Markings of either set."""
@@ -94,66 +143,39 @@ class _Diagrams:
     def _applied(self, name: str, operator: Callable[[Node, Node], Node], f: Node, g: Node) -> Node:
         found = self._known.get((name, f, g))
         if found is None:
-            root = (max if self.one in (f, g) else min)(f.root, g.root)  # that of an end is negative
-            f_lo, f_hi = (f.lo, f.hi) if f.root == root else (f, f)
-            g_lo, g_hi = (g.lo, g.hi) if g.root == root else (g, g)
-            found = self.made(root, operator(f_lo, g_lo), operator(f_hi, g_hi))
+            level = min(self.level[f.root], self.level[g.root])
+            f_lo, f_hi = self.parts(f, level)
+            g_lo, g_hi = self.parts(g, level)
+            found = self.made(level, operator(f_lo, g_lo), operator(f_hi, g_hi))
             self._known[name, f, g] = found
         return found
 
-    def moved(self, f: Node, asked: Sequence[Asked]) -> Node:
+    def moved(self, f: Node, asked: tuple[Asked, ...]) -> Node:
         """The markings of a set that are as asked, with the tokens moved.
 
         Args:
             f: The set.
-            asked: Of some variables, in ascending order.
+            asked: Of some levels, in ascending order.
         """
-        known: list[dict[Node, Node]] = [{} for _ in asked]
+        if not asked or f is self.zero:
+            return f
+        known = self._moved[asked]
+        (level, before, after), *below = asked
+        rest = tuple(below)
 
-        def walk(f: Node, number: int) -> Node:
-            if number == len(asked) or f is self.zero:
-                return f
-            if (found := known[number].get(f)) is not None:
-                return found
-            root, before, after = asked[number]
-            if f is not self.one and f.root < root:
-                found = self.made(f.root, walk(f.lo, number), walk(f.hi, number))
+        def walk(f: Node) -> Node:
+            if f is self.zero or (found := known.get(f)) is not None:
+                return f if f is self.zero else found
+            own = self.level[f.root]
+            if own < level:
+                found = self.made(own, walk(f.lo), walk(f.hi))
             else:
-                rest = f if f is self.one or f.root > root else (f.hi if before else f.lo)
-                rest = walk(rest, number + 1)
-                found = self.made(root, *((self.zero, rest) if after else (rest, self.zero)))
-            known[number][f] = found
+                kept = self.moved(self.parts(f, level)[before], rest)
+                found = self.made(level, *((self.zero, kept) if after else (kept, self.zero)))
+            known[f] = found
             return found
 
-        return walk(f, 0)
-
-    def forget(self) -> None:
-        """Lets go of what is memoised, and with it of nodes that no set needs.
-
-        Raises:
-            LimitError: pyeda holds more nodes than allowed.
-        """
-        self.peak = max(self.peak, len(self.held))
-        if self.peak > self.max_nodes:
-            raise LimitError(f"pyeda holds {self.peak} nodes: the limit is {self.max_nodes}")
-        self._known.clear()
-
-    def marked(self, f: Node) -> set[int]:
-        """The variables that a marking of a set may mark, as far as its nodes tell."""
-        found = set(self.roots[: self.level.get(f.root)])
-        for node in self.nodes(f):
-            found |= {node.root} if node.hi is not self.zero else set()
-            for below in {node.lo, node.hi} - {self.zero}:
-                found.update(self.roots[self.level[node.root] + 1 : self.level.get(below.root)])
-        return found
-
-    def some(self, f: Node) -> set[int]:
-        """The variables that one marking of a set marks."""
-        marked = set[int]()
-        while f is not self.one:
-            marked |= {f.root} if f.lo is self.zero else set()
-            f = f.hi if f.lo is self.zero else f.lo
-        return marked
+        return walk(f)
 
     def nodes(self, f: Node) -> set[Node]:
         """The nodes of a diagram, without its two ends."""
@@ -164,14 +186,22 @@ class _Diagrams:
                 open_ += (node.lo, node.hi)
         return found - {self.zero, self.one}
 
+    def some(self, f: Node) -> set[int]:
+        """The levels that one marking of a set marks."""
+        marked = set[int]()
+        while f is not self.one:
+            marked |= {self.level[f.root]} if f.lo is self.zero else set()
+            f = f.hi if f.lo is self.zero else f.lo
+        return marked
+
     def folded(
         self,
         f: Node,
         empty: int,
         skipped: Callable[[int, int], int],
         joined: Callable[[int | None, int | None], int],
-    ) -> int | None:
-        """A number of a set of markings, made from the last place to the first.
+    ) -> Callable[[Node, int], int | None]:
+        """A number of each set that is below a set of markings, made from the last place to the first.
 
         Args:
             f: The set.
@@ -182,111 +212,320 @@ class _Diagrams:
                 may be ``None``: there is no such marking.
 
         Returns:
-            The number; ``None`` of no markings.
+            From a node of the diagram and a level not below it, the number of what the places from this level
+            on are like there; ``None`` where there is no such marking.
         """
         known: dict[Node, int | None] = {self.zero: None, self.one: empty}
 
-        def level(node: Node) -> int:
-            return self.level.get(node.root, len(self.roots))
-
         def over(node: Node, first: int) -> int | None:
             number = known[node]
-            return None if number is None else skipped(number, level(node) - first)
+            return None if number is None else skipped(number, self.level[node.root] - first)
 
-        for node in sorted(self.nodes(f), key=level, reverse=True):
-            known[node] = joined(over(node.lo, level(node) + 1), over(node.hi, level(node) + 1))
-        return over(f, 0)
+        for node in sorted(self.nodes(f), key=lambda node: self.level[node.root], reverse=True):
+            below = self.level[node.root] + 1
+            known[node] = joined(over(node.lo, below), over(node.hi, below))
+        return over
+
+
+class _Saturated:
+    """Closes sets of markings under transitions that nothing overtakes.
+
+    Args:
+        sets: What the sets are made of.
+        moving: What each transition asks and moves.
+    """
+
+    def __init__(self, sets: _Diagrams, moving: Iterable[tuple[Asked, ...]]) -> None:
+        self.sets = sets
+        self.top: defaultdict[int, list[tuple[Asked, ...]]] = defaultdict(list)
+        for asked in moving:
+            if any(before != after for _, before, after in asked):
+                self.top[asked[0][0]].append(asked)
+        self.next = _following(self.top, sets.places)
+        self._known: dict[tuple[Node, int], Node] = {}
+        sets.forgetting.append(self._known.clear)
+
+    def closed(self, f: Node, level: int = 0) -> Node:
+        """The closure of a set under the transitions that touch no place above a level.
+
+        What a transition makes of a part is closed under all transitions below before it is joined, so that
+        each set that others grow from is as whole as it can be.
+        """
+        sets = self.sets
+        level = min(self.next[level], sets.level[f.root])
+        if f is sets.zero or self.next[level] == sets.places:
+            return f
+        if (found := self._known.get((f, level))) is not None:
+            return found
+        parts = [self.closed(part, level + 1) for part in sets.parts(f, level)]
+        own = self.top.get(level, ())
+        taken, changed = [sets.zero for _ in own], bool(own)
+        while changed:
+            changed = False
+            for number, asked in enumerate(own):
+                _, before, after = asked[0]
+                fresh, taken[number] = sets.difference(parts[before], taken[number]), parts[before]
+                made = self.closed(sets.moved(fresh, asked[1:]), level + 1)
+                more = sets.union(parts[after], made)
+                changed |= more is not parts[after]
+                parts[after] = more
+        found = sets.made(level, *parts)
+        self._known[f, level] = self._known[found, level] = found
+        return found
+
+
+class _Guards:
+    """Says of sets of markings which transitions they enable, and takes out the markings that do.
+
+    All transitions are asked in one walk of the nodes, which takes along those whose places were marked so
+    far.
+
+    Args:
+        sets: What the sets are made of.
+        guards: By transition, the levels that must be marked, in ascending order.
+    """
+
+    def __init__(self, sets: _Diagrams, guards: dict[int, Sequence[int]]) -> None:
+        self.sets = sets
+        self.always = frozenset(t for t, levels in guards.items() if not levels)
+        # What waits for a level is a number; behind it comes the next such number, or ~t where t is enabled.
+        self.starts: defaultdict[int, list[int]] = defaultdict(list)
+        self.waits: list[int] = []
+        self.behind: list[int] = []
+        for t, levels in guards.items():
+            if levels:
+                first = len(self.waits)
+                self.waits += levels[1:]
+                self.behind += [*range(first + 1, len(self.waits)), ~t][: len(levels) - 1]
+                self.starts[levels[0]].append(first if len(levels) > 1 else ~t)
+        self.next = _following(self.starts, sets.places)
+        self._known: dict[tuple[Node, int, frozenset[int]], tuple[Node, frozenset[int]]] = {}
+        sets.forgetting.append(self._known.clear)
+
+    def apart(self, f: Node) -> tuple[Node, frozenset[int]]:
+        """The markings of a set that enable no transition, and the transitions that others enable."""
+        if self.always and f is not self.sets.zero:
+            return self.sets.zero, self.always | self._walk(f, 0, frozenset())[1]
+        return self._walk(f, 0, frozenset())
+
+    def _walk(self, f: Node, level: int, waiting: frozenset[int]) -> tuple[Node, frozenset[int]]:
+        sets, waits = self.sets, self.waits
+        if f is sets.zero:
+            return f, frozenset()
+        level = min(sets.level[f.root], self.next[level], *(waits[w] for w in waiting))
+        if level == sets.places:
+            return f, frozenset()
+        if (found := self._known.get((f, level, waiting))) is not None:
+            return found
+        here = [w for w in waiting if waits[w] == level]
+        on = [*(self.behind[w] for w in here), *self.starts.get(level, ())]
+        others = waiting.difference(here)
+        lo, hi = sets.parts(f, level)
+        without, enabled = self._walk(lo, level + 1, others)
+        with_, more = self._walk(hi, level + 1, others.union(w for w in on if w >= 0))
+        fired = frozenset(~w for w in on if w < 0)
+        if fired and hi is not sets.zero:
+            with_, more = sets.zero, more | fired
+        found = sets.made(level, without, with_), enabled | more
+        self._known[f, level, waiting] = found
+        return found
+
+
+def _following(levels: Iterable[int], places: int) -> list[int]:
+    """Of each level, the first of some levels that is not above it."""
+    own, found = {*levels}, [places] * (places + 1)
+    for level in range(places - 1, -1, -1):
+        found[level] = level if level in own else found[level + 1]
+    return found
 
 
 class _Space:
-    def __init__(self, net: PetriNet, max_nodes: int) -> None:
-        self.net, self.sets = net, _Diagrams(len(net.places), max_nodes)
-        self.root = dict(zip(clustered(net), self.sets.roots, strict=True))
-        self.enabling = [self._asked(read=(*t.consume, *t.read)) for t in net.safe_transitions]
-        self.moving = [self._asked(t.read, t.consume, t.produce) for t in net.safe_transitions]
+    def __init__(self, net: PetriNet, max_nodes: int, seconds: float) -> None:
+        self.net, self.sets = net, _Diagrams(len(net.places), max_nodes, seconds)
+        self.order = clustered(net)
+        self.level = {place: level for level, place in enumerate(self.order)}
+        safe = net.safe_transitions
+        self.enabling = [self._asked(read=(*t.consume, *t.read)) for t in safe]
+        self.moving = [self._asked(t.read, t.consume, t.produce) for t in safe]
+        # By rank, the most urgent first, the transitions that may fire in some marking.
+        by_rank = defaultdict[int, list[int]](list)
+        for t, rank in enumerate(net.ranks):
+            if not safe[t].blocked:
+                by_rank[rank if net.priorities else EVENTS].append(t)
+        self.events = by_rank.pop(EVENTS, [])
+        self.internal = [by_rank[rank] for rank in sorted(by_rank)]
+        self.guards = [
+            _Guards(self.sets, {t: [level for level, _, _ in self.enabling[t]] for t in own})
+            for own in (*self.internal, self.events)
+        ]
+        first = self.internal[0] if self.internal else [] if net.priorities else self.events
+        self.saturated = _Saturated(self.sets, (self.moving[t] for t in first))
 
     def _asked(
         self, read: Sequence[int] = (), consume: Sequence[int] = (), produce: Sequence[int] = ()
-    ) -> list[Asked]:
-        return sorted(
-            (self.root[p], before, after)
-            for places, before, after in ((read, True, True), (consume, True, False), (produce, False, True))
-            for p in places
-        )
+    ) -> tuple[Asked, ...]:
+        ways = ((read, True, True), (consume, True, False), (produce, False, True))
+        return tuple(sorted((self.level[p], before, after) for own, before, after in ways for p in own))
 
-    def enabled(self, markings: Node, t: int) -> Node:
-        blocked = self.net.safe_transitions[t].blocked
-        return self.sets.zero if blocked else self.sets.moved(markings, self.enabling[t])
+    def images(self, markings: Node, transitions: Iterable[int]) -> Node:
+        """What firings of some transitions make of markings."""
+        found = self.sets.zero
+        for t in transitions:
+            found = self.sets.union(found, self.sets.moved(markings, self.moving[t]))
+        return found
 
-    def calm(self, markings: Node) -> dict[int, Node]:
-        """By rank, the markings that enable no transition of a lower one."""
-        by_rank: dict[int, Node] = {}
-        for rank in sorted({*self.net.ranks, EVENTS}):
-            by_rank[rank] = markings
-            for t, own in enumerate(self.net.ranks):
-                if own == rank:
-                    markings = self.sets.difference(markings, self.enabled(by_rank[rank], t))
-        return by_rank
+    def settled(self, markings: Node) -> tuple[Node, Node]:
+        """What internal transitions lead to from some markings, and what of it enables none of them.
 
-    def firing(self, markings: Node) -> Iterator[tuple[int, Node]]:
-        """Each transition with the markings in which it fires, priorities respected."""
-        calm = self.calm(markings) if self.net.priorities else None
-        for t, rank in enumerate(self.net.ranks):
-            yield t, self.enabled(markings if calm is None else calm[rank], t)
+        The most urgent ones are closed by saturation. Whatever a less urgent one makes begins there again.
+        """
+        sets = self.sets
+        everything = stable = sets.zero
+        waiting = {0: markings}  # by rank, markings in which nothing more urgent is enabled
+        while waiting:
+            rank = min(waiting)
+            here = waiting.pop(rank)
+            if rank == 0:
+                here = sets.difference(self.saturated.closed(here), everything)
+                everything = sets.union(everything, here)
+            if rank == len(self.internal):
+                stable = sets.union(stable, here)
+                continue
+            idle, enabled = self.guards[rank].apart(here)
+            if rank > 0:
+                new = sets.difference(self.images(here, sorted(enabled)), everything)
+                if new is not sets.zero:
+                    waiting[0] = new
+            if idle is not sets.zero:
+                waiting[rank + 1] = sets.union(waiting.get(rank + 1, sets.zero), idle)
+        return everything, stable
 
     def reach(self) -> Node:
         """All reachable markings.
 
-        The lowest rank that some marking waits for fires first. Within a rank each transition fires in what
-        the ones before it have made, too (chaining), if that enables no lower rank.
+        Markings that settle stay out of the sets that grow: their diagrams are large on the way. Events of
+        one element of a mission after the other fire as often as they make something new, those of hardware
+        last; what is on the way behind all events is put together at the end.
         """
-        sets, places = self.sets, range(len(self.net.places))
-        marked = [(self.root[p], bool(self.net.initial[p])) for p in places]
-        reachable = sets.moved(sets.one, sorted((root, tokens, tokens) for root, tokens in marked))
-        ranks = sorted({*self.net.ranks, EVENTS}) if self.net.priorities else [EVENTS]
-        waiting = {ranks[0]: reachable}  # by rank, markings whose lower ranks enable nothing
-        while waiting:
-            rank = min(waiting)
-            here = waiting.pop(rank)
-            idle, fresh, marked_in_some = here, sets.zero, sets.marked(here)
-            for t, own in enumerate(self.net.ranks):
-                needed = (root for root, _, _ in self.enabling[t])
-                if (own == rank or not self.net.priorities) and marked_in_some.issuperset(needed):
-                    enabled = self.enabled(here, t)
-                    self.refuse_unsafe(enabled, t)
-                    idle = sets.difference(idle, enabled)
-                    new = sets.difference(sets.moved(enabled, self.moving[t]), reachable)
-                    fresh, reachable = sets.union(fresh, new), sets.union(reachable, new)
-                    if rank == ranks[0]:
-                        here = sets.union(here, new)
-                        marked_in_some.update(root for root, _, after in self.moving[t] if after)
-            later = ranks[ranks.index(rank) + 1 :]
-            for then, markings in ((ranks[0], fresh), *((r, idle) for r in later[:1])):
-                if markings is not sets.zero:
-                    waiting[then] = sets.union(waiting.get(then, sets.zero), markings)
-            sets.forget()
-        return reachable
-
-    def refuse_unsafe(self, enabled: Node, t: int) -> None:
-        safe: SafeTransition = self.net.safe_transitions[t]
-        free = [(self.root[p], False, False) for p in safe.produce]
-        doubled = self.sets.difference(enabled, self.sets.moved(enabled, sorted(free)))
-        unsafe = enabled if safe.overflow else doubled
-        if unsafe is not self.sets.zero:
-            marked = self.sets.some(unsafe)
-            place = next(
-                p for p in (*safe.overflow, *safe.produce) if p in safe.overflow or self.root[p] in marked
+        sets = self.sets
+        initial = sets.one
+        for level in range(sets.places - 1, -1, -1):
+            marked = self.net.initial[self.order[level]]
+            initial = sets.made(level, *((sets.zero, initial) if marked else (initial, sets.zero)))
+        everything, stable = self.settled(initial)
+        if not self.net.priorities:
+            return everything
+        by_element = defaultdict[Any, list[int]](list)
+        for t in self.events:
+            by_element[self.net.transitions[t].provenance].append(t)
+        elements = [
+            by_element[e]
+            for e in sorted(
+                by_element, key=lambda element: element is not None and element.kind == "hardware"
             )
-            names = [p.name for n, p in enumerate(self.net.places) if self.root[n] in marked]
-            raise UnsafeError(self.net.places[place].name, self.net.transitions[t].name, names, [])
+        ]
+        taken = [sets.zero for _ in elements]
+        changed = True
+        while changed:
+            changed = False
+            for number, events in enumerate(elements):
+                while (new := sets.difference(stable, taken[number])) is not sets.zero:
+                    taken[number] = stable
+                    stable = sets.union(stable, self.settled(self.images(new, events))[1])
+                    if stable is taken[number]:
+                        break
+                    changed = True
+        for events in elements:
+            everything = sets.union(everything, self.settled(self.images(stable, events))[0])
+        return everything
+
+    def calm(self, markings: Node) -> Iterator[tuple[Sequence[int], Node]]:
+        """Ranks of transitions with the markings that enable nothing more urgent; what is left comes last."""
+        for own, guards in zip((*self.internal, self.events), self.guards, strict=True):
+            yield own, markings
+            markings, _ = guards.apart(markings)
+        yield (), markings
+
+    def firings(self, markings: Node, transitions: Sequence[int]) -> int:
+        """How often some transitions fire in some markings, each of which they may fire in.
+
+        Raises:
+            UnsafeError: A firing would put a second token in a place.
+        """
+        sets, total = self.sets, 0
+        below = self.counting(markings)
+        first = {t: self.moving[t][0][0] if self.moving[t] else 0 for t in transitions}
+        crossing = self.crossing(markings, {*first.values()})
+
+        def counted(node: Node, asked: Sequence[Asked], level: int, known: dict[Any, int]) -> int:
+            """How many markings of the places from a level on are as asked."""
+            if not asked or node is sets.zero:
+                return below(node, level) or 0
+            if (found := known.get((node, len(asked), level))) is None:
+                at, before, _ = asked[0]
+                here = min(at, sets.level[node.root])
+                parts = sets.parts(node, here)
+                if here == at:
+                    found = counted(parts[before], asked[1:], here + 1, known)
+                else:
+                    found = counted(parts[0], asked, here + 1, known)
+                    found += counted(parts[1], asked, here + 1, known)
+                found <<= here - level
+                known[node, len(asked), level] = found
+            return found
+
+        def possible(t: int, asked: Sequence[Asked]) -> int:
+            known: dict[Any, int] = {}
+            here = crossing[first[t]].items()
+            return sum(ways * counted(node, asked, first[t], known) for node, ways in here)
+
+        for t in transitions:
+            enabled, safe = possible(t, self.enabling[t]), possible(t, self.moving[t])
+            if safe < enabled or (enabled and self.net.safe_transitions[t].overflow):
+                raise self.unsafe(markings, t)
+            total += enabled
+        return total
+
+    def crossing(self, markings: Node, levels: set[int]) -> dict[int, dict[Node, int]]:
+        """By level, the nodes that what is marked above it leads to, each with in how many ways."""
+        sets, found = self.sets, dict[int, dict[Node, int]]()
+        here = {markings: 1}
+        for level in range(sets.places + 1):
+            if level in levels:
+                found[level] = here
+            then = defaultdict[Node, int](int)
+            for node, ways in here.items():
+                for part in sets.parts(node, level):
+                    if part is not sets.zero:
+                        then[part] += ways
+            here = then
+        return found
+
+    def unsafe(self, markings: Node, t: int) -> UnsafeError:
+        """The error of a transition that puts a second token in a place in one of some markings."""
+        sets, safe = self.sets, self.net.safe_transitions[t]
+        enabled = sets.moved(markings, self.enabling[t])
+        free = self._asked(produce=safe.produce)
+        unmoved = tuple((level, False, False) for level, _, _ in free)
+        doubled = sets.difference(enabled, sets.moved(enabled, unmoved))
+        marked = sets.some(enabled if safe.overflow else doubled)
+        place = next(
+            p for p in (*safe.overflow, *safe.produce) if p in safe.overflow or self.level[p] in marked
+        )
+        names = [p.name for n, p in enumerate(self.net.places) if self.level[n] in marked]
+        return UnsafeError(self.net.places[place].name, self.net.transitions[t].name, names, [])
+
+    def counting(self, markings: Node) -> Callable[[Node, int], int | None]:
+        """Counts what places from a level on are like behind a node of a set."""
+        return self.sets.folded(markings, 1, int.__lshift__, lambda lo, hi: (lo or 0) + (hi or 0))
 
     def count(self, markings: Node) -> int:
         """How many markings."""
-        return self.sets.folded(markings, 1, int.__lshift__, lambda lo, hi: (lo or 0) + (hi or 0)) or 0
+        return self.counting(markings)(markings, 0) or 0
 
     def largest(self, markings: Node) -> int:
         """Most tokens in one marking."""
-        return self.sets.folded(markings, 0, int.__add__, _most) or 0
+        return self.sets.folded(markings, 0, int.__add__, _most)(markings, 0) or 0
 
 
 def _most(without: int | None, marked: int | None) -> int:
@@ -297,42 +536,43 @@ def _most(without: int | None, marked: int | None) -> int:
 def _deep(levels: int) -> Iterator[None]:
     """Lets functions recur as deep as a diagram has levels."""
     before = sys.getrecursionlimit()
-    sys.setrecursionlimit(max(before, before + 2 * levels))
+    sys.setrecursionlimit(max(before, before + 6 * levels))
     try:
         yield
     finally:
         sys.setrecursionlimit(before)
 
 
-def count(net: PetriNet, max_nodes: int = MAX_NODES) -> ReferenceCounts:
+def count(net: PetriNet, max_nodes: int = MAX_NODES, seconds: float = MAX_SECONDS) -> ReferenceCounts:
     """Counts the reachable markings of a 1-safe net.
 
     Args:
         net: The net.
         max_nodes: How many nodes pyeda may hold.
+        seconds: How much CPU time it may take.
 
     Returns:
         Exact counts.
 
     Raises:
         UnsafeError: The net is not 1-safe (no run is given).
-        LimitError: pyeda holds more nodes than allowed.
+        LimitError: pyeda holds more nodes than allowed, or the time is over.
     """
     for place in net.places:
         if place.initial > 1:
             raise UnsafeError(place.name, "", net.marked(net.initial), [])
     with _deep(len(net.places)):
-        space = _Space(net, max_nodes)
+        space = _Space(net, max_nodes, seconds)
         reachable = space.reach()
-        edges, stuck = 0, reachable
-        for _, enabled in space.firing(reachable):
-            edges += space.count(enabled)
-            stuck = space.sets.difference(stuck, enabled)
+        by_rank = [*space.calm(reachable)]
+        edges = sum(space.firings(calm, transitions) for transitions, calm in by_rank)
+        *_, (_, stable), (_, dead) = by_rank
+        space.sets.check()
         return ReferenceCounts(
             states=space.count(reachable),
             edges=edges,
-            stable_states=space.count(space.calm(reachable)[EVENTS]) if net.priorities else None,
-            dead_states=space.count(stuck),
+            stable_states=space.count(stable) if net.priorities else None,
+            dead_states=space.count(dead),
             max_tokens=space.largest(reachable),
             nodes=len(space.sets.nodes(reachable)),
             peak_nodes=space.sets.peak,

@@ -143,7 +143,12 @@ Counting: TypeAlias = Literal["auto", "explicit", "symbolic", "local", "pyeda"]
 
 
 def summarise(
-    of: Subject, engine: str, *, max_states: int | None = None, progress: Progress | None = None
+    of: Subject,
+    engine: str,
+    *,
+    max_states: int | None = None,
+    progress: Progress | None = None,
+    seconds: float | None = None,
 ) -> SpaceSummary:
     """Explores a net and says its sizes.
 
@@ -153,6 +158,7 @@ def summarise(
             :func:`mcpn.spaces.own.engine_named`.
         max_states: Limit for the explicit engine.
         progress: Called now and then by the explicit engine.
+        seconds: How much CPU time pyeda may take; an hour by default.
 
     Returns:
         The sizes.
@@ -169,7 +175,7 @@ def summarise(
     if engine == "explicit":
         return summary_of_counts(spaces.net, spaces.counted(max_states, progress), engine, started)
     if engine == "pyeda":
-        return summary_of_counts(spaces.net, spaces.reference(), engine, started)
+        return summary_of_counts(spaces.net, spaces.reference(seconds), engine, started)
     from mcpn.spaces.own import OwnSpace, engine_named
 
     return summary_of_own(OwnSpace(spaces.net, engine_named(engine)), engine, started)

@@ -15,6 +15,7 @@ from mcpn.nets.formats import read_net
 from mcpn.nets.petri import NetBuilder, PetriNet, Place
 from mcpn.spaces.sizes import ENGINES, SpaceSummary, summarise
 from mcpn.testing import missions
+from mcpn.testing.nets import queens
 from tests.draws import fewer
 from tests.nets.nets import nets, reachable
 from tests.shares import returns_early
@@ -136,3 +137,15 @@ def test_the_reference_engine_refuses_the_contest_s_unsafe_nets(
         if row["safe"] != "1-safe" and int(row["places"]) <= 24:
             with pytest.raises(UnsafeError):
                 summarise(read_net(mcc / model / "model.pnml"), "pyeda")
+
+
+@pytest.mark.parametrize(
+    ("limits", "named"),
+    [({"max_nodes": 1000}, "the limit is 1000 nodes"), ({"seconds": 0}, "the limit is 0 s")],
+)
+def test_the_reference_engine_names_the_limit_that_it_hit(limits: dict[str, int], named: str) -> None:
+    pytest.importorskip("pyeda", reason="needs pyeda: the extra pyeda")
+    from mcpn.spaces.pyeda_reference import count
+
+    with pytest.raises(LimitError, match=rf"^pyeda holds \d+ nodes after \d+ s of CPU time: {named}$"):
+        count(queens(6), **limits)
