@@ -48,6 +48,7 @@ class Measurement:
         cpu_seconds: CPU time of the engine, imports apart: the least of all runs.
         median_seconds: Wall-clock time, the median of all runs.
         median_cpu_seconds: CPU time, the median of all runs.
+        most_cpu_seconds: CPU time, the most of all runs.
         repeats: How many runs there were.
     """
 
@@ -60,6 +61,7 @@ class Measurement:
     cpu_seconds: float = 0.0
     median_seconds: float = 0.0
     median_cpu_seconds: float = 0.0
+    most_cpu_seconds: float = 0.0
     repeats: int = 1
 
 
@@ -172,22 +174,45 @@ def grown(
         without |= dict.fromkeys(gave_up, f"gave up at size {size}")
 
 
-def exponents(members: Sequence[Measured]) -> dict[str, float]:
-    """How CPU time grows with the size in each engine: the slope of a line through the logarithms.
+GROWING: Mapping[str, str] = {"cpu_seconds": "CPU time", "megabytes": "memory", "peak_nodes": "peak of nodes"}
+"""What grows with the size, with the words for it."""
 
-    The runs of less than a hundredth of a second are left out, which measure the clock; an engine with fewer
-    than three sizes left has no exponent.
+LEAST_SECONDS = 0.01
+"""Runs that take less measure the clock."""
+
+
+def grows(m: Measurement) -> dict[str, float]:
+    """What of :data:`GROWING` an engine took, as far as it ran and has it; CPU time is the median."""
+    if m.sizes is None:
+        return {}
+    nodes = m.sizes.get("peak_nodes")
+    took = {"cpu_seconds": m.median_cpu_seconds, "megabytes": float(m.megabytes)}
+    return took | ({} if nodes is None else {"peak_nodes": float(nodes)})
+
+
+def exponents(members: Sequence[Measured]) -> dict[str, dict[str, float]]:
+    """How what each engine takes grows with the size: slopes of lines through the logarithms.
+
+    Left out are runs of less than a hundredth of a second, which measure the clock, and members on which an
+    engine holds less than twice its least memory, most of which is the interpreter. What has fewer than three
+    sizes left has no exponent.
+
+    Returns:
+        By engine, the exponents of :data:`GROWING`.
     """
-    slopes = {}
+    slopes: dict[str, dict[str, float]] = {}
     for engine in dict.fromkeys(m.engine for member in members for m in member.engines):
-        points = [
-            (math.log(member.size), math.log(m.cpu_seconds))
-            for member in members
-            for m in member.engines
-            if member.size and m.engine == engine and m.sizes is not None and m.cpu_seconds >= 0.01
-        ]
-        if len({x for x, _ in points}) >= 3:
-            slopes[engine] = linear_regression(*zip(*points, strict=True)).slope
+        ran = [(member.size, grows(m)) for member in members for m in member.engines if m.engine == engine]
+        least = min((took["megabytes"] for _, took in ran if took), default=0.0)
+        lowest = {"cpu_seconds": LEAST_SECONDS, "megabytes": max(2 * least, 1.0), "peak_nodes": 1.0}
+        for what, low in lowest.items():
+            points = [
+                (math.log(size), math.log(took[what]))
+                for size, took in ran
+                if size and took.get(what, 0) >= low
+            ]
+            if len({x for x, _ in points}) >= 3:
+                slopes.setdefault(engine, {})[what] = linear_regression(*zip(*points, strict=True)).slope
     return slopes
 
 
@@ -205,6 +230,7 @@ def _joined(runs: Sequence[Measurement]) -> Measurement:
         min(cpu),
         median(wall),
         median(cpu),
+        max(cpu),
         len(runs),
     )
 
@@ -262,7 +288,7 @@ def _run(
         problem = LimitError(f"its code raised {type(error).__name__}: {error}")
     wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
     reason = str(problem or "").split("\n")[0]
-    found = Measurement(engine, sizes, wall, peak_megabytes(), reason, order, cpu, wall, cpu)
+    found = Measurement(engine, sizes, wall, peak_megabytes(), reason, order, cpu, wall, cpu, cpu)
     pipe.send((found, problem))
 
 

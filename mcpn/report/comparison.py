@@ -14,12 +14,12 @@ from pathlib import Path
 from typing import Any
 
 from mcpn import __version__
-from mcpn.answers.compare import DIAGRAM, SIZES, Disagreement, Measured, Measurement, exponents
+from mcpn.answers.compare import DIAGRAM, GROWING, SIZES, Disagreement, Measured, Measurement, exponents
 from mcpn.report.terminal import Terminal
 
 COLUMNS = (
     *("name", "size", "places", "transitions", "arcs", "engine", *SIZES),
-    *("seconds", "median_seconds", "cpu_seconds", "median_cpu_seconds", "megabytes"),
+    *("seconds", "median_seconds", "cpu_seconds", "median_cpu_seconds", "most_cpu_seconds", "megabytes"),
     *(*DIAGRAM, "order", "repeats", "reason"),
 )
 """Of tables: one row for each engine and member."""
@@ -78,7 +78,7 @@ def table(members: Sequence[Measured], form: str) -> str:
         form: ``csv``, or ``latex``: a ``tabular`` in the rules of the package booktabs.
     """
     comment = ", ".join(f"{name} {value}" for name, value in machine().items())
-    grows = "".join(f"; {engine} grows as n^{slope:.2f}" for engine, slope in exponents(members).items())
+    grows = "".join(f"; {told}" for told in _growing(members))
     if form == "csv":
         text = StringIO()
         writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
@@ -142,8 +142,16 @@ def print_comparison(members: Sequence[Measured]) -> None:
         for m in member.engines:
             if m.sizes is None and not m.reason.startswith("gave up"):
                 terminal.print(f"{m.engine}{at}: {m.reason}")
-    for engine, slope in exponents(members).items():
-        terminal.print(f"{engine}: CPU time grows as size^{slope:.2f}")
+    for told in _growing(members):
+        terminal.print(told)
+
+
+def _growing(members: Sequence[Measured]) -> list[str]:
+    """How what each engine takes grows with the size, in words."""
+    return [
+        f"{engine}: " + ", ".join(f"{GROWING[what]} grows as size^{slope:.2f}" for what, slope in own.items())
+        for engine, own in exponents(members).items()
+    ]
 
 
 def _speed(slowest: float, m: Measurement) -> str:

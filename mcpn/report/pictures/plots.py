@@ -7,8 +7,8 @@ a name is neither markup nor a formula, and a reader of the file finds it.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,13 +19,14 @@ from mcpn.report.pictures.drawing import KNOWN, needed
 from mcpn.report.terminal import plain
 
 if TYPE_CHECKING:
-    from mcpn.answers.compare import Measured, Measurement
+    from mcpn.answers.compare import Measured
 
 FAR_APART = 20
 """Ratio of the largest to the smallest number from which on a scale is logarithmic."""
 
 _WIDTH, _HEIGHT = 4.8, 3.8
 _PER_ROW = 3
+_MOST_LABELS = 8
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000")  # Okabe and Ito
 _MARKERS = "osD^vPX"
 _STYLE = {"svg.fonttype": "none", "svg.hashsalt": "mcpn"}
@@ -40,12 +41,16 @@ class Curves:
         across: What its horizontal axis says, with the unit.
         up: The same of its vertical axis.
         curves: Points by the name of the curve; one without points is left out.
+        bars: By the name of the curve, error bars: for each point, the least and the most.
+        logarithmic: Whether both scales are, whatever the numbers: a power of the size is a line there.
     """
 
     title: str
     across: str
     up: str
     curves: Mapping[str, Sequence[tuple[float, float]]]
+    bars: Mapping[str, Sequence[tuple[float, float]]] = field(default_factory=dict)
+    logarithmic: bool = False
 
 
 @dataclass(frozen=True)
@@ -96,7 +101,8 @@ def save_engines(path: Path, members: Sequence[Measured]) -> None:
     Args:
         path: Where, ``.svg`` or ``.png``.
         members: One subject, whose engines are bars; or a family, whose engines are curves over its sizes,
-            with the least and the median of CPU time. Engines that gave up are left out.
+            the median of CPU time with error bars from the least to the longest run, and the fitted exponent
+            of each curve in its legend. Engines that gave up are left out.
 
     Raises:
         InputError: The suffix is another, or the file cannot be written.
@@ -119,28 +125,41 @@ def save_engines(path: Path, members: Sequence[Measured]) -> None:
 
 
 def _growth(members: Sequence[Measured]) -> list[Curves]:
-    from mcpn.answers.compare import exponents
+    from mcpn.answers.compare import GROWING, exponents, grows
 
     slopes = exponents(members)
-    engines = list(dict.fromkeys(m.engine for member in members for m in member.engines))
+    engines = dict.fromkeys(m.engine for member in members for m in member.engines)
+    ran = {
+        engine: [
+            (member.size or 0, m)
+            for member in members
+            for m in member.engines
+            if m.engine == engine and m.sizes
+        ]
+        for engine in engines
+    }
 
-    def curves(value: Callable[[Measurement], float | None]) -> dict[str, list[tuple[float, float]]]:
-        return {
-            engine + (f" (size^{slopes[engine]:.2f})" if engine in slopes else ""): [
-                (member.size or 0, number)
-                for member in members
-                for m in member.engines
-                if m.engine == engine and m.sizes is not None and (number := value(m)) is not None
-            ]
-            for engine in engines
-        }
+    def named(engine: str, what: str) -> str:
+        slope = slopes.get(engine, {}).get(what)
+        return engine if slope is None else f"{engine} (size^{slope:.2f})"
 
+    def grown(what: str, title: str, unit: str, bars: bool = False) -> Curves:
+        curves, spans = dict[str, list[tuple[float, float]]](), dict[str, list[tuple[float, float]]]()
+        for engine, of in ran.items():
+            name = named(engine, what)
+            curves[name] = [(size, took[what]) for size, m in of if what in (took := grows(m))]
+            spans[name] = [(m.cpu_seconds, m.most_cpu_seconds) for _, m in of if bars]
+        return Curves(title, "size", unit, curves, spans, logarithmic=True)
+
+    # Engines agree on markings, so that one curve is enough.
+    counted = {
+        size: states for of in ran.values() for size, m in of if (states := (m.sizes or {}).get("states"))
+    }
     return [
-        Curves("CPU time, the least run", "size", "seconds", curves(lambda m: m.cpu_seconds)),
-        Curves("CPU time, the median run", "size", "seconds", curves(lambda m: m.median_cpu_seconds)),
-        Curves("memory", "size", "megabytes", curves(lambda m: m.megabytes)),
-        Curves("peak of nodes", "size", "nodes", curves(lambda m: (m.sizes or {}).get("peak_nodes"))),
-        Curves("markings", "size", "markings", curves(lambda m: (m.sizes or {}).get("states"))),
+        grown("cpu_seconds", f"{GROWING['cpu_seconds']}, median; bars: least to most", "seconds", bars=True),
+        grown("megabytes", GROWING["megabytes"], "megabytes"),
+        grown("peak_nodes", GROWING["peak_nodes"], "nodes"),
+        Curves("markings", "size", "markings", {"markings": sorted(counted.items())}, logarithmic=True),
     ]
 
 
@@ -179,24 +198,43 @@ def _draw_curves(axes: Any, plot: Curves) -> None:
     for number, (name, points) in enumerate(plot.curves.items()):  # of the same look in each plot
         if not points:
             continue
-        axes.plot(
-            *zip(*points, strict=True),
+        across, up = zip(*points, strict=True)
+        spans = [(y - low, high - y) for y, (low, high) in zip(up, plot.bars.get(name, ()), strict=False)]
+        axes.errorbar(
+            across,
+            up,
+            yerr=list(zip(*spans, strict=True)) or None,
+            capsize=3,
             marker=_MARKERS[number % len(_MARKERS)],
             color=_COLOURS[number % len(_COLOURS)],
             label=plain(name),
         )
     every = [point for points in plot.curves.values() for point in points]
-    if _far_apart(x for x, _ in every):
+    if plot.logarithmic and every and min(min(point) for point in every) > 0:
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+        _label_sizes(axes, sorted({x for x, _ in every}))
+        if max(y for _, y in every) < 10 * min(y for _, y in every):  # no power of ten to read it by
+            axes.yaxis.set_major_formatter("{x:g}")
+            axes.yaxis.set_minor_formatter("{x:g}")
+    elif _far_apart(x for x, _ in every):
         axes.set_xscale("log")
     elif all(isinstance(x, int) for x, _ in every):
         axes.xaxis.get_major_locator().set_params(integer=True)
-    if _far_apart(y for _, y in every):
+    if not plot.logarithmic and _far_apart(y for _, y in every):
         axes.set_yscale("log")
     axes.set_xlabel(plain(plot.across), parse_math=False)
     axes.set_ylabel(plain(plot.up), parse_math=False)
     axes.grid(alpha=0.3)
     if every:
         axes.legend()
+
+
+def _label_sizes(axes: Any, sizes: Sequence[float]) -> None:
+    """Labels some sizes themselves, not powers of ten, of which few members may have one."""
+    step = -(-len(sizes) // _MOST_LABELS)
+    axes.set_xticks(sizes[::step], labels=[f"{size:g}" for size in sizes[::step]])
+    axes.tick_params(axis="x", which="minor", bottom=False, labelbottom=False)
 
 
 def _draw_bars(axes: Any, plot: Bars) -> None:
