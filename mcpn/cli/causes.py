@@ -140,7 +140,8 @@ def causes(
         cut_sets = {name: goal.cut_sets for name, goal in every.objectives.items()}
         safety = None if every.safety is None else every.safety.cut_sets
         usage = study.mission_net.usage
-        write_atomically(openpsa, open_psa(usage, every.mission.cut_sets, cut_sets, safety))
+        tree = open_psa(usage, every.mission.cut_sets, cut_sets, safety, every.unsafe_aborts)
+        write_atomically(openpsa, tree)
     if fmeca is not None:
         tables.save_fmeca(rows, fmeca, classes)
     if as_json:

@@ -159,6 +159,10 @@ def _check_object(found: MissionCheck, seconds: float, internal: bool) -> dict[s
             {"event": each.event, "objectives": list(each.objectives), "required": each.required}
             for each in found.ignored
         ],
+        "late": [
+            {"hardware": each.hardware, "unnoticed": list(each.unnoticed), "in_time": list(each.in_time)}
+            for each in found.late
+        ],
         "nominal": {
             "left_out": list(found.verdicts["nominal_success"].left_out),
             "cycle": found.verdicts["nominal_success"].cycle,

@@ -293,6 +293,9 @@ def print_check(
     for ignored in check.ignored:
         line = f"{_INFORMATIVE:4} Ignored: {ignored.event} while {ignored.words}."
         terminal.print(line, style="dim", indent=2, hang=5)
+    for sentence in (sentence for late in check.late for sentence in late.sentences):
+        line = f"{_INFORMATIVE:4} Noticed late: {sentence}."
+        terminal.print(line, style="dim", indent=2, hang=5)
     _print_requirements(terminal, check)
     if check.modes:
         terminal.print()

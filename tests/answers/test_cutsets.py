@@ -295,34 +295,81 @@ def pending(found: MissionNet, name: str) -> bool:
     return ("pending", name) in found.by_role
 
 
+def unsafe_failures(play: Play, everything: set[Marking]) -> set[str]:
+    """The failures of objectives that should make the robot safe, where they lead to abort.
+
+    Such an objective ends the mission in abort by its success, too; or after its success objectives that
+    succeed lead to abort, and never to success.
+    """
+    aborted, succeeded = play.marks("MISSION_abort"), play.marks("MISSION_success")
+    others = {text for m in everything for text, _ in play.edges(m) if not text.endswith("_EV_OK")}
+    into, after = set[str](), dict[str, set[Marking]]()
+    for m in everything:
+        for text, target in play.edges(m):
+            into |= {text} if aborted(target) and not aborted(m) else set()
+            if text.endswith("_EV_OK"):
+                after.setdefault(text, set()).add(target)
+
+    def shelter(name: str) -> bool:
+        onward = play.reach(after.get(f"{name}_EV_OK", ()), others)
+        only = any(map(aborted, onward)) and not any(map(succeeded, onward))
+        return f"{name}_EV_OK" in into or only
+
+    failures = {
+        text for text in into if text.startswith("OBJ_") and text.endswith(("_EV_FAIL", "_EV_TIMEOUT"))
+    }
+    return {text for text in failures if shelter(text.rpartition("_EV_")[0])}
+
+
 def confirm_safety(asked: Asked, play: Play, everything: set[Marking]) -> None:
     """Cut sets and losing regions of the safe ends are those of brute force."""
-    safe = ("MISSION_success", "MISSION_abort")
+    aborted, succeeded = play.marks("MISSION_abort"), play.marks("MISSION_success")
+    unsafe = unsafe_failures(play, everything)
     goal, dying = asked.prospects.safety, asked.cuts.safety
     assert goal is not None
     assert dying is not None
-    event("can be aborted")
+    event(f"can be aborted, by failures of what should make safe: {bool(unsafe)}")
+
+    def survives(marking: Marking, dead: frozenset[str]) -> bool:
+        reached = play.reach([marking], [f"{h}_EV_RD" for h in dead])
+        return any(
+            succeeded(m)
+            or any(
+                aborted(target) and not aborted(m) and text not in unsafe for text, target in play.edges(m)
+            )
+            for m in reached
+        )
+
     subsets = play.subsets()
     start = {d: play.without(d) for d in subsets}
-    lost = [d for d in subsets if not play.mission_survives(start[d], d, safe)]
+    lost = [d for d in subsets if not survives(start[d], d)]
     assert asked.cuts.minimal(asked.cuts.defeating(dying, Moment.START)) == minimal(lost)
-    open_ = [m for m in everything if not any(play.marks(place)(m) for place in (*safe, "MISSION_begin"))]
-    whenever = [
-        d for d in subsets if not any(d <= play.out(m) and play.mission_survives(m, d, safe) for m in open_)
-    ]
+    begin = play.marks("MISSION_begin")
+    running = [m for m in everything if not aborted(m) and not succeeded(m)]
+    open_ = [m for m in running if not begin(m)]
+    whenever = [d for d in subsets if not any(d <= play.out(m) and survives(m, d) for m in open_)]
     assert asked.cuts.minimal(asked.cuts.defeating(dying, Moment.WHENEVER)) == minimal(whenever)
     for dead in (frozenset[str](), frozenset(play.hardware)):
         region = asked.prospects.losing(goal, repairs=not dead)
-        assert region.count() == sum(not play.mission_survives(m, dead, safe) for m in everything)
+        assert region.count() == sum(not survives(m, dead) for m in running)
         edges = asked.prospects.critical(goal, repairs=not dead)
         crossing = sum(
-            play.mission_survives(m, dead, safe) and not play.mission_survives(after, dead, safe)
-            for m in everything
-            if m in open_ or play.marks("MISSION_begin")(m)
+            happens in unsafe if aborted(after) else not survives(after, dead)
+            for m in running
+            if survives(m, dead)
             for happens, after in play.edges(m)
             if not dead or not happens.endswith("_EV_RD")
         )
         assert sum(critical.edges for critical in edges) == crossing
+    for found in asked.all.survival if unsafe else ():
+        assert found.safety is not None
+        if found.safety.run is not None:
+            (*_, last) = found.safety.run.events
+            assert str(last) not in unsafe
+    for run in asked.all.safety.runs.values() if asked.all.safety is not None and unsafe else ():
+        if run is not None:
+            *_, (before, text, after) = play.walked(map(str, run.events))
+            assert not aborted(after) or aborted(before) or text in unsafe
 
 
 def small(mission: Mission, max_states: int) -> MissionNet | None:

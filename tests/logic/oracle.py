@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations
 
@@ -56,6 +56,13 @@ class Play:
         for event in events:
             (marking,) = [m for e, m in self.edges(marking) if e == event]
         return marking
+
+    def walked(self, events: Iterable[str]) -> Iterator[tuple[Marking, str, Marking]]:
+        """Each event of a run from the start, with the markings before and after it."""
+        marking = self.initial
+        for event in events:
+            before, marking = marking, self.after(marking, [event])
+            yield before, event, marking
 
     def without(self, dead: Iterable[str]) -> Marking:
         """The start after the failure of some hardware, of what is not out of service already."""

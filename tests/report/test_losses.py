@@ -11,6 +11,7 @@ from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import (
+    ABORT,
     Mission,
     Objective,
     Parallel,
@@ -48,7 +49,8 @@ def agree(found: MissionNet) -> None:
     except (LimitError, ConfluenceError) as error:
         returns_early(type(error).__name__)
         return
-    tree, losses = structured(found.usage), Losses(found.graph)
+    unsafe = set(asked.cuts.aborts.unsafe if asked.cuts.aborts else ())
+    tree, losses = structured(found.usage, unsafe), Losses(found.graph)
 
     def lost_from(section: str) -> list[CutSet]:
         products: list[Formula] = [
@@ -64,8 +66,10 @@ def agree(found: MissionNet) -> None:
     assert minimal(tree.cut_sets("mission-lost")) == asked.cut_sets(None, Moment.START)
     safety = asked.cuts.safety
     assert (safety is None) == ("robot-lost" not in tree.gates)
+    at_once = {section.name for section in found.graph.sections if section.failure == ABORT}
     if safety is not None:
-        event("can be aborted")
+        event(f"can be aborted, by failures of what should make safe: {bool(unsafe)}")
+    if safety is not None and unsafe <= at_once:
         assert minimal(tree.cut_sets("robot-lost")) == asked.cuts.found(safety).minimal[Moment.START]
     for section in found.graph.sections:
         if asked.prospects.entered(section):

@@ -18,7 +18,8 @@ from mcpn.report.findings import Findings, findings
 from mcpn.report.page import page
 from mcpn.report.pages.identity import EPOCH, digest_of, identity
 from mcpn.report.pages.live import nominal_run
-from mcpn.report.pages.story import story, verdict_of_all
+from mcpn.report.pages.preflight import preflight
+from mcpn.report.pages.story import headline, story, verdict_of_all
 from mcpn.report.pages.tables import fold_rows, tables
 from mcpn.runtime import Controller
 from mcpn.testing import missions
@@ -111,6 +112,66 @@ def test_an_end_that_is_not_safe_is_no_safe_end(tmp_path: Path) -> None:
         "objective a fails."
     )
     assert list(answer.chips) == ["a", "failure"]
+
+
+LEAK = """<mission name="auv" xmlns="urn:mcpn:mission:1">
+  <robot name="r"><hardware name="thrusters"/><event name="leak"/><event name="call"/>
+    <activity name="swim" consumes="thrusters"/></robot>
+  <requirement name="up_after_leak"><response to="happens(leak)" gives="objective(up)"/></requirement>
+  <objective name="dive" activities="swim" failure="up"><on event="leak" goto="up"/></objective>
+  <objective name="work" activities="swim" failure="up" success="succeed">
+    <on event="call" goto="up"/></objective>
+  <objective name="up" activities="swim" success="abort" failure="abort"/>
+</mission>"""
+
+
+def test_what_reassures_where_it_should_not_stands_first(tmp_path: Path) -> None:
+    """Ignored events, an abort that is safe by word alone: first screen, headline, list before it goes."""
+    (tmp_path / "m.xml").write_text(LEAK)
+    found = findings(compose(read_mission(tmp_path / "m.xml")))
+    said = {answer.asked: (answer.state, answer.said) for answer in [headline(found), *story(found)]}
+    assert said["May it go?"] == (
+        "holds",
+        "Yes. All required verdicts hold; it meets all that it requires. The loss of thrusters alone defeats "
+        "it; the loss of thrusters alone endangers the robot; abort is safe by word alone where up fails; "
+        "2 events are ignored in some objectives.",
+    )
+    state, endangers = said["What endangers the robot?"]
+    assert (state, "safe abort once" in endangers, "thrusters" in endangers) == ("note", True, True)
+    assert said["Is every abort safe?"][0] == "fails"
+    assert said["What is ignored?"] == (
+        "note",
+        "leak while work, up run; call while dive, up run. What is required of these events holds only where "
+        "they are handled.",
+    )
+    ticks = [tick.what for tick in preflight(found)]
+    assert "Test thrusters: single points of failure." in ticks
+    assert "Test up: its failure ends in abort, too." in ticks
+    assert "Accept that leak is ignored while work, up run." in ticks
+    text = page(found)
+    assert "It holds of leak where that is handled: it is ignored while work, up run." in text
+
+
+PHOTO = """<mission name="photo" xmlns="urn:mcpn:mission:1">
+  <robot name="drone"><hardware name="camera" detected="late"/><hardware name="sonar"/>
+    <activity name="look"><alternative name="by_eye" consumes="camera"/>
+      <alternative name="by_ear" consumes="sonar"/></activity>
+    <activity name="test" detects="camera"/></robot>
+  <objective name="watched" activities="look test"/>
+  <objective name="search" activities="look"/>
+</mission>"""
+
+
+def test_losses_that_nobody_notices_stand_first(tmp_path: Path) -> None:
+    (tmp_path / "m.xml").write_text(PHOTO)
+    found = findings(compose(read_mission(tmp_path / "m.xml")))
+    (answer,) = (answer for answer in story(found) if answer.asked == "What goes unnoticed?")
+    assert answer.said == (
+        "Nobody notices the loss of camera while search runs and can only fail; watched can succeed after "
+        "the loss of camera only if it is found in time."
+    )
+    (tick,) = (tick for tick in preflight(found) if "noticed late" in tick.what)
+    assert "search runs and can only fail" in tick.why
 
 
 def test_what_is_not_confluent_is_not_proved() -> None:

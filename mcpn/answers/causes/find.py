@@ -123,6 +123,12 @@ class Causes(Told):
         unsafe = f"no safe end without {lost(safety)}"
         return f"<causes of the mission {name}: no success without {lost(self.mission)}, {unsafe}>"
 
+    @property
+    def unsafe_aborts(self) -> tuple[str, ...]:
+        """Objectives that should make the robot safe: an abort by their failure is no safe end."""
+        aborts = self.prospects.aborts
+        return () if aborts is None else aborts.unsafe
+
     def of(self, objectives: Iterable[str]) -> Causes:
         """The causes of some elementary objectives only, with all of their copies.
 

@@ -9,14 +9,16 @@ ends in success, so that a later retry is another run, and one after an interrup
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Hashable, Iterable, Mapping, Set
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass, field
-from functools import cached_property
-from itertools import product
+from functools import cached_property, reduce
+from itertools import chain, product
+from operator import or_
 from typing import Any, Generic, Literal, TypeAlias
 
 from mcpn.answers.reentry import Reentry
 from mcpn.answers.verdicts.modes import Mode, said_by
+from mcpn.answers.verdicts.unsafe_abort import Aborts, aborts
 from mcpn.drawing.compose import MissionNet
 from mcpn.mission.flatten import ElementarySection, Section
 from mcpn.mission.static.handover import entries
@@ -39,6 +41,7 @@ class Goal(Generic[S]):
         won: States in which it is reached, or in which the event that reaches it may happen.
         ends: Transitions that end the present run, which no run to it takes.
         ends_from: By transition that ends it from some states alone, these states.
+        lost_by: By transition that loses it at once from some states, these states.
     """
 
     name: str
@@ -46,6 +49,7 @@ class Goal(Generic[S]):
     won: S
     ends: frozenset[int] = frozenset()
     ends_from: Mapping[int, S] = field(default_factory=dict)
+    lost_by: Mapping[int, S] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -130,11 +134,26 @@ class Prospects(Generic[S]):
 
     @cached_property
     def safety(self) -> Goal[S] | None:
-        """A safe end of the mission, success or abort; ``None`` of a mission that cannot abort."""
-        if self.mission_net.abort is None:
+        """A safe end of the mission, success or abort; ``None`` of a mission that cannot abort.
+
+        An abort by the failure of what should make the robot safe is none. So the goal is reached in states
+        in which another event may lead to abort.
+        """
+        space, found, name = self.space, self.aborts, self.mission_net.mission.name
+        if found is None or self.mission_net.abort is None:
             return None
-        won = self.space.marked([self.mission_net.success, self.mission_net.abort])
-        return Goal(self.mission_net.mission.name, self.space.everything - won, won)
+        success = space.marked([self.mission_net.success])
+        ended = success | space.marked([self.mission_net.abort])
+        running = space.everything - ended
+        if not found.unsafe:
+            return Goal(name, running, ended)
+        won = reduce(or_, found.well.values(), success)
+        return Goal(name, running, won, ends_from=found.well, lost_by=found.badly)
+
+    @cached_property
+    def aborts(self) -> Aborts[S] | None:
+        """How the mission comes to its abort; ``None`` of a mission that cannot abort."""
+        return None if self.mission_net.abort is None else aborts(self.mission_net, self.space)
 
     @cached_property
     def objectives(self) -> Mapping[str, Goal[S]]:
@@ -242,7 +261,10 @@ class Prospects(Generic[S]):
     def _critical_of(self, goal: Goal[S], repairs: bool) -> list[CriticalEvent]:
         losing, allowed = self.losing(goal, repairs=repairs), self.allowed(goal, repairs=repairs)
         found: Counter[tuple[Event, tuple[str, ...], tuple[tuple[str, str], ...]]] = Counter()
-        for t, states in self.space.crossing(goal.running - losing, losing) if losing else ():
+        hopeful = goal.running - losing
+        crossing = self.space.crossing(hopeful, losing) if losing else ()
+        at_once = ((t, states & hopeful) for t, states in goal.lost_by.items())
+        for t, states in chain(crossing, at_once):
             event = self.mission_net.net.transitions[t].event
             if event is None or t not in allowed:
                 continue
@@ -312,7 +334,8 @@ class Prospects(Generic[S]):
             ended = self.mission_net.ends.values()
             ends.insert(0, space.marked(ended) - goal.won)
         oos = self.places("oos", names)
-        for end, guards in product([space.restricted(end, oos, ()) for end in ends], (self.forced, None)):
+        ways = (self._onward(goal, self.forced), self._onward(goal))
+        for end, guards in product([space.restricted(end, oos, ()) for end in ends], ways):
             run = space.run(space.initial.pick(), end, None, transitions, guards)
             if run is not None:
                 if not whole:
@@ -339,9 +362,10 @@ class Prospects(Generic[S]):
             if found is None:
                 return None
             begin, prefix = found[-1].target if found else begin, found
-        here, guards, transitions = space.single(begin), self.forced, self.unrepaired
+        here, transitions = space.single(begin), self.unrepaired
+        guards = self._onward(goal, self.forced)
         if here & goal.won:
-            return self._run(prefix)
+            return self._run([*prefix, *self._reached(goal, begin)])
         # Failures after success are no evidence of robustness: only failures before it are counted.
         before = space.reached(here, goal.running, transitions, guards)
         ends = space.after(before, transitions, guards) & goal.won
@@ -351,7 +375,24 @@ class Prospects(Generic[S]):
         most = images.sized(space.image(ends, oos, images))
         widest = ends & space.at_most(dict.fromkeys(oos, -1), -most)
         onward = space.run(begin, widest, goal.running, transitions, guards)
-        return None if onward is None else self._run([*prefix, *onward])
+        if onward is None:
+            return None
+        return self._run([*prefix, *onward, *self._reached(goal, onward[-1].target)])
+
+    def _onward(self, goal: Goal[S], guards: Mapping[int, S] | None = None) -> Mapping[int, S] | None:
+        """Guards of runs on which an abort is none that makes the robot safe, where one may not."""
+        if not goal.lost_by:
+            return guards
+        known = guards or {}
+        unsafe = {t: self.space.everything - states for t, states in goal.ends_from.items()}
+        return {**known, **{t: known[t] & s if t in known else s for t, s in unsafe.items()}}
+
+    def _reached(self, goal: Goal[S], state: Any) -> Iterator[Edge]:
+        """The event that reaches a goal from a state in which it may happen; none where it is reached."""
+        here = self.space.single(state)
+        if here & goal.running:
+            edges = self.space.edges(state)
+            yield next(e for e in edges if here & goal.ends_from.get(e.transition, self.space.nothing))
 
     def _run(self, edges: Iterable[Edge]) -> Run:
         return Run(self.space.net, transitions_of(edges), settles=True)

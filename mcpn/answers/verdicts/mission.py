@@ -33,6 +33,7 @@ from mcpn.steps import Doing, step
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
+    from mcpn.answers.late import LateLoss
     from mcpn.answers.requirements import AskedRequirement, RequirementAnswer
 
 NOMINAL = "nominal_success"
@@ -149,6 +150,7 @@ class MissionCheck(Told):
         unselectable: What can never be selected, entered or used, with its line.
         futile: Objectives and blocks whose success leads only to failure, with their lines.
         ignored: Declared events that are ignored in some state, with what runs then.
+        late: Hardware whose loss is noticed late, with what then can only fail.
         requirements: What the mission says that it must satisfy, and whether it does.
     """
 
@@ -162,6 +164,7 @@ class MissionCheck(Told):
     unselectable: tuple[Problem, ...] = ()
     futile: tuple[Problem, ...] = ()
     ignored: tuple[Ignored, ...] = ()
+    late: tuple[LateLoss, ...] = ()
     requirements: tuple[RequirementAnswer, ...] = ()
 
     @property
@@ -358,7 +361,17 @@ def _verdicts(
         {} if space is None else functioning_modes(mission_net, space),
         *never,
         ignored,
+        _late(mission_net, alternatives),
     )
+
+
+def _late(mission_net: MissionNet, alternatives: Space[Any] | None) -> tuple[LateLoss, ...]:
+    """What losses that are noticed late cost, where some are."""
+    if alternatives is None or not mission_net.mission.late:
+        return ()
+    from mcpn.answers.late import late_losses
+
+    return tuple(late_losses(mission_net, alternatives))
 
 
 def _requirements(
@@ -404,7 +417,7 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
     if mission_net.abort is not None:
         goals[ENDS_SAFELY] = space.everything - space.reaching(success | abort)
         goals[ABORT_REACHABLE] = abort
-        yield _unsafe_abort(mission_net, space, abort, settles=settles)
+        yield _unsafe_abort(mission_net, space, settles=settles)
     for name, goal in goals.items():
         step(Doing.DECIDING, question=name)
         holds_if_found, found, nothing = RUNS[name]
@@ -421,10 +434,10 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
             yield Verdict(name, holds_if_found, found, (shown,))
 
 
-def _unsafe_abort(mission_net: MissionNet, space: Space[S], abort: S, *, settles: bool) -> Verdict:
-    """Whether the mission aborts by the failure of an objective by whose success it aborts, too."""
+def _unsafe_abort(mission_net: MissionNet, space: Space[S], *, settles: bool) -> Verdict:
+    """Whether the mission aborts by the failure of an objective that should make the robot safe."""
     step(Doing.DECIDING, question=UNSAFE_ABORT)
-    names, run = abort_by_failure(mission_net, space, abort, settles=settles)
+    names, run = abort_by_failure(mission_net, space, settles=settles)
     if run is None:
         return Verdict(UNSAFE_ABORT, False, "what ends in abort by its success does not by its failure")
     told = shortened(mission_net.graph.copies.told(names, names_of_objectives(mission_net.graph)))

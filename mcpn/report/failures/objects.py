@@ -34,6 +34,7 @@ def causes_object(causes: Causes, *, runs: bool = True) -> dict[str, Any]:
     return {
         "mission": _goal(causes.mission, runs, sentence),
         **({} if causes.safety is None else {"safety": _goal(causes.safety, runs, safe)}),
+        **({"unsafe_aborts": list(causes.unsafe_aborts)} if causes.unsafe_aborts else {}),
         "objectives": {name: _goal(goal, runs) for name, goal in causes.objectives.items()},
         "survival": [_survival(found, runs) for found in causes.survival],
     }

@@ -15,7 +15,7 @@ Source: Epstein, Rauzy, *Open-PSA Model Exchange Format*, version 2.0d, sections
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import reduce
 from itertools import pairwise
 from operator import and_, or_
@@ -41,7 +41,7 @@ Formula: TypeAlias = Reference | tuple[Literal["and", "or"], Sequence["Formula"]
 
 NEVER: Formula = ("or", ())
 MISSION, ROBOT = "mission-lost", "robot-lost"
-"""Top gates: the mission can no longer succeed; it can neither succeed nor be aborted."""
+"""Top gates: the mission can no longer succeed; it can come to no safe end, success or abort."""
 
 MAX_OBJECTIVES = 500
 """Objectives of a mission whose tree follows its text; that of a longer one is flat."""
@@ -52,6 +52,7 @@ def open_psa(
     mission: Sequence[CutSet],
     objectives: Mapping[str, Sequence[CutSet]],
     safety: Sequence[CutSet] | None = None,
+    unsafe: Collection[str] = (),
 ) -> bytes:
     """A fault tree whose top gates are the losses of the mission and of its objectives.
 
@@ -60,6 +61,7 @@ def open_psa(
         mission: Minimal cut sets of the mission.
         objectives: Those of each elementary objective, by its name.
         safety: Those of the mission's safe ends, success and abort, of a mission that can abort.
+        unsafe: Objectives that should make the robot safe: an abort by their failure is no safe end.
 
     Returns:
         UTF-8 XML: gates ``mission-lost``, of missions that can abort ``robot-lost``, and ``objective-NAME``,
@@ -71,7 +73,7 @@ def open_psa(
     if len(objectives) > MAX_OBJECTIVES:
         return flat.document()
     try:
-        tree = structured(usage)
+        tree = structured(usage, unsafe)
         same = all(tree.cut_sets(top) == set(map(frozenset, found)) for top, found in tops.items())
     except LimitError:  # too many products to be read by anybody
         same = False
@@ -119,7 +121,7 @@ class FaultTree:
         root = etree.Element("opsa-mef")
         tree = etree.SubElement(root, "define-fault-tree", name=_identifier(self.usage.mission.name))
         labels = {MISSION: f"mission {self.usage.mission.name} cannot succeed"}
-        labels[ROBOT] = f"mission {self.usage.mission.name} can neither succeed nor be aborted"
+        labels[ROBOT] = f"mission {self.usage.mission.name} can come to no safe end, success or abort"
         labels |= {_objective(o.name): f"{o.name} cannot succeed" for o in self.usage.graph.walk()}
         labels |= {_activity(name): f"{name} has no possible alternative" for name in self.usage.started}
         for name in filter(self.gates.__contains__, labels):
@@ -133,8 +135,8 @@ class FaultTree:
         return etree.tostring(root, pretty_print=True, xml_declaration=True, encoding="UTF-8")
 
 
-def structured(usage: Usage) -> FaultTree:
-    """The tree that follows the mission."""
+def structured(usage: Usage, unsafe: Collection[str] = ()) -> FaultTree:
+    """The tree that follows the mission, see :func:`open_psa`."""
     tree = FaultTree(usage)
 
     def reference(resource: str) -> Reference:
@@ -149,7 +151,7 @@ def structured(usage: Usage) -> FaultTree:
         tree.gates[_activity(name)] = lost if tree.function(lost) else NEVER
     for section in usage.graph.walk():
         tree.gates[_objective(section.name)] = "or", [("gate", _activity(a)) for a in section.activities]
-    losses = Losses(usage.graph)
+    losses = Losses(usage.graph, unsafe)
     tops = {MISSION: (SUCCEED,), **({ROBOT: (SUCCEED, ABORT)} if usage.graph.aborts else {})}
     for top, ends in tops.items():
         minimal = losses.mission_from(usage.graph.entry, *ends)
@@ -164,10 +166,11 @@ class Losses:
 
     Args:
         graph: The mission's objectives graph.
+        unsafe: Objectives whose failure is no safe end, even where it leads to abort.
     """
 
-    def __init__(self, graph: ObjectivesGraph) -> None:
-        self.graph = graph
+    def __init__(self, graph: ObjectivesGraph, unsafe: Collection[str] = ()) -> None:
+        self.graph, self.unsafe = graph, unsafe
         self.objectives = [section.name for section in graph.walk()]
         self.images = images = ImageStore(len(self.objectives))
         self.never, self.always = images.nothing, images.everything
@@ -206,7 +209,10 @@ class Losses:
             changed = False
             for section in reversed(graph.sections):
                 well, badly = ways[section.name]
-                now = (well | lost[section.success]) & (badly | lost[section.failure])
+                failed = lost[section.failure]
+                if section.failure == ABORT and section.name in self.unsafe:
+                    failed = self.always
+                now = (well | lost[section.success]) & (badly | failed)
                 if isinstance(section, ElementarySection) and section.timed_out is not None:
                     now = now & lost[section.timed_out]  # its time may always be over
                 if isinstance(section, ParallelSection) and section.abort is not None:

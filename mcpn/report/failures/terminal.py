@@ -20,7 +20,7 @@ from mcpn.report.failures.tables import STANDARD, Classes, fmeca_rows
 from mcpn.report.terminal import Terminal
 from mcpn.report.text import print_counts, print_steps
 from mcpn.report.words import folded, in_words, what_happens
-from mcpn.sentences import enumeration
+from mcpn.sentences import enumeration, shortened
 from mcpn.spaces.run import Run
 
 if TYPE_CHECKING:
@@ -71,6 +71,12 @@ def safe(name: str, cut_sets: Sequence[CutSet]) -> str:
     return f"{name} cannot end safely, in success or abort, if {lost}"
 
 
+def by_word_alone(causes: Causes) -> str:
+    """The aborts that are no safe end: those by the failure of what should make the robot safe."""
+    names = folded(causes.mission_net, causes.unsafe_aborts)
+    return f"an abort by the failure of {shortened(names)}"
+
+
 def headlines(causes: Causes) -> Iterator[str]:
     """What keeps the mission from success and, where it can abort, from a safe end."""
     mission, safety = causes.mission, causes.safety
@@ -79,6 +85,8 @@ def headlines(causes: Causes) -> Iterator[str]:
     else:
         yield accomplished(mission.name, mission.cut_sets)
         yield safe(safety.name, safety.cut_sets)
+        if causes.unsafe_aborts:
+            yield f"{by_word_alone(causes)} is no safe end"
 
 
 def survived(found: Survival) -> Iterator[str]:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from mcpn.report.words import folded
 from mcpn.sentences import enumeration
 
 if TYPE_CHECKING:
@@ -31,7 +32,9 @@ class Tick:
 def preflight(findings: Findings) -> Iterator[Tick]:
     """What is to be tested before the mission goes, the most dangerous first."""
     yield from _single_losses(findings)
+    yield from _aborts(findings)
     yield from _late(findings)
+    yield from _ignored(findings)
     yield from _granted(findings)
     yield from _open(findings)
     yield Tick(
@@ -60,14 +63,31 @@ def _single_losses(findings: Findings) -> Iterator[Tick]:
         yield Tick(f"Test {_named(only)}.", why)
 
 
+def _aborts(findings: Findings) -> Iterator[Tick]:
+    causes = findings.causes
+    if causes is not None and (names := folded(causes.mission_net, causes.unsafe_aborts)):
+        yield Tick(
+            f"Test {_named(names)}: {'its' if len(names) == 1 else 'their'} failure ends in abort, too.",
+            "The mission calls this abort safe, though what should make it safe has failed.",
+        )
+
+
+def _ignored(findings: Findings) -> Iterator[Tick]:
+    for ignored in findings.check.ignored[:MOST_NAMED]:
+        yield Tick(f"Accept that {ignored.sentence}.", "Nothing around handles it there: it changes nothing.")
+
+
 def _late(findings: Findings) -> Iterator[Tick]:
     mission = findings.check.mission_net.mission
+    costs = {each.hardware: "; ".join(each.sentences) for each in findings.check.late}
     for hardware in mission.late:
         finders = [a.name for a in mission.activities if hardware.name in a.detects]
         by = f"{_named(finders)} runs, or " if finders else ""
+        cost = costs.get(hardware.name, "")
         yield Tick(
             f"Test {hardware.name}: its loss is noticed late.",
-            f"The robot learns of it only while {by}as an objective fails; until then it goes on.",
+            f"The robot learns of it only while {by}as an objective fails; until then it goes on"
+            f"{': ' * bool(cost)}{cost}.",
         )
 
 

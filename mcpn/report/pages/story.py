@@ -14,7 +14,14 @@ from mcpn.report.failures.terminal import without_a_rate
 from mcpn.report.pages.live import nominal_run, strip
 from mcpn.report.pages.preflight import single_losses
 from mcpn.report.text import SENTENCES
-from mcpn.report.words import folded, in_words, skipped_in_words, what_happens, wrong_in_words
+from mcpn.report.words import (
+    folded,
+    in_words,
+    skipped_in_words,
+    unhandled_in_words,
+    what_happens,
+    wrong_in_words,
+)
 from mcpn.sentences import enumeration
 
 if TYPE_CHECKING:
@@ -79,7 +86,13 @@ def _conditions(findings: Findings) -> Iterator[str]:
             yield f"the loss of {_few(endangers)} alone endangers the robot"
         else:
             yield "no single loss endangers the robot"
-    if late := [h.name for h in findings.check.mission_net.mission.late]:
+        if unsafe := folded(causes.mission_net, causes.unsafe_aborts):
+            yield f"abort is safe by word alone where {_few(unsafe)} fail{'s' * (len(unsafe) == 1)}"
+    check = findings.check
+    if ignored := [each.event for each in check.ignored]:
+        some = ignored[0] if len(ignored) == 1 else f"{len(ignored)} events"
+        yield f"{some} {'is' if len(ignored) == 1 else 'are'} ignored in some objectives"
+    if late := [h.name for h in check.mission_net.mission.late]:
         yield f"the loss of {_few(late)} is noticed late"
 
 
@@ -123,8 +136,11 @@ def story(findings: Findings) -> Iterator[StoryLine]:
     if findings.causes is not None:
         mission, safety = findings.causes.mission, findings.causes.safety
         yield _safety(findings, None if safety is None else safety.cut_sets)
+        yield from _by_word(findings.causes)
         yield _lost(mission.cut_sets, aborts=safety is not None)
         yield from _survived(findings)
+    yield from _ignored(findings.check)
+    yield from _unnoticed(findings.check)
     yield from _required(findings.check)
     yield from _granted(findings.check)
     if (chance := findings.risk) is not None:
@@ -266,9 +282,53 @@ def _safety(findings: Findings, cut_sets: Sequence[CutSet] | None) -> StoryLine:
         return _unsafe(findings, verdict.runs)
     if not cut_sets:
         said = f"Whatever hardware is lost, it can still succeed or be aborted: {ABORTED}."
+        if findings.causes and findings.causes.unsafe_aborts:
+            return StoryLine("note", asked, "No loss of hardware alone, but failures of what makes it safe.")
         return StoryLine("holds", asked, said)
-    said = "It can neither succeed nor be aborted once this hardware is lost and not repaired:"
+    end = "come to a safe abort" if findings.causes and findings.causes.unsafe_aborts else "be aborted"
+    said = f"It can neither succeed nor {end} once this hardware is lost and not repaired:"
     return StoryLine("note", asked, f"{said} {_listed(cut_sets)}.")
+
+
+def _by_word(causes: Causes) -> Iterator[StoryLine]:
+    """Aborts that are reached by the failure of what should make the robot safe."""
+    if names := folded(causes.mission_net, causes.unsafe_aborts):
+        several = len(names) > 1
+        said = (
+            f"{_few(names)} should make the robot safe, and where {'one of them' if several else 'it'} fails "
+            "the mission is aborted all the same. The answers of this page count no such abort as safe; "
+            "probabilities of an abort count it."
+        )
+        yield StoryLine("fails", "Is every abort safe?", said)
+
+
+def _ignored(check: MissionCheck) -> Iterator[StoryLine]:
+    """Where the declared events are ignored, of missions that declare some."""
+    asked, events = "What is ignored?", [e.name for e in check.mission_net.mission.events if not e.sets]
+    if check.ignored:
+        told = "; ".join(f"{each.event} while {each.words}" for each in check.ignored[:MOST_TOLD])
+        more = len(check.ignored) - MOST_TOLD
+        told += f"; and {more} more, which check lists" if more > 0 else ""
+        said = f"{told}. What is required of these events holds only where they are handled."
+        yield StoryLine("note", asked, said)
+    elif events and (check.alternatives is not None or check.markings is not None):
+        yield StoryLine("holds", asked, f"No event: {_few(events)} {_is(events)} handled whatever runs.")
+
+
+def _unnoticed(check: MissionCheck) -> Iterator[StoryLine]:
+    """What losses that are noticed late cost, of missions with such hardware."""
+    asked, late = "What goes unnoticed?", [h.name for h in check.mission_net.mission.late]
+    if check.late:
+        said = "; ".join(sentence for each in check.late[:MOST_TOLD] for sentence in each.sentences)
+        yield StoryLine("note", asked, f"{said[:1].upper()}{said[1:]}.")
+    elif late and check.alternatives is not None:
+        yield StoryLine(
+            "holds", asked, f"The loss of {_few(late)} is noticed late; no objective fails for that."
+        )
+
+
+def _is(names: Sequence[str]) -> str:
+    return "is" if len(names) == 1 else "are"
 
 
 def _unsafe(findings: Findings, runs: Sequence[Run]) -> StoryLine:
@@ -352,6 +412,7 @@ def _requirements(check: MissionCheck) -> Iterator[dict[str, Any]]:
         runs, notes = [], [f"{'' if asked.requirement.expected == 'holds' else 'not: '}{asked.text}"]
         if asked.sentence not in ("", asked.words):
             notes.insert(0, asked.sentence)
+        notes += unhandled_in_words(asked, check.ignored)
         if answer.witness is not None and not answer.met:
             steps = [(str(event), words) for event, words in in_words(check.mission_net, answer.witness.run)]
             runs = [{"steps": steps, "events": json.dumps([event for event, _ in steps])}]

@@ -1,0 +1,90 @@
+"""Losses that nobody notices: by hand, and every engine against plain search over the net."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import event, given
+from hypothesis import strategies as st
+
+from mcpn.answers.late import late_losses
+from mcpn.answers.spaces import spaces_of
+from mcpn.drawing.compose import MissionNet, compose
+from mcpn.mission.model import Mission, Objective
+from mcpn.nets.petri import Marking
+from mcpn.spaces.engines import Engine
+from mcpn.testing import missions
+from tests.answers.test_cutsets import small
+from tests.draws import fewer
+from tests.logic.asked import ENGINES
+from tests.logic.oracle import Play, fragile_missions
+from tests.small import activity, hw, mission, robot
+
+Told = dict[str, tuple[tuple[str, ...], tuple[str, ...]]]
+
+
+def found_of(net: MissionNet, engine: Engine) -> Told:
+    space = spaces_of(net).space(engine, "alternatives")
+    return {each.hardware: (each.unnoticed, each.in_time) for each in late_losses(net, space)}
+
+
+def searched(net: MissionNet) -> Told:
+    """The same by plain search: whether the present run of an objective may succeed, and by what."""
+    play, told = Play(net), Told()
+    everything = play.reach([play.initial])
+    repairs = [f"{name}_EV_RD" for name in play.hardware]
+
+    def succeeds(start: Marking, name: str, without: list[str]) -> bool:
+        run = play.reach([start], [*repairs, *without], f"OBJ_{name}")
+        return any(text == f"OBJ_{name}_EV_OK" for m in run for text, _ in play.edges(m))
+
+    for name in (h.name for h in net.mission.late if ("known", h.name) in net.by_role):
+        (known,) = net.by_role["known", name]
+        lost = [m for m in everything if play.out(m) == {name} and not m[known]]
+        detected = f"{name}_EV_DETECTED"
+        unnoticed, in_time = list[str](), list[str]()
+        for section in net.graph.walk():
+            runs = play.marks(f"OBJ_{section.name}")
+            succeeding = f"OBJ_{section.name}_EV_OK"
+            if not any(runs(m) and text == succeeding for m in everything for text, _ in play.edges(m)):
+                continue
+            hopeful = {m: succeeds(m, section.name, []) for m in lost if runs(m)}
+            if any(not well and detected not in dict(play.edges(m)) for m, well in hopeful.items()):
+                unnoticed.append(section.name)
+            if any(well and not succeeds(m, section.name, [detected]) for m, well in hopeful.items()):
+                in_time.append(section.name)
+        if unnoticed or in_time:
+            told[name] = tuple(unnoticed), tuple(in_time)
+    return told
+
+
+@fewer(0.5)
+@given(
+    missions(max_hardware=2, max_sections=4, late=True)
+    | fragile_missions(max_hardware=2, max_sections=4, late=True, lasting=True)
+    | missions(max_hardware=2, max_sections=3, max_producers=1, late=True, lasting=True),
+    st.sampled_from(ENGINES),
+)
+def test_drawn_missions(of: Mission, engine: Engine) -> None:
+    net = small(of, 400)
+    if net is None:
+        return
+    expected = searched(net)
+    event(f"unnoticed: {any(one for one, _ in expected.values())}")
+    event(f"in time: {any(other for _, other in expected.values())}")
+    assert found_of(net, engine) == expected
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_test_beside_the_work_finds_it_in_time(engine: Engine) -> None:
+    """What only one sensor can do fails unseen; with a test beside and another sensor it may succeed."""
+    (camera, sonar) = hw("camera", "sonar")
+    test = replace(activity("test", ()), detects=("camera",))
+    of = mission(
+        robot((replace(camera, detected="late"), sonar), activity("look", ("camera",), ("sonar",)), test),
+        Objective(name="alone", activities=("look",)),
+        Objective(name="watched", activities=("look", "test")),
+        Objective(name="idle", activities=("test",)),
+    )
+    assert found_of(compose(of), engine) == {"camera": (("alone",), ("watched",))}
