@@ -93,6 +93,11 @@ def missing(_: Drawn) -> None:
     """It is not drawn."""
 
 
+def never_taken(drawn: Drawn) -> Drawn | None:
+    """An alternative is not selected, and is passed over whether it is possible or not."""
+    return None if _split(drawn.produce, "take")[0] else ignores("OOS")(drawn)
+
+
 def ranked(more: int) -> Change:
     """It fires so many ranks later, or earlier."""
     return lambda drawn: replace(drawn, rank=max(drawn.rank + more, 0))
@@ -198,6 +203,7 @@ BY_ELEMENT: dict[str, dict[str, Fault]] = {
         "it stops again and again": ("activity", r"stop\d+", keeps("Stop")),
         "it passes over what is possible": ("activity", r"else\d+", ignores("OOS")),
         "it never passes over what is not": ("activity", r"else\d+", missing),
+        "it is refused and its second alternative possible": ("activity", r"(sel|else)2", never_taken),
         "it loses a resource and does not evaluate again": ("activity", r"err\d+", missing),
         "it gives up while it waits and goes nowhere": ("activity", r"werr\d+", forgets("eval")),
         "it is refused and cannot be stopped": ("activity", "errstop", missing),

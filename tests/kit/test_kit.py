@@ -23,7 +23,7 @@ from mcpn.testing.elements import LATE, LATE_APART
 from mcpn.testing.elements import MISSIONS as MISSIONS_OF_ANY_KIND
 from mcpn.testing.kit.contract import PARTS, WORDS, contract_of_arcs
 from mcpn.testing.kit.corpus import MISSIONS
-from mcpn.testing.kit.properties import PROPERTIES, no_dead_transition
+from mcpn.testing.kit.properties import PROPERTIES, no_dead_transition, refused_for_a_reason
 from mcpn.testing.kit.running import (
     ALL,
     SMALL_SHAPES,
@@ -80,6 +80,27 @@ def test_each_fault_is_found(name: str) -> None:
         for transition in run:
             assert net.transition_index[transition] in net.enabled(marking)
             marking = net.fire(marking, net.transition_index[transition])
+
+
+def test_a_refusal_is_asked_for_a_reason_in_whole_missions() -> None:
+    """All other properties hold: the activity is refused as one whose alternatives are not possible is."""
+    templates = Faulty(*FAULTS["it is refused and its second alternative possible"])
+    without = {name: holds for name, holds in PROPERTIES.items() if name != "refused_for_a_reason"}
+    assert first_broken(MISSIONS["retried"], templates, without) is None
+    found = first_broken(MISSIONS["retried"], templates)
+    assert found is not None
+    assert found.property == "refused_for_a_reason"
+    assert re.search(r"a is refused, and \S+ was possible\nrun:\n  1\. h_EV_OOS\n", str(found))
+
+
+@given(st.one_of(small_missions()))
+def test_who_is_refused_has_a_reason(mission: Mission) -> None:
+    """Also of the form of the compact set that passes alternatives over one by one."""
+    for templates in OURS:
+        try:
+            refused_for_a_reason(Subject(mission, templates))
+        except LimitError as error:
+            returns_early(type(error).__name__)
 
 
 @pytest.mark.parametrize("name", HARMLESS)

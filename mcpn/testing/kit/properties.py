@@ -12,7 +12,7 @@ of. A net that is not 1-safe breaks all of them.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from mcpn.drawing.templates import TemplateSet
 from mcpn.errors import ConfluenceError, DivergenceError, SemanticsError, UnsafeError
 from mcpn.mission.flatten import ObjectivesGraph
 from mcpn.report.text import likeness_lines
+from mcpn.spaces.markings.graph import Mask
 from mcpn.testing.kit.contract import contract_of_arcs
 from mcpn.testing.kit.promises import idle_again as idle_at_the_end
 from mcpn.testing.kit.promises import invariants_of_units, promises_at_rest
@@ -107,6 +108,43 @@ def event_deterministic(of: Subject) -> None:
                 raise of.violation(state, f"the event {event} fires several transitions")
 
 
+def refused_for_a_reason(of: Subject) -> None:
+    """No event leads to a refusal while an alternative of the activity is possible.
+
+    Possible, whatever the templates, is an alternative that needs hardware alone, all of it in service. Where
+    activities contend, others may hold it. Who was refused before the event may stay so: it evaluates again
+    when it is started again.
+    """
+    one_safe(of)
+    found = of.mission_net
+    if found.usage.contentions:
+        return
+    try:
+        graph = of.reduced()
+    except (ConfluenceError, DivergenceError):
+        return  # other properties
+
+    def said(role: Literal["refused", "oos", "known"], name: str) -> Mask:
+        marked = np.zeros(graph.states, np.bool_)
+        for place in found.by_role.get((role, name), ()):
+            marked |= graph.marked(place)
+        return marked
+
+    for activity in found.mission.activities:
+        refused = said("refused", activity.name)
+        if not refused.any() or activity.requires or found.usage.may_wait(activity.name):
+            continue
+        fresh = refused[graph.targets] & ~refused[graph.sources]
+        for way in activity.alternatives:
+            if way.requires or not found.usage.hardware.keys() >= {*way.consumes}:
+                continue
+            out = np.zeros(graph.states, np.bool_)
+            for name in way.consumes:
+                out |= said("oos", name) | said("known", name)
+            for edge in np.flatnonzero(fresh & ~out[graph.targets]).tolist():
+                raise of.after(graph, edge, f"{activity.name} is refused, and {way.name} was possible")
+
+
 def contract_kept(of: Subject) -> None:
     """Transitions touch other templates only as the contract says; at rest all have answered.
 
@@ -124,6 +162,7 @@ PROPERTIES: Mapping[str, Property] = {
     "contract_kept": contract_kept,
     "ending": ending,
     "confluent": confluent,
+    "refused_for_a_reason": refused_for_a_reason,
     "idle_again": idle_again,
     "event_deterministic": event_deterministic,
 }

@@ -139,3 +139,17 @@ class Subject:
         edges = self.markings.run_to(goal) or []
         names = [self.net.transitions[int(self.markings.labels[edge])].name for edge in edges]
         return Violation(message, [names], self.net)
+
+    def after(self, alternatives: StateGraph, edge: int, message: str) -> Violation:
+        """What is wrong after an edge of the alternatives graph, with a run that it ends."""
+        graph = self.markings
+        number = {graph.marking(state): state for state in np.flatnonzero(self.stable).tolist()}
+        ends = (alternatives.sources[edge], alternatives.targets[edge])
+        before, after = (number[alternatives.marking(int(state))] for state in ends)
+        state = np.arange(graph.states)
+        run = graph.run_to(state == before) or []
+        label = alternatives.labels[edge]
+        event = next(e for e in np.flatnonzero(graph.sources == before).tolist() if graph.labels[e] == label)
+        inside = graph.run_to(state == after, int(graph.targets[event]), along=~self.stable) or []
+        names = [self.net.transitions[int(graph.labels[e])].name for e in (*run, event, *inside)]
+        return Violation(message, [names], self.net)
