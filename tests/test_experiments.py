@@ -67,6 +67,23 @@ def test_counts_of_the_paper_are_those_of_today() -> None:
     assert found.returncode == 0, found.stderr
 
 
+def test_counts_of_growing_missions_in_the_paper_are_those_of_today() -> None:
+    """Up to four parts, by the engine that keeps diagrams."""
+    table = PAPER.read_text().partition("<!-- measured: growth -->\n")[2].partition("<!-- end -->")[0]
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines()[2:]]
+    told = [(family, int(n), int(markings), int(stable)) for family, n, _, markings, stable, *_ in rows]
+    small = [row for row in told if row[1] <= 4]
+    assert len(small) == 8
+    script = (
+        "from explicit_vs_symbolic import find\n"
+        f"for family, n, markings, stable in {small!r}:\n"
+        "    found = find('symbolic', family, n)\n"
+        "    assert (found['markings'], found['stable']) == (markings, stable), (family, n, found)\n"
+    )
+    found = python("-c", script)
+    assert found.returncode == 0, found.stderr
+
+
 def test_the_paper_is_measured_without_the_tests() -> None:
     """The package and the folder of experiments are enough."""
     found = python(
