@@ -153,6 +153,10 @@ class _PlaceGraph:
         phase = self._places[place].phase
         return None if phase in (BEFORE, RUNNING) else phase
 
+    def leaves(self, place: int, edge: _PlaceEdge) -> bool:
+        """Whether an edge of a place leads out of the section that runs there."""
+        return self._places[edge.target].section is not self._places[place].section
+
     def ahead(self, place: int) -> list[_PlaceEdge]:
         """What may happen in a place, in the order of the events."""
         if place not in self._ahead:
@@ -271,6 +275,8 @@ class _UntakenEdges:
         left = self._open.get(place)
         if left is None:
             left = [edge for edge in reversed(self._ahead(place)) if edge.number is not None]
+            # What stays in the section comes first: few sequences come back to it.
+            left.sort(key=lambda edge: not self._graph.leaves(place, edge))
             self._open[place] = left
         while left and left[-1].number in self._taken:
             left.pop()
