@@ -103,36 +103,53 @@ class _Meaning:
         found, place = list[Symbol](), symbol.place
         parts = symbol.name.split(".")
         for number, part in enumerate(parts):
-            names = list(_copy(part, self.blocks.get(text, {})))
-            if not names:
+            named = list(self._copy(part, text))
+            if not named:
                 return []
-            for at, name in names:
-                found.append(replace(symbol, kind="block", scope=text, name=name, place=place + at))
-            block = self.blocks[text][names[0][1]].element
+            for at, of, name in named:
+                found.append(replace(symbol, kind="block", scope=of, name=name, place=place + at))
+            block = self.blocks[text][named[0][2]].element
             if number == len(parts) - 1:
                 elementary = block.tag == "objective" and "activities" in block.texts
                 return found if elementary or symbol.kind == "block path" else []
-            text = block.texts.get("protocol", "") if block.tag == Use.TAG else text
+            text = self._inside(text, named[0][2])
             place += len(part) + 1
         return []
 
+    def _inside(self, text: str, name: str) -> str:
+        """The text of the blocks that stand in a block: of a use of a protocol, the protocol."""
+        block = self.blocks[text][name].element
+        return block.texts.get("protocol", "") if block.tag == Use.TAG else text
 
-def _copy(name: str, known: dict[str, Symbol]) -> Iterator[tuple[int, str]]:
-    """The blocks that the name of a copy is made of, with where they stand in it.
+    def _copy(self, name: str, text: str) -> Iterator[tuple[int, str, str]]:
+        """The blocks that the name of a copy is made of: where each stands in it, its text and its name."""
+        known = self.blocks.get(text, {})
+        base = _longest(name, known)
+        if base is None:
+            return
+        yield 0, text, base
+        rest, at = name[len(base) + 1 :], len(base) + 1
+        if rest.startswith("at_"):
+            for place, of, other in self._stopped(rest[3:], text):
+                yield at + 3 + place, of, other
+        elif (recovered := _numbered(rest, known)) is not None:
+            yield at, text, recovered
 
-    >>> list(_copy("back_off_visit1", dict.fromkeys(("back_off", "visit"))))
-    [(0, 'back_off'), (9, 'visit')]
-    """
-    base = _longest(name, known)
-    if base is None:
-        return
-    yield 0, base
-    rest, at = name[len(base) + 1 :], len(base) + 1
-    if rest.startswith("at_"):
-        for place, other in _copy(rest[3:], known):
-            yield at + 3 + place, other
-    elif (recovered := _numbered(rest, known)) is not None:
-        yield at, recovered
+    def _stopped(self, name: str, text: str) -> Iterator[tuple[int, str, str]]:
+        """The blocks of a qualified name whose dots have become ``_``, as :meth:`_copy` tells them."""
+        base = _longest(name, self.blocks.get(text, {}))
+        inside = self._inside(text, base) if base is not None else text
+        if base is None or inside == text:
+            yield from self._copy(name, text)
+            return
+        yield 0, text, base
+        # What tells its own copies apart, as ``run2``, stands before the blocks in it.
+        starts = [at + 1 for at in range(len(base), len(name)) if name[at] == "_"]
+        for start in starts:
+            if _longest(name[start:], self.blocks.get(inside, {})) is not None:
+                for place, of, other in self._stopped(name[start:], inside):
+                    yield start + place, of, other
+                return
 
 
 def _longest(name: str, known: dict[str, Symbol]) -> str | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from mcpn.errors import Problem
-from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Handler, Recursive
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Handler, Objective, Recursive
 from mcpn.mission.robot import FactChange
 from mcpn.trees.ledger import Kind
 from mcpn.trees.nodes import TreeNode
@@ -83,12 +83,22 @@ def became(result: Result) -> str:
 
 def with_memory(at: Translator, node: TreeNode, context: Context) -> Result:
     """A sequence that goes on with the child that failed or was halted, when it is entered again."""
-    if not context.again or len(node.children) == 1:
+    if len(node.children) == 1 or not (context.again or context.lane):
         return _series(at, node, context, stops=False)
     name = at.names.fresh(node.name or node.id)
+    results = [at.piece(child, context) for child in node.children]
+    if context.lane:
+        begun = False
+        for place, result in enumerate(results):
+            begun = begun or isinstance(result, Part)
+            if begun and isinstance(result, bool):
+                results[place] = _moment(at, f"{name}_between", context, result)
+    if not context.again:
+        whole = series(at, name, results, context, stops=False)
+        at.note(node, became(whole), Kind.EXACT)
+        return whole
     made: list[Part] = []
-    for child in node.children:
-        result = at.piece(child, context)
+    for child, result in zip(node.children, results, strict=True):
         if isinstance(result, Part):
             made.append(result)
         elif not result:
@@ -113,6 +123,14 @@ def with_memory(at: Translator, node: TreeNode, context: Context) -> Result:
         blocks += [placed(piece, noted.name, FAIL, noted.name), noted]
     at.note(node, name, Kind.EXACT)
     return Part(Recursive(name=name, blocks=tidied(blocks)))
+
+
+def _moment(at: Translator, wish: str, context: Context, ends: bool) -> Part:
+    """What ends at once, but after a moment in which what runs beside it may end before."""
+    activity = at.activity("idle", context)
+    said = f"{'Succeeds' if ends else 'Fails'} at the next tick"
+    moment = Objective(name=at.names.fresh(wish), activities=(activity,), description=said)
+    return Part(moment, good=ends, bad=ends)
 
 
 def if_then_else(at: Translator, node: TreeNode, context: Context) -> Result:
@@ -180,15 +198,24 @@ def parallel_node(at: Translator, node: TreeNode, context: Context) -> Result:
     inside = replace(context, halted=context.halted or early)
     results = [at.piece(child, inside.branch(number, i)) for i, child in enumerate(node.children)]
     losing = min(allowed, count - wanted + 1)
-    for result in results:
+    late = False  # a child with one answer is counted behind others, which may end in the same tick
+    for place, result in enumerate(results):
         if result is True:
             wanted -= 1
         elif result is False:
             losing -= 1
+        before = [piece for piece in results[:place] if isinstance(piece, Part)]
+        if wanted <= 0 or losing <= 0:  # children behind it are never ticked, those before it are once
+            if before:
+                why = "what its first children answer to the one tick that they get is free"
+                return _free(at, node, name, before, context, why)
+            at.note(node, became(wanted <= 0), Kind.EXACT)
+            return wanted <= 0
+        late = late or (isinstance(result, bool) and len(before) > 1)
     pieces = [result for result in results if isinstance(result, Part)]
-    if wanted <= 0 or losing <= 0:
-        at.note(node, became(wanted <= 0), Kind.EXACT)
-        return wanted <= 0
+    if late and min(wanted, losing) < len(pieces):
+        why = "which children answer to the first tick, before one that always answers the same, is free"
+        return _free(at, node, name, pieces, context, why)
     branches = _branches(at, pieces)
     kind, why = Kind.EXACT, ""
     if any(piece.skips for piece in pieces):
@@ -266,7 +293,12 @@ def _unclear(at: Translator, node: TreeNode, context: Context, why: str) -> Part
     number = at.next_parallel()
     inside = replace(context, halted=True)
     results = [at.piece(child, inside.branch(number, i)) for i, child in enumerate(node.children)]
-    branches = _branches(at, [result for result in results if isinstance(result, Part)])
+    return _free(at, node, name, [result for result in results if isinstance(result, Part)], context, why)
+
+
+def _free(at: Translator, node: TreeNode, name: str, pieces: list[Part], context: Context, why: str) -> Part:
+    """Children at the same time, which may be over at any moment, either way."""
+    branches = _branches(at, pieces)
     verdict = at.choice(f"{name}_verdict", context, why)
     over = at.event(f"{name}_over", f"{name} ends: {why}")
     at.note(node, name, Kind.MORE, why)

@@ -109,8 +109,8 @@ def _stages(at: Translator, context: Context, name: str, children: tuple[TreeNod
         return _going_on(at, inside, name, first, tuple(rest))
     here = at.piece(first, inside)
     behind = _stages(at, context, name, tuple(rest))
-    if not isinstance(here, Part) or all(at.at_once(child) for child in rest):
-        return [here, *behind]
+    if not isinstance(here, Part) or (here.good and here.bad) or all(at.at_once(child) for child in rest):
+        return [here, *behind]  # which cannot fail when it is ticked again, or not while another runs
     wish = f"{name}_stage_fails"
     event = wish if wish in at.events else at.event(wish, f"A stage of {name} fails when it is ticked again")
     handler = Handler(event=event, goto=FAIL)

@@ -68,6 +68,8 @@ def _guarded(
         if slow[place]:
             event, goto = f"{named}_again", named
             why = f"{named} is ticked again and runs, while {piece.block.name} does"
+        elif earlier.good is earlier.bad:
+            continue  # it answers the same whatever its block ends with: it never ends the node
         else:
             leaf = earlier.good is stops  # which end of the block it is that counts
             what = "succeeds" if leaf else "fails"

@@ -38,7 +38,7 @@ class Sides:
     def tree_moves(self, state: tuple[State, str]) -> list[tuple[tuple[Visible, ...], tuple[State, str]]]:
         if state[1] not in (IDLE, RUNNING):
             return []
-        return [(seen, (after, status)) for after, status, seen in ticks(self.tree, state[0])]
+        return [(seen, (after, status)) for after, status, seen, _ in ticks(self.tree, state[0])]
 
     def tree_rest(self, state: tuple[State, str]) -> Rest | None:
         if state[1] not in (IDLE, RUNNING):
@@ -70,6 +70,13 @@ class Sides:
         return found
 
     def mission_rest(self, state: interpreter.State) -> Rest | None:
+        return self._mission(state, hidden=False)
+
+    def mission_shows(self, state: interpreter.State) -> Rest | None:
+        """As :meth:`mission_rest`, whatever runs beside that is not seen: in a tree it has answered."""
+        return self._mission(state, hidden=True)
+
+    def _mission(self, state: interpreter.State, *, hidden: bool) -> Rest | None:
         if state.outcome is not None:
             return (state.outcome,)
         if not state.begun:
@@ -81,6 +88,8 @@ class Sides:
             if leaf is None and activity.startswith(("bt_wait", "bt_idle")):
                 continue
             if leaf is None or leaf in self.hidden:
+                if hidden:
+                    continue
                 return None
             names.append(leaf)
         return tuple(sorted(names)) or None
@@ -131,12 +140,12 @@ def compare(both: Sides, *, exact: bool, most: int = 400) -> int:
     )
     while todo and len(seen) < most:
         (one, other), word = todo.popleft()
-        rests = missions.rests(other)
-        _within(word, trees.rests(one, both.tree_stays), rests, "the tree")
+        shown = missions.rests(other, both.mission_shows)
+        _within(word, trees.rests(one, both.tree_stays), shown, "the tree")
         there, here = trees.behind(one), missions.behind(other)
         _within(word, set(there), set(here), "the tree")
         if exact:
-            _within(word, rests, trees.rests(one), "the mission")
+            _within(word, missions.rests(other), trees.rests(one), "the mission")
             _within(word, set(here), set(there), "the mission")
         for visible, states in there.items():
             if visible in here and (pair := (states, here[visible])) not in seen:

@@ -16,9 +16,9 @@ import pytest
 from hypothesis import given
 
 from tests.shares import returns_early
-from tests.trees.languages import Side, TooMuch, sides
+from tests.trees.languages import Element, Side, TooMuch, sides
 from tests.trees.test_import import EXACT, MORE, TIME, imported, trees
-from tests.trees.ticking import IDLE, RUNNING, State, Tree, ticks
+from tests.trees.ticking import IDLE, RUNNING, State, Tree, Visible, ticks
 
 NAV2 = {"RecoveryNode", "PipelineSequence", "RoundRobin", "RateController"}
 """Nodes that BehaviorTree.CPP has not."""
@@ -69,21 +69,25 @@ def agree(player: Path, folder: Path, tree: str, seeds: Iterable[int]) -> None:
     made, ticked = imported(folder, tree)
     both = sides(made, ticked)
     for seed in seeds:
-        states: set[tuple[State, str]] = {((), IDLE)}
         mission = Side(both.mission_moves, both.mission_rest)
-        there = mission.closed([((), both.mission.initial)])
+        begun: tuple[State, str] = ((), IDLE)
+        states = {(begun, mission.closed([((), both.mission.initial)]))}
         for status, seen, running in played(player, folder / "tree.xml", seed):
             states = {
-                (after, now)
-                for state, _ in states
-                for after, now, answers in ticks(both.tree, state)
+                ((after, now), _behind(mission, there, shown))
+                for (state, _), there in states
+                for after, now, shown, answers in ticks(both.tree, state)
                 if (now, answers) == (status, seen) and names(both.tree, after) == running
             }
             assert states, (seed, status, seen, running)
-            for answer in seen:
-                there = mission.behind(there).get(answer, frozenset())
-                assert there, (seed, answer)
-            assert status == RUNNING or (status,) in mission.rests(there)
+            assert all(there for _, there in states), (seed, seen)
+            assert status == RUNNING or all((status,) in mission.rests(there) for _, there in states)
+
+
+def _behind(mission: Side, there: frozenset[Element], shown: Iterable[Visible]) -> frozenset[Element]:
+    for answer in shown:
+        there = mission.behind(there).get(answer, frozenset())
+    return there
 
 
 def names(tree: Tree, state: State) -> tuple[str, ...]:

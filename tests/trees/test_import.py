@@ -54,9 +54,16 @@ EXACT = {
     "reactive": node("ReactiveSequence", X, node("Inverter", Y), A, B),
     "reactive fallback": node("Fallback", node("ReactiveFallback", X, A), B),
     "reactive, two run": node("ReactiveSequence", A, B),
+    "reactive, three run": node("ReactiveFallback", A, B, C),
+    "reactive, asked behind one that runs": node("ReactiveSequence", A, X, B, C),
+    "reactive, behind a series that asks": node("ReactiveSequence", node("Sequence", X, A), B, Y, C),
+    "timeout of no time": node("Fallback", node("Timeout", A, msec=0), B),
     "while": node("WhileDoElse", X, A, node("Sequence", B, C)),
     "while without else": node("WhileDoElse", node("Inverter", X), A),
     "memory": node("RetryUntilSuccessful", node("SequenceWithMemory", A, X, B), num_attempts=3),
+    "memory, beside another": node(
+        "Parallel", A, node("SequenceWithMemory", B, "<AlwaysSuccess/>"), success_count=1
+    ),
     "memory, halted": node(
         "KeepRunningUntilFailure", node("ReactiveFallback", X, node("SequenceWithMemory", A, B))
     ),
@@ -64,6 +71,8 @@ EXACT = {
     "recovery of inverter": node("RecoveryNode", node("Inverter", A), node("Inverter", B)),
     "recoveries": node("RecoveryNode", node("RecoveryNode", A, B), node("RecoveryNode", C, D)),
     "pipeline": node("PipelineSequence", X, A, B),
+    "pipeline, one that cannot fail": node("PipelineSequence", node("ForceSuccess", X), A),
+    "reactive, one that cannot fail": node("ReactiveSequence", node("ForceSuccess", X), A),
     "pipeline of three": node("PipelineSequence", A, node("Sequence", B, Y), C),
     "pipeline of sequence": node("PipelineSequence", node("Fallback", A, B), node("Sequence", C, D)),
     "round robin": node("KeepRunningUntilFailure", node("RoundRobin", A, node("Sequence", B, C), D)),
@@ -76,6 +85,8 @@ EXACT = {
 
 
 MORE = {
+    "parallel, one that decides at once": node("Parallel", A, "<AlwaysSuccess/>", success_count=1),
+    "parallel, one that counts late": node("Parallel", A, B, "<AlwaysSuccess/>", success_count=2),
     "parallel, two of three fail": node("Parallel", A, B, C, success_count=1, failure_count=2),
     "inverter of two of three": node("Inverter", node("Parallel", A, B, C, success_count=1, failure_count=2)),
     "parallel all, two may fail": node("ParallelAll", A, B, C, max_failures=2),

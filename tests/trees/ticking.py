@@ -27,7 +27,7 @@ class Tree:
 
     Args:
         forest: The trees.
-        quick: The names of leaves that answer at once when they are asked again.
+        quick: The names of leaves that answer at once when they are asked again, or behind others that are.
     """
 
     forest: Forest
@@ -35,6 +35,7 @@ class Tree:
     state: dict[str, object] = field(default_factory=dict)
     answers: dict[str, str] = field(default_factory=dict)
     seen: list[Visible] = field(default_factory=list)
+    answered: list[Visible] = field(default_factory=list)
     choose: Choose = lambda options: options[0]
     leaves: dict[str, TreeNode] = field(default_factory=dict)
 
@@ -62,6 +63,7 @@ class Tree:
             answer = self.choose((RUNNING, SUCCESS, FAILURE))
         if answer != RUNNING and not quick:
             self.seen.append((node.id, answer))
+            self.answered.append((node.id, answer))
         return answer
 
     def at_once(self, node: TreeNode) -> bool:
@@ -153,7 +155,11 @@ class Tree:
     def _reactive(self, node: TreeNode, at: str, again: bool, stops: str) -> str:
         for number in range(len(node.children)):
             later = any(self.runs(at, n) for n in range(number + 1, len(node.children)))
-            status = self.child(node, at, number, again or (later and self.at_once(node.children[number])))
+            quick = (later or number > 0) and self.at_once(node.children[number])
+            before = len(self.seen)
+            status = self.child(node, at, number, again or quick)
+            if later and status not in (RUNNING, stops):
+                del self.seen[before:]  # asked again, it has answered at once, as a condition does
             if status == RUNNING:
                 for other in range(len(node.children)):
                     if other != number:
@@ -303,7 +309,8 @@ class Tree:
         return self._turned(node, at, again, {SUCCESS: RUNNING})
 
     def tick_timeout(self, node: TreeNode, at: str, again: bool) -> str:
-        if self.runs(at, 0) and self.choose(("in time", "over")) == "over":
+        timed = node.ports.get("msec", "").strip() != "0"  # which sets no timer
+        if timed and self.runs(at, 0) and self.choose(("in time", "over")) == "over":
             self.halt_child(node, at, 0)
             return FAILURE
         return self._turned(node, at, again, {})
@@ -390,11 +397,12 @@ class Tree:
         return self._turned(node, at, again, {})
 
 
-def ticks(tree: Tree, state: State) -> Iterator[tuple[State, str, tuple[Visible, ...]]]:
+def ticks(tree: Tree, state: State) -> Iterator[tuple[State, str, tuple[Visible, ...], tuple[Visible, ...]]]:
     """All that one tick may do: at most one leaf that runs ends of itself.
 
     Yields:
-        The state after it, what the root returned, and which leaves have answered.
+        The state after it, what the root returned, which leaves have answered, and all that did so: with
+        those that answer, asked again, as a condition does.
     """
     root = tree.forest.main.root
     running = [k.removesuffix(":status") for k, v in state if k.endswith(":status") and v == RUNNING]
@@ -407,14 +415,14 @@ def ticks(tree: Tree, state: State) -> Iterator[tuple[State, str, tuple[Visible,
             script = stack.pop()
             asked: list[tuple[str, ...]] = []
 
-            tree.state, tree.seen, tree.answers = dict(state), [], answers
+            tree.state, tree.seen, tree.answered, tree.answers = dict(state), [], [], answers
             tree.choose = _choosing(script, asked)
             status = tree.tick(root, "", False)
             for place in range(len(script), len(asked)):
                 taken = script + [0] * (place - len(script))
                 stack += [[*taken, other] for other in range(1, len(asked[place]))]
             after = tuple(sorted(tree.state.items(), key=lambda item: item[0]))
-            found.add((after, status, tuple(tree.seen)))
+            found.add((after, status, tuple(tree.seen), tuple(tree.answered)))
     yield from sorted(found, key=repr)
 
 
