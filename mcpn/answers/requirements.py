@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 from mcpn.answers.names import MissionNames, progress
@@ -15,6 +16,7 @@ from mcpn.logic.vacuity import idle_parts
 from mcpn.logic.witness import Witness, explain
 from mcpn.mission.flatten import requirements_of
 from mcpn.mission.requirement import Requirement
+from mcpn.nets.events import ENDING
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.names import Names
 from mcpn.spaces.search.goal import Formula
@@ -65,6 +67,12 @@ class AskedRequirement:
         }
 
 
+FAIR = (
+    "Only runs violate it on which the mission never starts, or an objective that runs never ends; "
+    'with fair="true" it is asked of the others alone, and holds.'
+)
+
+
 @dataclass(frozen=True)
 class RequirementAnswer:
     """Whether a requirement is met.
@@ -76,6 +84,8 @@ class RequirementAnswer:
         reason: Why it is not known.
         vacuous: Where the formula holds and is expected to: the parts in which it is vacuous, each of which
             can be replaced by anything (:mod:`mcpn.logic.vacuity`).
+        fairly: Whether it holds of fair runs, and the run that violates it goes on for ever while no
+            objective ends.
     """
 
     asked: AskedRequirement
@@ -83,6 +93,12 @@ class RequirementAnswer:
     witness: Witness | None = None
     reason: str = ""
     vacuous: tuple[str, ...] = ()
+    fairly: bool = False
+
+    @property
+    def advice(self) -> str:
+        """What its author may mean, where it is violated by runs that no robot makes; empty elsewhere."""
+        return FAIR if self.fairly else ""
 
     @property
     def met(self) -> bool | None:
@@ -149,13 +165,21 @@ def answer_requirements(
         space: The stable states.
     """
     plain = Evaluation(space)
-    fair = Evaluation(space, progress(mission_net)) if any(a.requirement.fair for a in asked) else plain
+    fairly = cache(lambda: Evaluation(space, progress(mission_net)))
     for each in asked:
         step(Doing.ANSWERING, question=each.name)
-        evaluation = fair if each.requirement.fair else plain
+        evaluation = fairly() if each.requirement.fair else plain
         witness = explain(evaluation, each.formula, each.names)
         holds, parts = evaluation.holds(each.formula), tuple[str, ...]()
         if holds and each.requirement.expected == "holds":
-            idle = idle_parts(each.formula, each.names.said, evaluation.holds)
-            parts = tuple(show(part, each.names) for part in idle)
-        yield RequirementAnswer(each, holds, witness, vacuous=parts)
+            vacuous = idle_parts(each.formula, each.names.said, evaluation.holds)
+            parts = tuple(show(part, each.names) for part in vacuous)
+        idle = not holds and not each.requirement.fair and each.requirement.expected == "holds"
+        idle = idle and _nothing_ends(mission_net, witness) and fairly().holds(each.formula)
+        yield RequirementAnswer(each, holds, witness, vacuous=parts, fairly=idle)
+
+
+def _nothing_ends(mission_net: MissionNet, witness: Witness) -> bool:
+    """Whether a run goes on for ever, and no objective ends in what it repeats."""
+    events = (mission_net.net.transitions[t].event for t in witness.repeated)
+    return bool(witness.repeated) and not any(event is not None and event.what in ENDING for event in events)

@@ -221,6 +221,8 @@ def _print_requirements(terminal: Terminal, check: MissionCheck) -> None:
         terminal.print(answer.reason or f"{asked.text} {_FOUND[bool(answer.holds)]}", indent=7)
         if answer.witness is not None:
             _print_witness(terminal, check.mission_net, answer.witness, 9)
+        if answer.advice:
+            terminal.print(answer.advice, indent=7)
 
 
 _FOUND = {True: "holds, and is to fail", False: "fails"}

@@ -206,3 +206,23 @@ def test_a_name_means_all_rounds_and_tries(tmp_path: Path) -> None:
         assert events == {f"OBJ_{name}_EV_OK" for name in copies}
     with pytest.raises(InputError, match="no objective is named leave_try3"):
         parse("objective(leave_try3)", names)
+
+
+@pytest.mark.parametrize(
+    ("asked", "fairly"),
+    [
+        ('<existence of="success | failure"/>', True),  # it ends, unless hardware fails and returns for ever
+        ('<existence of="success"/>', False),  # it may fail
+        ('<absence of="activity(drive)"/>', False),  # no run for ever violates it
+    ],
+)
+def test_runs_that_no_robot_makes_are_told(asked: str, fairly: bool, tmp_path: Path) -> None:
+    text = """<mission name="m" xmlns="urn:mcpn:mission:1">
+      <robot name="r"><hardware name="wheels"/><activity name="drive" consumes="wheels"/></robot>
+      <requirement name="plain">{0}</requirement><requirement name="fair" fair="true">{0}</requirement>
+      <objective name="a" activities="drive"/></mission>"""
+    (tmp_path / "m.xml").write_text(text.format(asked))
+    plain, fair = check(compose(read_mission(tmp_path / "m.xml"))).requirements
+    assert plain.holds is False
+    assert bool(plain.advice) is plain.fairly is fairly
+    assert (bool(fair.holds), fair.advice) == (fairly, "")

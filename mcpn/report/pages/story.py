@@ -421,7 +421,9 @@ def _requirements(check: MissionCheck) -> Iterator[dict[str, Any]]:
             "name": asked.name,
             "sentence": asked.words,
             "state": state if answer.required or answer.met else "note",
-            "explanation": "; ".join([*notes, *filter(None, [answer.reason, answer.says_nothing_of])]),
+            "explanation": "; ".join(
+                filter(None, [*notes, answer.reason, answer.says_nothing_of, answer.advice])
+            ),
             "runs": runs,
         }
 
