@@ -295,6 +295,8 @@ HARMLESS: dict[str, Fault] = {
     "shared, it answers without looking whether it fails": ("hardware", "7", ignores("free")),
     # With hardware as it is, who asks a producer that has left its refusal is refused again.
     "it leaves its refusal before all have decided": ("activity", "refused", ignores("unused")),
+    # Who halts a block takes the tokens of the gates inside, in an earlier rank than that of gates.
+    "a gate opens in a block that is halted": ("objective", "begin", ignores("running")),
 }
 """Faults that change nothing that anybody sees, and why."""
 

@@ -110,6 +110,21 @@ def test_faults_that_change_nothing_are_let_pass(name: str) -> None:
     assert templates.changed
 
 
+def test_a_gate_that_ignores_whether_its_block_runs_has_the_same_markings() -> None:
+    """Not only what is seen is the same: no firing is more, wherever the arc is drawn."""
+    faulty = Faulty(*HARMLESS["a gate opens in a block that is halted"])
+    compared = 0
+    for mission in MISSIONS.values():
+        before = faulty.changed
+        other = Subject(mission, faulty)
+        if faulty.changed > before:
+            compared += 1
+            ours = Subject(mission)
+            sizes = [(of.markings.states, of.markings.edges) for of in (ours, other)]
+            assert sizes[0] == sizes[1]
+    assert compared == 4
+
+
 class Forgetful(PaperTemplates):
     """Hardware that is taken and never says so."""
 
@@ -276,6 +291,20 @@ def test_the_contract_allows_no_more_than_the_templates_do() -> None:
         for letter in letters
     }
     assert allowed - touched() == RARE
+
+
+@pytest.mark.parametrize("kind", [kind for kind in PARTS if kind != "mission"])  # touched where RARE says
+def test_an_element_that_has_no_rows_is_told(kind: str) -> None:
+    """So a new element cannot be forgotten: none may touch its places until the contract says so."""
+    without = {other: parts for other, parts in PARTS.items() if other != kind}
+    told = []
+    for mission in MISSIONS.values():
+        try:
+            contract_of_arcs(Subject(mission), without)
+        except Violation as violation:
+            told.append(violation.message)
+    assert told
+    assert all(re.search(rf"which the .* of {kind} \S+ may not$", message) for message in told)
 
 
 RARE = {
