@@ -25,12 +25,12 @@ from mcpn.answers.causes.chain import decimal
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.causes.risk import risk
 from mcpn.answers.causes.whole_chain import whole_chain
+from mcpn.answers.spaces import spaces_of
 from mcpn.drawing.compose import compose
 from mcpn.errors import McpnError
 from mcpn.mission.model import Block, Holder, Mission, Objective
 from mcpn.mission.xml import read_mission
 from mcpn.report.failures.drn import drn
-from mcpn.spaces.kept import spaces_of
 from tests.answers.exact import scaled
 from tests.logic.automata import judged, read
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from mcpn.composite.clash import in_mission_words
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.mortal import mortal
-from mcpn.drawing.sections import SectionParts, part_of, refuse_many_alternatives, refuse_wide
+from mcpn.drawing.sections import SectionParts, part_of, refuse_wide
 from mcpn.errors import InputError, LimitError
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.engines import Asked, Choice, Engine, On, choices_of_net
@@ -164,7 +164,6 @@ class MissionSpaces(Spaces):
     def symbolic(self, *, tokens: bool = True, edges: bool = False) -> SymbolicSpace:
         """All markings as a diagram; a mission whose net alone would be too large is refused."""
         refuse_wide(map(SectionParts(self.mission.usage).alone, self.mission.graph.sections))
-        refuse_many_alternatives(self.mission)
         return super().symbolic(tokens=tokens, edges=edges)
 
     # --- by sections ---

@@ -37,17 +37,20 @@ MOST_NAMED = 12
 MOST_BRANCHES = 30
 """Branches that may run at the same time in one section whose states are to be put on a diagram."""
 
-MOST_HARDWARE = 150
+MOST_HARDWARE = 120
 """Hardware resources that may fail in one such section."""
 
 MOST_OF_BOTH = 600
 """The product of the two."""
 
+MOST_OF_BOTH_WIDE = 200
+"""The same where the section has more than :data:`MOST_AT_ONCE` branches."""
+
 MOST_AT_ONCE = 12
 """Such branches that one failure of hardware concerns: each more doubles at least what may come of it."""
 
 MOST_ALTERNATIVES = 60
-"""Alternatives of one activity in a mission whose markings are to be put on a diagram."""
+"""Alternatives of one activity in such a section."""
 
 
 class Used:
@@ -340,8 +343,9 @@ def refuse_wide(parts: Iterable[LocalPart]) -> None:
 
     Raises:
         LimitError: A section has more than :data:`MOST_BRANCHES` branches, uses more than
-            :data:`MOST_HARDWARE` hardware resources that may fail, has too much of both, or one failure
-            concerns more than :data:`MOST_AT_ONCE` branches; with its line.
+            :data:`MOST_HARDWARE` hardware resources that may fail, has too much of both, one failure
+            concerns more than :data:`MOST_AT_ONCE` branches, or an activity has more than
+            :data:`MOST_ALTERNATIVES` alternatives; with its line.
     """
     for part in parts:
         (section,) = part.graph.sections
@@ -349,33 +353,20 @@ def refuse_wide(parts: Iterable[LocalPart]) -> None:
         same, may_fail = "branches that may run at the same time", "hardware resources that may fail"
         listed = MOST_AT_ONCE < branches <= MOST_BRANCHES and hardware <= MOST_HARDWARE
         most, concerned = _most_concerned(part) if listed else ("", 0)
+        of_both = MOST_OF_BOTH_WIDE if branches > MOST_AT_ONCE else MOST_OF_BOTH
+        ways, widest = max(((len(a.alternatives), a.name) for a in part.used.activities), default=(0, ""))
         for found, limit, what in (
             (branches, MOST_BRANCHES, same),
             (hardware, MOST_HARDWARE, may_fail),
-            (branches * hardware, MOST_OF_BOTH, f"({branches} {same}) x ({hardware} {may_fail})"),
+            (branches * hardware, of_both, f"({branches} {same}) x ({hardware} {may_fail})"),
             (concerned, MOST_AT_ONCE, f"{same} and that the loss of {most} concerns"),
+            (ways, MOST_ALTERNATIVES, f"alternatives of activity {widest}"),
         ):
             if found > limit:
                 message = (
                     f"{section.name} has {found} {what}, the limit for composition and diagrams is {limit}"
                 )
                 raise LimitError(str(Problem(section.source, message)))
-
-
-def refuse_many_alternatives(mission_net: MissionNet) -> None:
-    """Counts what makes the diagram of all markings large where that of each section alone is not.
-
-    Raises:
-        LimitError: An activity has more than :data:`MOST_ALTERNATIVES` alternatives.
-    """
-    usage = mission_net.usage
-    for name in usage.started:
-        found = len(usage.activities[name].alternatives)
-        if found > MOST_ALTERNATIVES:
-            raise LimitError(
-                f"activity {name} has {found} alternatives, the limit for --engine symbolic is "
-                f"{MOST_ALTERNATIVES}: use --engine local"
-            )
 
 
 def _most_concerned(part: LocalPart) -> tuple[str, int]:

@@ -407,7 +407,7 @@ def test_too_many_rounds_hit_the_limit(tmp_path: Path) -> None:
         '<each name="site" in="1 2 3"><objective name="visit" repeat="1000" retries="50">'
         '<objective name="x" activities="go"/></objective></each>',
     )
-    with pytest.raises(LimitError, match=r"m.*\.xml:\d+: more than 50000 objectives"):
+    with pytest.raises(LimitError, match=r"m.*\.xml:\d+: more than 20000 objectives"):
         flatten(found)
 
 
@@ -476,7 +476,7 @@ def test_more_copies_than_there_may_be_are_refused_before_one_is_made(
 ) -> None:
     found = mission(tmp_path, block)
     monkeypatch.setattr("mcpn.mission.expansion.scope.Scope.copy", None)
-    with pytest.raises(LimitError, match=r"m.*\.xml:\d+: more than 50000 objectives after expansion"):
+    with pytest.raises(LimitError, match=r"m.*\.xml:\d+: more than 20000 objectives after expansion"):
         flatten(found)
 
 

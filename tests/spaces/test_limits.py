@@ -376,14 +376,15 @@ AT_ONCE = "branches that may run at the same time"
     ("refused", "found", "allowed"),
     [
         ((MOST_BRANCHES + 1, 1), f"31 {AT_ONCE}, .* is 30", (MOST_BRANCHES, 1)),
-        ((1, MOST_HARDWARE + 1), "151 hardware resources that may fail, .* is 150", (1, MOST_HARDWARE)),
-        ((20, 31), rf"620 \(20 {AT_ONCE}\) x \(31 hardware .*\), .* is 600", (20, 30)),
+        ((1, MOST_HARDWARE + 1), "121 hardware resources that may fail, .* is 120", (1, MOST_HARDWARE)),
+        ((20, 11), rf"220 \(20 {AT_ONCE}\) x \(11 hardware .*\), .* is 200", (20, 10)),
+        ((12, 51), rf"612 \(12 {AT_ONCE}\) x \(51 hardware .*\), .* is 600", (12, 50)),
         (
-            (20, 20, MOST_AT_ONCE + 1),
+            (15, 13, MOST_AT_ONCE + 1),
             f"13 {AT_ONCE} and that the loss of h0 concerns, .* is 12",
-            (20, 20, 12),
+            (15, 13, 12),
         ),
-        ((20, 20, 13, True), f"13 {AT_ONCE} and that the loss of f concerns, .* is 12", (20, 20, 12, True)),
+        ((14, 13, 13, True), f"13 {AT_ONCE} and that the loss of f concerns, .* is 12", (14, 13, 12, True)),
     ],
 )
 def test_a_wide_section_is_refused_before_a_diagram_is_made(
@@ -410,7 +411,10 @@ def test_a_wide_section_is_refused_before_a_diagram_is_made(
         spaces_of(compose(read_mission(wide(tmp_path, *allowed)))).space(Choice(engine), "alternatives")
 
 
-def test_many_alternatives_are_refused_by_the_symbolic_engine(tmp_path: Path) -> None:
+@pytest.mark.parametrize("engine", ["symbolic", "local"])
+def test_many_alternatives_are_refused_before_a_diagram_is_made(
+    tmp_path: Path, engine: Literal["symbolic", "local"]
+) -> None:
     names = [f"h{i}" for i in range(MOST_ALTERNATIVES + 1)]
     path = tmp_path / "m.xml"
     ways = "".join(f'<alternative name="by_{name}" consumes="{name}"/>' for name in names)
@@ -420,5 +424,5 @@ def test_many_alternatives_are_refused_by_the_symbolic_engine(tmp_path: Path) ->
         <activity name="a">{ways}</activity></robot><objective name="o" activities="a"/></mission>"""
     )
     spaces = spaces_of(compose(read_mission(path)))
-    with pytest.raises(LimitError, match=r"activity a has 61 alternatives, .* --engine symbolic is 60"):
-        spaces.space(Choice("symbolic"), "alternatives")
+    with pytest.raises(LimitError, match=r"m\.xml:2: o has 61 alternatives of activity a, .* is 60"):
+        spaces.space(Choice(engine), "alternatives")

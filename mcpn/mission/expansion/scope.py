@@ -16,7 +16,7 @@ from mcpn.mission.model import ROUND, Block, Each, Holder, Objective, Parallel, 
 from mcpn.mission.robot import Parameter
 
 MAX_NESTING = 128
-MAX_OBJECTIVES = 50_000
+MAX_OBJECTIVES = 20_000
 
 
 @dataclass(frozen=True, slots=True)
