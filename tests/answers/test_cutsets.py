@@ -295,51 +295,16 @@ def pending(found: MissionNet, name: str) -> bool:
     return ("pending", name) in found.by_role
 
 
-def unsafe_failures(play: Play, everything: set[Marking]) -> set[str]:
-    """The failures of objectives that should make the robot safe, where they lead to abort.
-
-    Such an objective ends the mission in abort by its success, too; or after its success objectives that
-    succeed lead to abort, and never to success.
-    """
-    aborted, succeeded = play.marks("MISSION_abort"), play.marks("MISSION_success")
-    others = {text for m in everything for text, _ in play.edges(m) if not text.endswith("_EV_OK")}
-    into, after = set[str](), dict[str, set[Marking]]()
-    for m in everything:
-        for text, target in play.edges(m):
-            into |= {text} if aborted(target) and not aborted(m) else set()
-            if text.endswith("_EV_OK"):
-                after.setdefault(text, set()).add(target)
-
-    def shelter(name: str) -> bool:
-        onward = play.reach(after.get(f"{name}_EV_OK", ()), others)
-        only = any(map(aborted, onward)) and not any(map(succeeded, onward))
-        return f"{name}_EV_OK" in into or only
-
-    failures = {
-        text for text in into if text.startswith("OBJ_") and text.endswith(("_EV_FAIL", "_EV_TIMEOUT"))
-    }
-    return {text for text in failures if shelter(text.rpartition("_EV_")[0])}
-
-
 def confirm_safety(asked: Asked, play: Play, everything: set[Marking]) -> None:
     """Cut sets and losing regions of the safe ends are those of brute force."""
     aborted, succeeded = play.marks("MISSION_abort"), play.marks("MISSION_success")
-    unsafe = unsafe_failures(play, everything)
+    unsafe = play.unsafe
     goal, dying = asked.prospects.safety, asked.cuts.safety
     assert goal is not None
     assert dying is not None
     event(f"can be aborted, by failures of what should make safe: {bool(unsafe)}")
 
-    def survives(marking: Marking, dead: frozenset[str]) -> bool:
-        reached = play.reach([marking], [f"{h}_EV_RD" for h in dead])
-        return any(
-            succeeded(m)
-            or any(
-                aborted(target) and not aborted(m) and text not in unsafe for text, target in play.edges(m)
-            )
-            for m in reached
-        )
-
+    survives = play.ends_safely
     subsets = play.subsets()
     start = {d: play.without(d) for d in subsets}
     lost = [d for d in subsets if not survives(start[d], d)]

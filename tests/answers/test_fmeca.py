@@ -177,7 +177,7 @@ class Costs:
 
     def ends_safely(self, marking: Marking, dead: frozenset[str]) -> bool:
         """Whether the mission may still succeed or be aborted."""
-        return self.play.mission_survives(marking, dead, ("MISSION_success", "MISSION_abort"))
+        return self.play.ends_safely(marking, dead)
 
     def used(self, marking: Marking, section: ElementarySection) -> frozenset[tuple[str, str]]:
         return used_by(self.found, marking, section.activities)

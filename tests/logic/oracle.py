@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
+from functools import cached_property
 from itertools import combinations
 
 from hypothesis import strategies as st
@@ -113,6 +114,36 @@ class Play:
         ended = [self.marks(end) for end in ends]
         reached = self.reach([marking], [f"{h}_EV_RD" for h in dead])
         return any(end(m) for m in reached for end in ended)
+
+    @cached_property
+    def unsafe(self) -> set[str]:
+        """The failures of objectives that should make the robot safe, where they lead to abort.
+
+        Such an objective ends the mission in abort by its success, too; or after its success objectives that
+        succeed lead to abort, and never to success.
+        """
+        aborted, succeeded = self.marks("MISSION_abort"), self.marks("MISSION_success")
+        edges = [(m, *edge) for m in self.reach([self.initial]) for edge in self.edges(m)]
+        others = {text for _, text, _ in edges if not text.endswith("_EV_OK")}
+        into = {text for m, text, target in edges if aborted(target) and not aborted(m)}
+
+        def shelter(name: str) -> bool:
+            onward = self.reach([target for _, text, target in edges if text == f"{name}_EV_OK"], others)
+            only = any(map(aborted, onward)) and not any(map(succeeded, onward))
+            return f"{name}_EV_OK" in into or only
+
+        failures = [text for text in into if text.endswith(("_EV_FAIL", "_EV_TIMEOUT"))]
+        return {text for text in failures if shelter(text.rpartition("_EV_")[0])}
+
+    def ends_safely(self, marking: Marking, dead: frozenset[str]) -> bool:
+        """Whether the mission may still succeed, or abort by what is no failure of what should make safe."""
+        aborted, succeeded = self.marks("MISSION_abort"), self.marks("MISSION_success")
+        reached = self.reach([marking], [f"{h}_EV_RD" for h in dead])
+        return any(map(succeeded, reached)) or any(
+            aborted(target) and not aborted(m) and text not in self.unsafe
+            for m in reached
+            for text, target in self.edges(m)
+        )
 
     def objective_survives(self, marking: Marking, name: str, dead: frozenset[str]) -> bool:
         """Whether the present run may end in success: its end, or an interruption, is no part of it."""
