@@ -242,6 +242,11 @@ BY_ELEMENT: dict[str, dict[str, Fault]] = {
         "its loss is never seen": ("hardware", "EV_DETECTED_.*", missing),
         "it is misused and cannot be given back": ("hardware", "8g", missing),
         "it is suspected and cannot be given back": ("hardware", "8s", missing),
+        "it is misused and never suspected": (
+            "hardware",
+            "doubt_m",
+            both(keeps("trusted"), forgets("suspected")),
+        ),
         "it is gone and not misused": ("hardware", "9g", both(keeps("fine"), forgets("misused"))),
         "it is repaired and gone still": ("hardware", "EV_RD", both(keeps("gone"), forgets("well"))),
     },

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from hypothesis import event, given
+from hypothesis import strategies as st
 
 from mcpn.drawing.compose import compose
 from mcpn.mission.flatten import ParallelSection, flatten
@@ -114,6 +115,38 @@ def test_hardware_that_is_detected_late(of: Mission) -> None:
 @fewer(0.5)
 @given(drawn.LATE_APART)
 def test_late_detection_where_nothing_contends(of: Mission) -> None:
+    assert check(of) != "undetermined"
+
+
+@st.composite
+def missions_of_much_late_hardware(draw: st.DrawFn) -> Mission:
+    """One objective that may use five resources detected late, beside another or not, and what follows."""
+    names = [f"h{i}" for i in range(5)]
+    mended = draw(st.sampled_from((None, *names)))
+    hardware = [replace(hw(name)[0], detected="late", repairable=name == mended) for name in names]
+    cut = draw(st.integers(1, len(names) - 1))
+    first, second = (draw(st.permutations(some)) for some in (names[:cut], names[cut:]))
+    tasks = [activity("a", tuple(first)), activity("b", tuple(second))]
+    if draw(st.booleans()):
+        tasks[0] = activity("a", tuple(first), tuple(first[1:]))
+    if draw(st.booleans()):
+        tasks[1] = activity("b", *((name,) for name in second[:3]))
+    looking = replace(activity("look", ()), detects=tuple(draw(st.sets(st.sampled_from(names), max_size=2))))
+    timeout = draw(st.sampled_from((None, 1.0)))
+    whole = Objective(name="x", activities=("a", "b", "look"), timeout=timeout)
+    again = Objective(name="again", activities=draw(st.sampled_from((("a",), ("b", "a")))))
+    after = draw(st.sampled_from(("again", "fail")))
+    if draw(st.booleans()):
+        return mission(robot(tuple(hardware), *tasks, looking), replace(whole, failure=after), again)
+    beside = Objective(name="y", activities=("watch",))
+    tasks.append(activity("watch", ()))
+    both = Parallel(name="both", blocks=(whole, beside), failure=after)
+    return mission(robot(tuple(hardware), *tasks, looking), both, again)
+
+
+@fewer(0.05)  # hundreds of states each
+@given(missions_of_much_late_hardware())
+def test_one_objective_may_use_much_hardware_that_is_detected_late(of: Mission) -> None:
     assert check(of) != "undetermined"
 
 

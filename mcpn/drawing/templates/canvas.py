@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property, partial
-from itertools import product
 from typing import Literal, TypeAlias
 
 from mcpn.drawing.templates.names import names_of
-from mcpn.errors import LimitError, Source
+from mcpn.errors import Source
 from mcpn.mission.flatten import ObjectivesGraph, ParallelSection
 from mcpn.mission.robot import Activity, Alternative, Fact
 from mcpn.mission.static.usage import Usage
@@ -64,9 +63,6 @@ for the release, and holds nothing (:meth:`~mcpn.mission.static.usage.Usage.wait
 ``("alive", "GPS_sensor")``, ``("dead", "GPS_sensor")``: it may be repaired, or is lost for good (only in
 :mod:`mcpn.drawing.mortal`).
 """
-
-MAX_LATE = 4
-"""Hardware detected late that one objective may use: its failure is drawn for each way in which it may be."""
 
 MAX_COMBINED = 6
 """Children of a parallel block up to which each combination of outcomes has a transition of its own."""
@@ -208,33 +204,28 @@ class Canvas(NetBuilder):
         rank: int = 0,
         provenance: Provenance | None = None,
     ) -> None:
-        """Declares a transition; one that ends an objective reads hardware whose loss is detected late.
+        """Declares a transition; one that ends an objective touches hardware whose loss is detected late.
 
         The objective succeeds only while none of the hardware that it may use is *misused*: gone and in use.
-        Where it fails while some is, that hardware becomes *suspected*, and is known to be out of service as
-        soon as its user releases it.
+        Where it fails, each is *doubted*, and then suspected where it is misused
+        (:func:`mcpn.drawing.templates.resources.draw_hardware`).
         """
-        late = self._late.get(event.element, ()) if event is not None and event.what in ENDING else ()
-        draw = partial(super().transition, event=event, rank=rank, provenance=provenance)
-        if event is None or not late:
-            draw(name, consume=consume, produce=produce, read=read)
-            return
-        well = event.what is What.SUCCESS
-        if len(late) > MAX_LATE and not well:
-            found = f"objective {event.element} may use {len(late)} resources detected late"
-            raise LimitError(f"{found}, the limit is {MAX_LATE}")
-        for ways in product(*(("fine",) if well else ("fine", "suspecting", "suspected") for _ in late)):
-            taken, put, asked = list(consume), list(produce), list(read)
-            for hardware, way in zip(late, ways, strict=True):
-                part = partial(self.place_of, "hardware", hardware)
-                asked.append(part("fine") if way == "fine" else part("misused"))
-                if way == "suspecting":
-                    taken.append(part("trusted"))
-                    put.append(part("suspected"))
-                elif way == "suspected":
-                    asked.append(part("suspected"))
-            plain = all(way == "fine" for way in ways)
-            draw(name if plain else f"{name}_{'_'.join(ways)}", consume=taken, produce=put, read=asked)
+        if event is not None and event.what in ENDING and (late := self._late.get(event.element)):
+            part = partial(self.place_of, "hardware")
+            if event.what is What.SUCCESS:
+                read = [*read, *(part(hardware, "fine") for hardware in late)]
+            else:
+                consume = [*consume, *(part(hardware, "undoubted") for hardware in late)]
+                produce = [*produce, *(part(hardware, "doubted") for hardware in late)]
+        super().transition(
+            name,
+            consume=consume,
+            produce=produce,
+            read=read,
+            event=event,
+            rank=rank,
+            provenance=provenance,
+        )
 
     def owners(self, resource: str) -> list[str | None]:
         """Whose interfaces of a resource are drawn (``None``: it has one for all)."""

@@ -53,12 +53,16 @@ def draw_hardware(canvas: Canvas, resource: Hardware) -> None:
 
 
 def _draw_late(canvas: Canvas, resource: Hardware) -> None:
-    """Draws hardware whose loss is detected late: 17 places, and 12 transitions or more.
+    """Draws hardware whose loss is detected late: 19 places, and 15 transitions or more.
 
     What the robot knows of the hardware has the places of other hardware. Pairs of places hold what is true:
     whether the hardware is *well* or *gone*; whether it is *misused* (gone and in use) or *fine*; and whether
     it is *suspected* or *trusted*: it is suspected once an objective that may use it has failed while it was
     misused. Suspected hardware is out of service when it is released.
+
+    The end of that objective says only that the hardware is *doubted*. An internal transition makes it
+    suspected or drops the doubt, and until then nobody releases or takes it while it is gone. So an end has
+    one transition, however much hardware detected late the objective may use.
     """
     r, ready = resource.name, _ready(canvas, resource)
     pen = canvas.of("hardware", r, resource.source)
@@ -75,6 +79,10 @@ def _draw_late(canvas: Canvas, resource: Hardware) -> None:
     fine, misused = pen.place("fine", initial=1), pen.place("misused")
     canvas.role(fine, ("fine", r))
     trusted, suspected = pen.place("trusted", initial=1), pen.place("suspected")
+    doubted, undoubted = pen.place("doubted"), pen.place("undoubted", initial=1)
+    pen.transition("doubt_f", [doubted], [undoubted], read=[fine])
+    pen.transition("doubt_m", [doubted, trusted], [undoubted, suspected], read=[misused])
+    pen.transition("doubt_s", [doubted], [undoubted], read=[suspected])
     fails, seen, returns = (Event(w, r) for w in (What.OUT_OF_SERVICE, What.DETECTED, What.REPAIRED))
     pen.transition("EV_OOS_f", [well], [gone], read=[free], event=fails)
     pen.transition("EV_OOS_b", [well, fine], [gone, misused], read=[busy], event=fails)
@@ -91,13 +99,14 @@ def _draw_late(canvas: Canvas, resource: Hardware) -> None:
     if resource.repairable:
         pen.transition("EV_RD", [out, gone], [free, available, well, *watched], event=returns)
     pen.transition("8", [busy, release], [free, available], read=[well])
-    pen.transition("8g", [busy, release, misused], [free, available, fine], read=[trusted])
-    pen.transition("8s", [busy, release, misused, suspected, *watched], [out, fine, trusted])
+    pen.transition("8g", [busy, release, misused], [free, available, fine], read=[trusted, undoubted])
+    taken = [busy, release, misused, suspected, *watched]
+    pen.transition("8s", taken, [out, fine, trusted], read=[undoubted])
     pen.transition("9", [free, take], [busy, answer], read=[well])
-    pen.transition("9g", [free, take, fine], [busy, answer, misused], read=[gone])
+    pen.transition("9g", [free, take, fine], [busy, answer, misused], read=[gone, undoubted])
     canvas.unit([free, busy, out, failing])
     canvas.unit([available, take, answer, release, error])
-    for pair in ([well, gone], [fine, misused], [trusted, suspected]):
+    for pair in ([well, gone], [fine, misused], [trusted, suspected], [doubted, undoubted]):
         canvas.unit(pair)
 
 

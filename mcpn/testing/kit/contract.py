@@ -50,10 +50,9 @@ PARTS: Contract = {
         "OOS": ("it is out of service", {"owner": "tp", "consumer": "r"}),
         "free": ("it is in service (exclusive: and not in use)", {"owner": "tpr", "consumer": "r"}),
         "service": ("it is in service, for who may return", {"owner": "tp", "consumer": "r", "watcher": "r"}),
-        "fine": ("detected late: it is not in use though it is gone", {"owner": "tp", "control": "r"}),
-        "misused": ("detected late: it is gone, and in use", {"owner": "tp", "control": "r"}),
-        "trusted": ("detected late: no objective has failed with it", {"owner": "pr", "control": "t"}),
-        "suspected": ("detected late: one has, while it was misused", {"owner": "t", "control": "pr"}),
+        "fine": ("detected late: it is not in use though it is gone", {"owner": "tpr", "control": "r"}),
+        "doubted": ("detected late: an objective has failed that may use it", {"owner": "t", "control": "p"}),
+        "undoubted": ("detected late: there is no such doubt", {"owner": "pr", "control": "t"}),
     },
     "software": {
         "available": ("the consumer neither holds it nor asks", {"owner": "p", "consumer": "tp"}),
