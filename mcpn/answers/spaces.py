@@ -137,7 +137,7 @@ class MissionSpaces(Spaces):
         by = Choice(by) if isinstance(by, str) else by
         if on == "markings" or not self.net.priorities:
             return super().space(by, on, progress=progress, tokens=tokens)
-        with in_mission_words(self.mission):
+        with in_mission_words(self._mortal.mission if may_die and by.engine != "local" else self.mission):
             if by.engine == "local":
                 return self.composite(may_die=may_die, progress=progress, executor=executor)
             return self._dying(by, progress) if may_die else super().space(by, on, progress=progress)

@@ -189,9 +189,11 @@ def explained(mission_net: MissionNet, error: ConfluenceError) -> ConfluenceErro
         error: The error.
 
     Returns:
-        An error with the same runs.
+        An error with the same runs; the same error where its runs are of a net in which more may happen.
     """
     net = mission_net.net
+    if not all(name in net.transition_index for run in error.runs for name in run):
+        return error
     fired = (net.transitions[net.transition_index[name]] for name in error.runs[0])
     events = [t.event for t in fired if t.event is not None]
     return ConfluenceError(

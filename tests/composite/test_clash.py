@@ -131,6 +131,12 @@ def test_every_engine_names_a_real_clash(mission: Mission) -> None:
         event(f"{engine} names the nearest: {verdict.explanation == words}")
 
 
+def test_an_error_of_a_net_in_which_more_happens_keeps_its_words(ulysse_net: MissionNet) -> None:
+    known = ulysse_net.net.transitions[0].name
+    error = ConfluenceError("said of it", ((known, "GPS_earlier"), (known, "IMU_earlier")))
+    assert explained(ulysse_net, error) is error
+
+
 def robot(*activities: Activity) -> tuple[Robot, ...]:
     software = tuple(Software(name=s) for a in activities for s in a.produces)
     return (Robot(name="r", hardware=(Hardware(name="h"),), software=software, activities=activities),)
