@@ -38,6 +38,7 @@ def test_check_passes_on_ulysse() -> None:
         "warnings",
         "witnesses",
         "ignored",
+        "late",
         "nominal",
         "engine",
         "why",

@@ -23,6 +23,8 @@ def recovery(at: Translator, node: TreeNode, context: Context) -> Result:
     inside = replace(context, again=True)
     main = at.piece(node.children[0], inside if count != 0 else context)
     back = at.piece(node.children[1], inside)
+    if main is False and isinstance(back, Part) and count != 0:
+        return _vainly(at, node, context, name, back, count)
     if isinstance(main, bool) or back is False or count == 0:
         at.note(node, became(main), Kind.EXACT)
         return main
@@ -43,6 +45,20 @@ def recovery(at: Translator, node: TreeNode, context: Context) -> Result:
     first = replace(main.block, recover=back.block.name, times=count, success=SUCCEED)
     second = placed(back, SUCCEED, FAIL, FAIL)
     return Part(Recursive(name=name, blocks=(first, replace(second, success=None))), skips=main.skips)
+
+
+def _vainly(
+    at: Translator, node: TreeNode, context: Context, name: str, back: Part, count: int | None
+) -> Part:
+    """A recovery from what always fails: the second child, so many times as it succeeds, and then failure."""
+    if count == 1:
+        at.note(node, name, Kind.EXACT)
+        return Part(Recursive(name=name, blocks=tidied([placed(back, FAIL, FAIL, FAIL)])))
+    again = at.choice(f"{name}_again", context, "Whether it recovers once more")
+    at.note(node, name, Kind.MORE, "it recovers any number of times")
+    blocks: list[Block] = [placed(back, again.name, FAIL, FAIL)]
+    blocks.append(replace(again, success=back.block.name, failure=FAIL))
+    return Part(Recursive(name=name, blocks=tuple(blocks)))
 
 
 def round_robin(at: Translator, node: TreeNode, context: Context) -> Result:

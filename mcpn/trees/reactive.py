@@ -49,8 +49,12 @@ def _reactive(at: Translator, node: TreeNode, context: Context, *, stops: bool) 
     result = series(at, name, results, context, stops=stops)
     if behind and isinstance(result, Part) and isinstance(result.block, Recursive):
         result = replace(result, block=replace(result.block, blocks=(*ended(result.block.blocks), *behind)))
-    why = "an earlier child that runs again halts a later one" if sum(slow) > 1 else ""
-    at.note(node, became(result), Kind.EXACT, why)
+    kind, why = Kind.EXACT, "an earlier child that runs again halts a later one" if sum(slow) > 1 else ""
+    earlier = (child for place, child in enumerate(node.children) if slow[place] and place < last)
+    if any(at.remembers(child) for child in earlier):
+        kind = Kind.LEFT_OUT
+        why = "what an earlier child remembers when it is asked again, and answers at once, is not told"
+    at.note(node, became(result), kind, why)
     return result
 
 

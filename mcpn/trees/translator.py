@@ -354,6 +354,14 @@ class Translator:
             return True
         return not category and bool(LOOKS_LIKE_CONDITION.match(node.id))
 
+    def remembers(self, node: TreeNode) -> bool:
+        """Whether a node, once it has ended, goes on elsewhere when it is entered again."""
+        tree = tree_of(self.forest, node)
+        if tree is not None:
+            return self.remembers(tree.root)
+        own = node.id in ("RoundRobin", "SequenceWithMemory") and len(node.children) > 1
+        return own or any(self.remembers(child) for child in node.children)
+
     def done(self) -> None:
         """Ends the translation.
 

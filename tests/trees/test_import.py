@@ -68,6 +68,7 @@ EXACT = {
         "KeepRunningUntilFailure", node("ReactiveFallback", X, node("SequenceWithMemory", A, B))
     ),
     "recovery": node("RecoveryNode", node("Sequence", A, B), node("Fallback", C, D), number_of_retries=2),
+    "recovery in vain": node("RecoveryNode", "<AlwaysFailure/>", A, number_of_retries=1),
     "recovery of inverter": node("RecoveryNode", node("Inverter", A), node("Inverter", B)),
     "recoveries": node("RecoveryNode", node("RecoveryNode", A, B), node("RecoveryNode", C, D)),
     "pipeline": node("PipelineSequence", X, A, B),
@@ -85,6 +86,7 @@ EXACT = {
 
 
 MORE = {
+    "recovery in vain, twice": node("RecoveryNode", "<AlwaysFailure/>", A, number_of_retries=2),
     "parallel, one that decides at once": node("Parallel", A, "<AlwaysSuccess/>", success_count=1),
     "parallel, one that counts late": node("Parallel", A, B, "<AlwaysSuccess/>", success_count=2),
     "parallel, two of three fail": node("Parallel", A, B, C, success_count=1, failure_count=2),
@@ -173,6 +175,9 @@ _PORTS: dict[str, dict[str, list[object]]] = {
 def test_drawn_trees(tree: str, tmp_path_factory: pytest.TempPathFactory) -> None:
     """Each run of a tree is one of its mission; and the other way round where the ledger says exact."""
     made, ticked = imported(tmp_path_factory.mktemp("drawn"), tree)
+    if made.ledger.kind is Kind.LEFT_OUT:
+        returns_early("what the ledger says is left out")
+        return
     exact = made.ledger.kind in (Kind.EXACT, Kind.TIME)
     try:
         compare(sides(made, ticked), exact=exact, most=40)

@@ -201,7 +201,11 @@ class Tree:
         chosen, other = (1, 2) if asked == SUCCESS else (2, 1)
         if len(node.children) == 3:
             self.halt_child(node, at, other)
-        status = self.child(node, at, chosen, again) if chosen < len(node.children) else FAILURE
+        if chosen == len(node.children):
+            status = FAILURE
+        else:
+            quick = self.at_once(node.children[chosen])
+            status = self.child(node, at, chosen, again or quick)
         if status != RUNNING:
             self.reset_children(node, at)
         return status
