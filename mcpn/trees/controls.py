@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from mcpn.errors import Problem
-from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Handler, Objective, Recursive
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Handler, Recursive
 from mcpn.mission.robot import FactChange
 from mcpn.trees.ledger import Kind
 from mcpn.trees.nodes import TreeNode
@@ -27,6 +27,12 @@ def _series(at: Translator, node: TreeNode, context: Context, *, stops: bool) ->
     """Children one after the other, up to the first that returns ``stops``."""
     name = at.names.fresh(node.name or node.id)
     results = [at.piece(child, context) for child in node.children]
+    return _noted(at, node, name, results, context, stops=stops)
+
+
+def _noted(
+    at: Translator, node: TreeNode, name: str, results: list[Result], context: Context, *, stops: bool
+) -> Result:
     result = series(at, name, results, context, stops=stops)
     at.note(node, became(result), Kind.EXACT)
     return result
@@ -83,8 +89,6 @@ def became(result: Result) -> str:
 
 def with_memory(at: Translator, node: TreeNode, context: Context) -> Result:
     """A sequence that goes on with the child that failed or was halted, when it is entered again."""
-    if len(node.children) == 1 or not (context.again or context.lane):
-        return _series(at, node, context, stops=False)
     name = at.names.fresh(node.name or node.id)
     results = [at.piece(child, context) for child in node.children]
     if context.lane:
@@ -92,11 +96,10 @@ def with_memory(at: Translator, node: TreeNode, context: Context) -> Result:
         for place, result in enumerate(results):
             begun = begun or isinstance(result, Part)
             if begun and isinstance(result, bool):
-                results[place] = _moment(at, f"{name}_between", context, result)
-    if not context.again:
-        whole = series(at, name, results, context, stops=False)
-        at.note(node, became(whole), Kind.EXACT)
-        return whole
+                # It ends at once, but after a moment in which what runs beside it may end before.
+                results[place] = at.constant(f"{name}_between", context, result, "at the next tick")
+    if not context.again or len(node.children) == 1:
+        return _noted(at, node, name, results, context, stops=False)
     made: list[Part] = []
     for child, result in zip(node.children, results, strict=True):
         if isinstance(result, Part):
@@ -123,14 +126,6 @@ def with_memory(at: Translator, node: TreeNode, context: Context) -> Result:
         blocks += [placed(piece, noted.name, FAIL, noted.name), noted]
     at.note(node, name, Kind.EXACT)
     return Part(Recursive(name=name, blocks=tidied(blocks)))
-
-
-def _moment(at: Translator, wish: str, context: Context, ends: bool) -> Part:
-    """What ends at once, but after a moment in which what runs beside it may end before."""
-    activity = at.activity("idle", context)
-    said = f"{'Succeeds' if ends else 'Fails'} at the next tick"
-    moment = Objective(name=at.names.fresh(wish), activities=(activity,), description=said)
-    return Part(moment, good=ends, bad=ends)
 
 
 def if_then_else(at: Translator, node: TreeNode, context: Context) -> Result:

@@ -11,7 +11,6 @@ from mcpn.mission.model import (
     Approximation,
     Import,
     Mission,
-    Objective,
     Protocol,
     Protocols,
     Translated,
@@ -24,7 +23,6 @@ from mcpn.trees.decorators import DECORATING, unknown
 from mcpn.trees.ledger import Kind, Ledger, in_order, in_words
 from mcpn.trees.nav2 import NAV2
 from mcpn.trees.nodes import Forest
-from mcpn.trees.pieces import Part
 from mcpn.trees.reactive import REACTIVE
 from mcpn.trees.translator import Context, Translator, series_of
 
@@ -65,13 +63,7 @@ def translate(forest: Forest, name: str, file: str, *, faulty: bool = False) -> 
     result = at.piece(forest.main.root, Context())
     at.done()
     if isinstance(result, bool):
-        ends = "Succeeds" if result else "Fails"
-        activity = at.activity("idle", Context())
-        result = Part(
-            Objective(name=at.names.fresh("idle"), activities=(activity,), description=f"{ends} at once"),
-            good=result,
-            bad=result,
-        )
+        result = at.constant("idle", Context(), result, "at once")
     activities = tuple(
         Activity(
             name=activity,

@@ -209,6 +209,13 @@ class Translator:
         )
         return Part(made, bad=True)
 
+    def constant(self, wish: str, context: Context, ends: bool, when: str) -> Part:
+        """An objective that stands for what always ends the same way, whatever its activity does."""
+        activity = self.activity("idle", context)
+        said = f"{'Succeeds' if ends else 'Fails'} {when}"
+        made = Objective(name=self.names.fresh(wish), activities=(activity,), description=said)
+        return Part(made, good=ends, bad=ends)
+
     def activity(self, what: str, context: Context, *, leaf: bool = False) -> str:
         """The activity for a leaf, or for an objective that is none."""
         name = self.names.activity(what if leaf else f"bt_{what}", context.lane)
