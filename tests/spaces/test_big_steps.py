@@ -7,13 +7,14 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from hypothesis import event, given
+from hypothesis import event, example, given
 from hypothesis import strategies as st
 
 from mcpn._kernel import BigSteps, Store, Zdd, choices
 from mcpn.drawing.compose import compose
 from mcpn.mission.model import Mission, Objective, Parallel
-from mcpn.nets.petri import PetriNet
+from mcpn.nets.events import Event, What
+from mcpn.nets.petri import PetriNet, Place, Transition
 from mcpn.spaces.diagrams.encoding import Encoding
 from mcpn.spaces.diagrams.order import Order, clustered
 from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY, SymbolicSpace
@@ -100,6 +101,7 @@ def agree(net: PetriNet, few: int, order: Order | None = None) -> None:
                 break
 
 
+@example(PetriNet("net", (Place("p0", 0),), (Transition("t0", (), (), (), Event(What.NAMED, "e")),)), 0)
 @given(nets(), FEW)
 def test_big_steps_of_nets(net: PetriNet, few: int) -> None:
     agree(replace(net, priorities=True), few)

@@ -132,11 +132,11 @@ SetEvolution::Went SetEvolution::fire_first(Store& store, Held& markings, std::u
   return any ? Went::kStuck : Went::kEnd;
 }
 
-// Fires a transition in markings that enable it; false where that is unsafe in one, or leaves it enabled.
+// Fires a transition in markings that enable it; false where that is unsafe in one, or leaves it enabled and it fires again.
 bool SetEvolution::fire(Store& store, Held& markings, Node where, Fired fired) {
   const std::uint32_t t = fired.t;
   const Step& does = step(store, t);
-  if (does.unsafe || net_.firings_[t].take.empty()) return false;
+  if (does.unsafe || (net_.firings_[t].take.empty() && !net_.is_event(t))) return false;
   if (!does.safe_at_once && store.filter(where, does.safe) != where) return false;
   std::uint32_t event = does.fires;
   if (!fired.beside.empty()) {
