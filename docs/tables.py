@@ -1,7 +1,7 @@
 """Writes what follows from declarations: the schema of missions, the tables of three pages.
 
-The model of missions declares their language, JSON Schemas declare formats. ``python docs/tables.py`` renews
-what follows; a test says whether it is up to date.
+The model of missions declares their language, :mod:`mcpn.report.documents` declares formats.
+``python docs/tables.py`` renews what follows; a test says whether it is up to date.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Collection, Iterable, Iterator
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from mcpn.mission.language.forms import GROUPS, Field, form_of, inside, language
 from mcpn.mission.model import BlockElement
 from mcpn.mission.robot import Described, Element
 from mcpn.mission.xml import SCHEMA
+from mcpn.report.documents import FORMATS, json_schema
 from mcpn.testing.kit.contract import PARTS
 
 SHARED = {"common": (Element, Described), "routing": (BlockElement,)}
@@ -46,13 +46,6 @@ def table(name: str) -> str:
     return "\n".join([tag.words, "", *own, *[""] * bool(own), f"Inside: {children or 'nothing'}."])
 
 
-def formats() -> dict[str, dict[str, Any]]:
-    """The JSON Schemas of what commands print and write, by name."""
-    folder = resources.files("mcpn.report").joinpath("schemas")
-    files = sorted(folder.iterdir(), key=lambda file: file.name)
-    return {file.name.removesuffix(".json"): json.loads(file.read_text("utf-8")) for file in files}
-
-
 def kind(node: dict[str, Any]) -> str:
     """The kind of value that a JSON Schema allows, in words."""
     if "$ref" in node:
@@ -61,6 +54,8 @@ def kind(node: dict[str, Any]) -> str:
         return f"`{json.dumps(node['const'])}`"
     if "enum" in node:
         return ", ".join(f"`{json.dumps(value)}`" for value in node["enum"])
+    if "anyOf" in node:
+        return " or ".join(kind(each) for each in node["anyOf"])
     types = node.get("type", "any")
     names = [types] if isinstance(types, str) else types
     return " or ".join("list" if name == "array" else name for name in names)
@@ -80,7 +75,7 @@ def keys(node: dict[str, Any], way: str, optional: bool) -> Iterator[str]:
 
 def format_table(name: str) -> str:
     """The tables of one JSON format, parts that it names after it."""
-    schema = formats()[name]
+    schema = json_schema(FORMATS[name])
     head = ["| key | | value | meaning |", "|---|---|---|---|"]
     lines = [f"`{schema['title']}`: {schema['description']}", "", *head, *keys(schema, "", False)]
     for part, node in schema.get("$defs", {}).items():

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+import random
 import shutil
-from importlib import resources
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +14,13 @@ from jsonschema import Draft202012Validator
 from jsonschema.exceptions import ValidationError
 
 from mcpn.errors import SemanticsError
+from mcpn.report.documents import FORMATS, json_schema
+from mcpn.runtime import Controller
+from mcpn.runtime.journal import Journal
 from tests.commands import mcpn, output
 from tests.conftest import ROOT
 
-FOLDER = resources.files("mcpn.report").joinpath("schemas")
-SCHEMAS: dict[str, dict[str, Any]] = {
-    file.name.removesuffix(".json"): json.loads(file.read_text("utf-8")) for file in FOLDER.iterdir()
-}
+SCHEMAS: dict[str, dict[str, Any]] = {name: json_schema(document) for name, document in FORMATS.items()}
 CONTENDED = ROOT / "docs" / "contention.md"
 UNBOUNDED = "net u\npl p (1)\ntr t p -> p q\npl q (0)\n"
 PRINTED = {
@@ -121,12 +122,29 @@ def test_what_is_written_is_of_its_format(line: str, folder: Path) -> None:
 def test_every_schema_is_one_and_is_used() -> None:
     for schema in SCHEMAS.values():
         Draft202012Validator.check_schema(schema)
-    assert set(SCHEMAS) == {*PRINTED.values(), *(name for _, name in WRITTEN.values())}
+    left = {"snapshot", "journal"}
+    assert set(SCHEMAS) == {*PRINTED.values(), *(name for _, name in WRITTEN.values()), *left}
+
+
+def test_what_a_run_leaves_is_of_its_format(ulysse_document: dict[str, Any]) -> None:
+    """Of each step: the line of the journal, and the snapshot behind it."""
+    controller, stream = Controller.from_document(ulysse_document), StringIO()
+    controller.observe(journal := Journal(stream))
+    rng = random.Random(1)
+    for _ in range(40):
+        controller.handle(rng.choice(controller.possible))
+        validate(json.loads(controller.snapshot()), "snapshot")
+    journal.resumed(controller.count)
+    lines = stream.getvalue().splitlines()
+    assert len(lines) > 2
+    for line in lines:
+        validate(json.loads(line), "journal")
 
 
 @pytest.mark.parametrize("name", SCHEMAS)
 def test_a_schema_says_no_to_what_lacks_a_key_or_has_one_too_many(name: str) -> None:
-    schema = SCHEMAS[name].get("items", SCHEMAS[name])
+    schema = SCHEMAS[name].get("anyOf", [SCHEMAS[name]])[0]
+    schema = schema.get("items", schema)
     required = dict.fromkeys(schema["required"])
     with pytest.raises(ValidationError):
         validate([{}] if "items" in SCHEMAS[name] else {}, name)

@@ -11,7 +11,8 @@ from pathlib import Path
 from mcpn.errors import InputError, LimitError, Source
 from mcpn.files import read_bounded
 from mcpn.nets.events import Event, What
-from mcpn.runtime.tables import BEFORE, RUNNING, Action, RuntimePosition, Tables
+from mcpn.runtime.documents import BEFORE, RUNNING
+from mcpn.runtime.tables import Action, RuntimePosition, Tables
 
 
 def read_script(path: Path) -> list[tuple[float, str]]:

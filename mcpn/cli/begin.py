@@ -137,19 +137,19 @@ def schema(of: str, as_json: bool) -> None:
     <?xml-model href="mission.rng"?>. Other forms, XSD or compact, are made from it by trang (package trang
     of Debian): trang mission.rng mission.xsd.
     """
+    import json
     from importlib import resources
 
     if of == LANGUAGE:
-        language, file = "RELAX NG", resources.files("mcpn.mission").joinpath("schema.rng")
+        language = "RELAX NG"
+        text = resources.files("mcpn.mission").joinpath("schema.rng").read_text(encoding="utf-8")
     else:
-        folder = resources.files("mcpn.report").joinpath("schemas")
-        formats = sorted(file.name.removesuffix(".json") for file in folder.iterdir())
-        if of not in formats:
-            raise InputError.at(
-                None, f"no schema of {of!r}, expected {LANGUAGE} or one of {', '.join(formats)}"
-            )
-        language, file = "JSON Schema", folder.joinpath(f"{of}.json")
-    text = file.read_text(encoding="utf-8")
+        from mcpn.report.documents import FORMATS, json_schema
+
+        if of not in FORMATS:
+            names = ", ".join(sorted(FORMATS))
+            raise InputError.at(None, f"no schema of {of!r}, expected {LANGUAGE} or one of {names}")
+        language, text = "JSON Schema", json.dumps(json_schema(FORMATS[of]), indent=2) + "\n"
     if as_json:
         emit_json({"format": language, "schema": text})
     elif of != LANGUAGE:

@@ -34,8 +34,9 @@ from mcpn.logic.ltl.automaton import Automaton, AutomatonEdge, kept, translated
 from mcpn.logic.ltl.formulas import Happens, always, eventually, is_of_paths, normal
 from mcpn.logic.ltl.product import Product
 from mcpn.logic.syntax import parse_open
+from mcpn.runtime.documents import MONITORS, MONITORS_VERSION
 from mcpn.runtime.file_schema import digest_of
-from mcpn.runtime.monitors import FORMAT, VALUES, VERSION
+from mcpn.runtime.monitors import VALUES
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.engines import Choice
 from mcpn.spaces.search.goal import TRUE, And, Formula, Not, Or
@@ -454,8 +455,8 @@ def files(of: MissionMonitors) -> dict[str, str]:
     """The files by name: ``monitors.json``, and a header and a source in C99."""
     number = {event: i for i, event in enumerate(of.events)}
     document: dict[str, Any] = {
-        "format": FORMAT,
-        "version": VERSION,
+        "format": MONITORS,
+        "version": MONITORS_VERSION,
         "mission": of.mission,
         "events": list(of.events),
         "monitors": [

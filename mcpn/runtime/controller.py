@@ -11,12 +11,11 @@ from pathlib import Path
 from time import monotonic, perf_counter
 from typing import Any, Protocol
 
+from mcpn.runtime.documents import BEFORE, RUNNING
 from mcpn.runtime.file_schema import ControllerFileError
 from mcpn.runtime.hooks import Hook, HookError, Hooks
 from mcpn.runtime.restoring import Saved, actions_to, read_snapshot
 from mcpn.runtime.tables import (
-    BEFORE,
-    RUNNING,
     Action,
     Inside,
     Refused,

@@ -1,4 +1,4 @@
-"""The schema of a controller's file: what each value must be, before any of it is run.
+"""Files that are read back: their digests, their declarations, how values of a controller's file fit.
 
 A file that passes runs without an error of Python, whatever events come. That it is the file which was
 generated is what its digest says (:func:`digest_of`).
@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Collection, Iterator, Mapping
-from math import inf
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
+
+from mcpn.runtime.documents import CONTROLLER, CONTROLLER_RULES, ENDS, FORMAT, FORMS, MODES, VERSION
+from mcpn.runtime.shapes import JsonShape, Misfit
 
 
 class DamagedFile(ValueError):
@@ -21,29 +23,8 @@ class ControllerFileError(DamagedFile):
     """A file is no controller, or no monitors, that this runtime can run."""
 
 
-FORMAT, VERSION = "mcpn-controller", 1
-FORMS = ("flat", "hierarchical", "modular")
-"""Of a controller: machines with states, or in the last one rules."""
-ENDS = {"succeed": "success", "fail": "failure", "abort": "abort"}
-VERBS = {
-    "stop": {"activity"},
-    "release": {"hardware"},
-    "select": {"activity", "alternative"},
-    "start": {"activity"},
-    "arm": {"objective"},
-    "disarm": {"objective"},
-}
-"""By verb of an action, what it must name."""
-LISTS, MODES = ("objectives", "pending", "done", "refused"), ("mode", "waiting")
-"""What a state shows: names, and alternatives by activity."""
-KINDS = ("objectives", "activities", "alternatives", "hardware", "once")
-"""Kinds of names in a section that may differ from those in its type."""
-
 MOST_BITS = 1_000_000
 """Bits of a state of rules at most, so that no file can fill the memory."""
-
-Check = Callable[[Any, str], None]
-"""Raises :class:`ControllerFileError` where a value, at a place of the file, is not what is expected."""
 
 
 def parsed(text: bytes | str, error: type[DamagedFile] = ControllerFileError) -> dict[str, Any]:
@@ -127,13 +108,11 @@ def check_shape(document: Any) -> None:
     version = document.get("version")
     if type(version) is not int or version != VERSION:
         raise ControllerFileError(f"version {version!r} found, {VERSION} expected")
-    _CONTROLLER(document, "the controller")
-    _member(document["form"], FORMS, "form")
-    rules = document["form"] == FORMS[-1]
+    rules = document.get("form") == FORMS[-1]
+    fits(document, (CONTROLLER_RULES if rules else CONTROLLER).shape)
     exits = []
     for number, row in enumerate(document["types"]):
         where = f"types[{number}]"
-        (_RULES if rules else _MACHINE)(row, where)
         (_check_rules if rules else _check_machine)(row, where)
         left = {of["to"] for of in row["effects" if rules else "edges"]}
         exits.append({outcome for outcome in left if type(outcome) is str})
@@ -162,207 +141,38 @@ def check_shape(document: Any) -> None:
             _member(route, targets, f"sections[{number}].routes")
 
 
-# --- what values are ---
+def fits(document: Any, shape: JsonShape, error: type[DamagedFile] = ControllerFileError) -> None:
+    """Holds a document against its declaration.
+
+    Args:
+        document: The JSON value.
+        shape: What it must be.
+        error: What is raised.
+
+    Raises:
+        DamagedFile: Something in it is not what is expected; the message says where.
+    """
+    try:
+        shape.check(document)
+    except Misfit as wrong:
+        raise error(str(wrong)) from None
+
+
+# --- how values must fit each other ---
 
 
 def _wrong(value: Any, where: str, expected: str) -> ControllerFileError:
     return ControllerFileError(f"{where}: found {repr(value)[:80]}, expected {expected}")
 
 
-def _text(value: Any, where: str) -> None:
-    if type(value) is not str:
-        raise _wrong(value, where, "a text")
-
-
-def _truth(value: Any, where: str) -> None:
-    if type(value) is not bool:
-        raise _wrong(value, where, "true or false")
-
-
-def _number(value: Any, where: str) -> None:
-    if type(value) is not int or value < 0:
-        raise _wrong(value, where, "a number from 0")
-
-
-def _seconds(value: Any, where: str) -> None:
-    if type(value) not in (int, float) or not 0 < value < inf:
-        raise _wrong(value, where, "seconds, more than 0")
-
-
-def _object(value: Any, where: str) -> None:
-    if type(value) is not dict:
-        raise _wrong(value, where, "an object")
-
-
-def _below(value: Any, limit: int, where: str) -> None:
-    if type(value) is not int or not 0 <= value < limit:
+def _below(value: int, limit: int, where: str) -> None:
+    if value >= limit:
         raise _wrong(value, where, f"a number from 0, less than {limit}")
 
 
-def _member(value: Any, known: Collection[str], where: str) -> None:
+def _member(value: str, known: Collection[str], where: str) -> None:
     if value not in known:
         raise _wrong(value, where, "a name that is there")
-
-
-def _list(of: Check) -> Check:
-    def check(value: Any, where: str) -> None:
-        if type(value) is not list:
-            raise _wrong(value, where, "a list")
-        for number, item in enumerate(value):
-            of(item, f"{where}[{number}]")
-
-    return check
-
-
-def _names(value: Any, where: str) -> None:
-    _TEXTS(value, where)
-    if len(set(value)) < len(value):
-        raise _wrong(value, where, "names that differ")
-
-
-def _map(of: Check) -> Check:
-    def check(value: Any, where: str) -> None:
-        _object(value, where)
-        for key, item in value.items():
-            of(item, f"{where}.{key}")
-
-    return check
-
-
-def _record(required: Mapping[str, Check], optional: Mapping[str, Check] | None = None) -> Check:
-    every = {**required, **(optional or {})}
-
-    def check(value: Any, where: str) -> None:
-        _object(value, where)
-        for key in required.keys() - value.keys():
-            raise ControllerFileError(f"{where}: expected the key {key}")
-        for key, item in value.items():
-            if key not in every:
-                raise _wrong(key, where, f"one of the keys {', '.join(every)}")
-            every[key](item, f"{where}.{key}")
-
-    return check
-
-
-def _perhaps(of: Check) -> Check:
-    def check(value: Any, where: str) -> None:
-        if value is not None:
-            of(value, where)
-
-    return check
-
-
-_TEXTS, _NUMBERS = _list(_text), _list(_number)
-
-
-def _action(value: Any, where: str) -> None:
-    _map(_text)(value, where)
-    named = VERBS.get(value.get("do", ""))
-    if named is None:
-        raise _wrong(value.get("do"), f"{where}.do", "one of " + ", ".join(VERBS))
-    if not named <= value.keys() <= named | {"do", "objective"}:
-        raise _wrong(value, where, f"an action that names {', '.join(sorted(named))}")
-
-
-def _target(value: Any, where: str) -> None:
-    if type(value) is not str:
-        _number(value, where)
-
-
-_ACTIONS = _list(_action)
-_PARAMETERS = _map(_record({"value": _text, "unit": _perhaps(_text)}))
-_SECTION = _record(
-    {
-        "name": _text,
-        "type": _number,
-        "routes": _map(_text),
-        "events": _names,
-        "names": _record({}, dict.fromkeys((*KINDS, "facts"), _map(_text))),
-    }
-)
-_CONTROLLER = _record(
-    {
-        "format": _text,
-        "version": _number,
-        "mission": _text,
-        "form": _text,
-        "minimised": _truth,
-        "hardware": _names,
-        "initial": _text,
-        "sections": _list(_SECTION),
-        "types": _list(_object),
-        "objectives": _map(
-            _record({"activities": _TEXTS, "parameters": _PARAMETERS, "timeout": _perhaps(_seconds)})
-        ),
-        "activities": _map(
-            _record(
-                {
-                    "produces": _TEXTS,
-                    "parameters": _PARAMETERS,
-                    "alternatives": _map(_record({"consumes": _TEXTS, "parameters": _PARAMETERS})),
-                }
-            )
-        ),
-        "digest": _text,
-        "facts": _map(_map(_names)),
-        "changing": _map(_record({"true": _names, "false": _names})),
-        "out_of_service": _names,
-        "unrepairable": _names,
-        "crashing": _names,
-        "late": _map(_text),
-        "requirements": _list(
-            _record(
-                {
-                    **dict.fromkeys(("name", "formula", "expected", "severity"), _text),
-                    **dict.fromkeys(("sentence", "description"), _perhaps(_text)),
-                }
-            )
-        ),
-    },
-)
-_STATE = _record(
-    {**dict.fromkeys(LISTS, _TEXTS), **dict.fromkeys(MODES, _map(_text)), "out_of_service": _TEXTS}
-)
-_ENTRY = _record({"to": _number, "actions": _ACTIONS, "gained": _names, "lost": _names})
-_MACHINE = _record(
-    {
-        "hardware": _names,
-        "events": _names,
-        "states": _list(_STATE),
-        "entries": _list(_perhaps(_ENTRY)),
-        "edges": _list(_object),
-        "once": _names,
-        "facts": _names,
-        "entering": _number,
-    }
-)
-_RULES = _record(
-    {
-        "hardware": _names,
-        "events": _names,
-        "bits": _number,
-        "idle": _NUMBERS,
-        "status": _list(_record({"changes": _NUMBERS, "when": _number})),
-        "shown": _list(_record({"kind": _text, "name": _text, "when": _number})),
-        "effects": _list(_record({"changes": _NUMBERS, "actions": _ACTIONS, "to": _perhaps(_text)})),
-        "entries": _list(_record({"if": _NUMBERS, "do": _number})),
-        "rules": _list(_record({"event": _number, "if": _NUMBERS, "do": _number})),
-        "once": _names,
-        "facts": _names,
-    }
-)
-_EDGE = _record(
-    {
-        "from": _number,
-        "event": _number,
-        "to": _target,
-        "actions": _ACTIONS,
-        **dict.fromkeys(("open", "happened", "gained", "lost"), _names),
-    }
-)
-
-
-# --- how values must fit each other ---
 
 
 def _check_machine(row: Mapping[str, Any], where: str) -> None:
@@ -378,7 +188,6 @@ def _check_machine(row: Mapping[str, Any], where: str) -> None:
                 _member(flag, facts, f"{where}.entries[{number}]")
     for number, edge in enumerate(row["edges"]):
         at = f"{where}.edges[{number}]"
-        _EDGE(edge, at)
         _below(edge["from"], states, f"{at}.from")
         _below(edge["event"], events, f"{at}.event")
         if type(edge["to"]) is not str:
@@ -412,7 +221,6 @@ def _check_rules(row: Mapping[str, Any], where: str) -> None:
         if len({literal >> 1 for literal in rule["if"]}) < len(rule["if"]):
             raise _wrong(rule["if"], f"{at}.if", "no bit twice")
     for number, shown in enumerate(row["shown"]):
-        _member(shown["kind"], (*LISTS, *MODES), f"{where}.shown[{number}].kind")
         if shown["kind"] in MODES and "." not in shown["name"]:
             raise _wrong(shown["name"], f"{where}.shown[{number}].name", "activity.alternative")
 

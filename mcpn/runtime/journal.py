@@ -9,7 +9,8 @@ from time import monotonic, time
 from typing import Any, Protocol
 
 from mcpn.runtime.controller import Step, Where
-from mcpn.runtime.file_schema import DamagedFile, parsed, signed_line
+from mcpn.runtime.documents import RESUMED, STEP
+from mcpn.runtime.file_schema import DamagedFile, fits, parsed, signed_line
 
 
 class Written(Protocol):
@@ -116,18 +117,14 @@ def read_journal(lines: Iterable[str]) -> Iterator[JournalLine]:
             continue
         try:
             said = parsed(text)
+            resumed = "resumed" in said
+            fits(said, RESUMED if resumed else STEP)
         except DamagedFile as error:
             raise JournalError(f"no line of a journal: {error}", line) from error
         if "digest" in said and text.strip() != signed_line(said):
             raise JournalError("the line has been changed since it was written: its digest is another", line)
-        if "resumed" in said and "event" not in said:
-            continue
-        event, refused, number = said.get("event"), said.get("refused"), said.get("number")
-        if type(event) is not str or type(refused) is not bool:
-            raise JournalError("expected an event, a text, and whether it was refused", line)
-        if number is not None and type(number) is not int:
-            raise JournalError(f"expected the number of the event, found {number!r}", line)
-        yield JournalLine(line, event, refused, number)
+        if not resumed:
+            yield JournalLine(line, said["event"], said["refused"], said.get("number"))
 
 
 class Watchdog:

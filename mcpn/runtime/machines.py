@@ -12,7 +12,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from mcpn.runtime.file_schema import LISTS, MODES
+from mcpn.runtime.documents import LISTS, MODES
 
 Moved = tuple[int | str, int, Set[int], Set[int]]
 """The state after an event, or the outcome with which the section is left; the number of the list of actions;

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mcpn.runtime.file_schema import ControllerFileError, check_digest, parsed
+from mcpn.runtime.documents import MONITOR, MONITORS, MONITORS_VERSION
+from mcpn.runtime.file_schema import ControllerFileError, check_digest, fits, parsed
 from mcpn.runtime.journal import JournalError, read_journal
 
-FORMAT, VERSION = "mcpn-monitors", 2
 VALUES = ("violated", "satisfied", "open")
 VIOLATED = VALUES[0]
 
@@ -59,18 +59,14 @@ class Monitors:
     def __init__(
         self, document: Mapping[str, Any], *, on_found: Callable[[Decision], object] | None = None
     ) -> None:
-        try:
-            if (document["format"], document["version"]) != (FORMAT, VERSION):
-                found = f"{document['format']} of version {document['version']}"
-                raise ControllerFileError(f"expected {FORMAT} of version {VERSION}, found {found}")
-            self.digest = check_digest(document)
-            self.mission: str = document["mission"]
-            self._events = {str(event): number for number, event in enumerate(document["events"])}
-            self._monitors = [_Machine(each, len(self._events)) for each in document["monitors"]]
-        except ControllerFileError:
-            raise
-        except (KeyError, TypeError, ValueError, IndexError, AttributeError, OverflowError) as error:
-            raise ControllerFileError(f"no monitors: {type(error).__name__}: {error}") from error
+        if (document.get("format"), document.get("version")) != (MONITORS, MONITORS_VERSION):
+            found = f"{document.get('format')} of version {document.get('version')}"
+            raise ControllerFileError(f"expected {MONITORS} of version {MONITORS_VERSION}, found {found}")
+        fits(document, MONITOR.shape)
+        self.digest = check_digest(document)
+        self.mission: str = document["mission"]
+        self._events = {event: number for number, event in enumerate(document["events"])}
+        self._monitors = [_Machine(each, len(self._events)) for each in document["monitors"]]
         self._on_found = on_found
         self.restart()
 
@@ -160,16 +156,17 @@ class _Machine:
     """One monitor: a state, and where events lead."""
 
     def __init__(self, document: Mapping[str, Any], events: int) -> None:
-        self.name, self.words = str(document["name"]), str(document["words"])
-        self._values = [VALUES[value] for value in document["values"]]
-        self._moves = [{int(event): int(to) for event, to in moves} for moves in document["moves"]]
-        if not self._values or len(self._values) != len(self._moves):
-            raise ValueError(f"monitor {self.name} has {len(self._values)} values, {len(self._moves)} states")
-        for moves in self._moves:
-            if any(not 0 <= event < events for event in moves):
-                raise ValueError(f"monitor {self.name} names an event that there is not")
-            if any(not 0 <= to < len(self._values) for to in moves.values()):
-                raise ValueError(f"monitor {self.name} leads to a state that there is not")
+        self.name, self.words = document["name"], document["words"]
+        values, moves = document["values"], document["moves"]
+        if not values or len(values) != len(moves):
+            raise ControllerFileError(f"monitor {self.name} has {len(values)} values, {len(moves)} states")
+        every = [move for of in moves for move in of]
+        if any(len(move) != 2 or move[0] >= events for move in every):
+            raise ControllerFileError(f"monitor {self.name} names an event that there is not")
+        if any(to >= len(values) for _, to in every):
+            raise ControllerFileError(f"monitor {self.name} leads to a state that there is not")
+        self._values = [VALUES[value] for value in values]
+        self._moves: list[dict[int, int]] = [dict(of) for of in moves]
         self.state = 0
 
     @property

@@ -6,10 +6,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from mcpn.runtime.file_schema import ENDS, DamagedFile, parsed, signed_line
-from mcpn.runtime.tables import BEFORE, RUNNING, Action, Inside, Laws, Tables, TableSection
-
-SNAPSHOT, SNAPSHOT_VERSION = "mcpn-controller-snapshot", 2
+from mcpn.runtime.documents import RUNNING, SAVED, SNAPSHOT, SNAPSHOT_VERSION
+from mcpn.runtime.file_schema import DamagedFile, fits, parsed, signed_line
+from mcpn.runtime.tables import Action, Inside, Laws, Tables, TableSection
 
 snapshot_text = signed_line
 """The text of a snapshot, from what it says."""
@@ -61,35 +60,28 @@ def read_snapshot(text: str, tables: Tables) -> Saved:
     Raises:
         SnapshotError: It is truncated, changed, or of another controller.
     """
-    try:
-        document = parsed(text, SnapshotError)
-        if document["format"] != SNAPSHOT or document["version"] != SNAPSHOT_VERSION:
-            raise SnapshotError("no snapshot of a version that is known here")
-        if document["controller"] != tables.digest:
-            raise SnapshotError("the snapshot is of another controller")
-        if text.strip() != snapshot_text(document):
-            raise SnapshotError("the snapshot has been changed since it was written: its digest is another")
-        phase, name, state = document["phase"], document["section"], document["state"]
-        gone, count = set(document["out_of_service"]), document["count"]
-        happened = set(document.get("happened", ()))
-        left = {name: float(seconds) for name, seconds in document.get("timers", {}).items()}
-        beside = dict(document.get("beside", {}))
-        section = None if name is None else tables.sections[name]
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError, OverflowError) as error:
-        if isinstance(error, SnapshotError):
-            raise
-        raise SnapshotError(f"the snapshot is not whole: {error!r}") from error
+    if not isinstance(text, str):
+        raise SnapshotError(f"expected a text, found {type(text).__name__}")
+    document = parsed(text, SnapshotError)
+    if (document.get("format"), document.get("version")) != (SNAPSHOT, SNAPSHOT_VERSION):
+        raise SnapshotError("no snapshot of a version that is known here")
+    if document.get("controller") != tables.digest:
+        raise SnapshotError("the snapshot is of another controller")
+    if text.strip() != snapshot_text(document):
+        raise SnapshotError("the snapshot has been changed since it was written: its digest is another")
+    fits(document, SAVED.shape, SnapshotError)
+    phase, name, state = document["phase"], document["section"], document["state"]
+    gone, happened = set(document["out_of_service"]), set(document["happened"])
+    left = {name: float(seconds) for name, seconds in document.get("timers", {}).items()}
+    section = None if name is None else tables.sections.get(name)
     whole = (
-        phase in (BEFORE, RUNNING, *ENDS.values())
-        and (section is not None) == (phase == RUNNING)
-        and type(state) is int
+        (section is not None) == (phase == RUNNING)
+        and (name is None) == (section is None)
         and (section is not None or state == 0)
         and gone <= set(tables.hardware)
         and happened <= tables.once
         and all(name in gone for name, flag in tables.late.items() if flag in happened)
         and all(tables.value(fact, happened) is not None for fact in tables.facts)
-        and type(count) is int
-        and count >= 0
     )
     timeouts = tables.laws.timeouts
     running = set[str]()
@@ -100,7 +92,7 @@ def read_snapshot(text: str, tables: Tables) -> Saved:
     whole = whole and all(0 <= seconds <= timeouts[name] for name, seconds in left.items())
     if not whole:
         raise SnapshotError("the snapshot says what cannot be")
-    return Saved(phase, section, state, gone, happened, count, left, beside)
+    return Saved(phase, section, state, gone, happened, document["count"], left, document.get("beside", {}))
 
 
 def actions_to(inside: Inside, laws: Laws) -> Iterator[Action]:

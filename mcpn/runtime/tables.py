@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from mcpn.runtime.file_schema import ENDS, FORMS, ControllerFileError, check_digest, check_shape, parsed
+from mcpn.runtime.documents import BEFORE, ENDS, FORMS, RUNNING
+from mcpn.runtime.file_schema import ControllerFileError, check_digest, check_shape, parsed
 from mcpn.runtime.machines import MachineProtocol, RuleTables, TypeTables
 
 
@@ -197,9 +198,6 @@ class TableSection:
             mode(row["waiting"]),
             those(row["refused"], "activities"),
         )
-
-
-BEFORE, RUNNING = "before", "running"
 
 
 class RuntimePosition(NamedTuple):

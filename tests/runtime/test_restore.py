@@ -148,7 +148,7 @@ def test_a_journal_is_replayed_by_the_simulator(ulysse_document: dict[str, Any],
         (lambda lines: lines[:1] + lines, "log.jsonl:2: found MISSION_EV_START, which is not possible here"),
         (lambda lines: ["{" + lines[0]], "log.jsonl:1: no line of a journal"),
         (lambda lines: [lines[0].replace('"refused": false', '"refused": true')], "line has been changed"),
-        (lambda lines: [signed_line({**json.loads(lines[0]), "refused": 1})], ":1: expected an event"),
+        (lambda lines: [signed_line({**json.loads(lines[0]), "refused": 1})], "refused: found 1, expected t"),
         (lambda lines: [signed_line({**json.loads(lines[0]), "refused": True})], "which is possible here"),
     ],
 )  # fmt: skip

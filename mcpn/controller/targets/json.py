@@ -83,7 +83,8 @@ from mcpn.mission.flatten import requirements_of
 from mcpn.mission.robot import Parameter
 from mcpn.mission.world.conditions import FactUsage, all_flags, flags
 from mcpn.nets.events import Event, What
-from mcpn.runtime.file_schema import FORMAT, VERSION, digest_of
+from mcpn.runtime.documents import FORMAT, VERSION
+from mcpn.runtime.file_schema import digest_of
 
 FILE_NAME = "controller.json"
 

@@ -1,0 +1,292 @@
+"""What leads to a robot: controllers, monitors, benches, reports; and what every command may print."""
+
+from __future__ import annotations
+
+from mcpn.runtime.documents import texts
+from mcpn.runtime.shapes import (
+    Boolean,
+    Document,
+    Integer,
+    ListOf,
+    MapOf,
+    Nullable,
+    Number,
+    ObjectOf,
+    OneOf,
+    String,
+)
+
+CONTROLLER = Document(
+    "controller",
+    "mcpn controller MISSION -o DIR --json",
+    ObjectOf(
+        "What the command wrote.",
+        {
+            "mission": String("Its name."),
+            "form": OneOf(
+                "A machine for each type of section, rules for each, or one machine.",
+                "hierarchical",
+                "modular",
+                "flat",
+            ),
+            "size": String("A sentence."),
+            "files": texts("The files written."),
+        },
+    ),
+)
+
+MONITOR = Document(
+    "monitor",
+    "mcpn monitor MISSION -o DIR --json",
+    ObjectOf(
+        "What the command made, and what a log says.",
+        {
+            "mission": String("Its name."),
+            "states": MapOf("By requirement the number of states of its monitor.", Integer(least=None)),
+            "within_mission": MapOf(
+                "By requirement whether the mission's own continuations decide, or any do.", Boolean()
+            ),
+            "unwatched": texts("Requirements that speak of what may happen, and are not watched."),
+            "files": texts("The files written."),
+            "log": Nullable(
+                ObjectOf(
+                    "What the log says; null without --log.",
+                    {
+                        "events": Integer("How many events it has."),
+                        "values": MapOf(
+                            "By requirement what is known after the last event.",
+                            OneOf("", "violated", "satisfied", "open"),
+                        ),
+                        "findings": ListOf(
+                            "What events decided.",
+                            ObjectOf(
+                                "One decision.",
+                                {
+                                    "requirement": String("The requirement."),
+                                    "value": OneOf("What it is.", "violated", "satisfied"),
+                                    "number": Integer(
+                                        "The number of the event, from 1; 0: before the first."
+                                    ),
+                                    "event": Nullable(String("The event; null before the first.")),
+                                },
+                            ),
+                        ),
+                    },
+                )
+            ),
+        },
+    ),
+)
+
+TESTS = Document(
+    "tests",
+    "mcpn tests MISSION -o DIR --json",
+    ObjectOf(
+        "Sequences of events that take every edge of the controller.",
+        {
+            "mission": String("Its name."),
+            "edges": Integer("Edges of sections that they take: all that some run takes."),
+            "sequences": Integer("How many."),
+            "events": Integer("Of all of them."),
+            "files": texts("The files written."),
+        },
+    ),
+)
+
+BENCH = Document(
+    "bench",
+    "mcpn bench MISSION --json",
+    ObjectOf(
+        "Many runs of the controller in virtual time.",
+        {
+            "mission": String("Its name."),
+            "form": OneOf("Of its controller.", "hierarchical", "modular"),
+            "runs": Integer("How many.", least=1),
+            "seed": Integer("Of what happens in them.", least=None),
+            "confidence": Number("Of the intervals."),
+            "nominal": ObjectOf(
+                "The run on which nothing fails.",
+                {
+                    "outcome": Nullable(String("How it ends; null where it does not.")),
+                    "events": ListOf(
+                        "Its events, up to its end, or to where it goes on for ever or nothing can succeed.",
+                        String("An event."),
+                    ),
+                },
+            ),
+            "outcomes": ObjectOf(
+                "How the runs ended.",
+                {
+                    "success": ObjectOf(
+                        "Runs that ended in success.",
+                        {
+                            "count": Integer("How many runs."),
+                            "mean": Number("Its share of the runs, or its mean."),
+                            "low": Number("The interval of the confidence that was asked for begins here."),
+                            "high": Number("It ends here."),
+                            "risk": Nullable(Number("The number of risk; null where there is none.")),
+                            "agrees": Nullable(Boolean("Whether it lies in the interval.")),
+                        },
+                    ),
+                    "failure": ObjectOf(
+                        "In failure.",
+                        {
+                            "count": Integer("How many runs."),
+                            "mean": Number("Its share of the runs, or its mean."),
+                            "low": Number("The interval of the confidence that was asked for begins here."),
+                            "high": Number("It ends here."),
+                            "risk": Nullable(Number("The number of risk; null where there is none.")),
+                            "agrees": Nullable(Boolean("Whether it lies in the interval.")),
+                        },
+                    ),
+                    "abort": ObjectOf(
+                        "In abort.",
+                        {
+                            "count": Integer("How many runs."),
+                            "mean": Number("Its share of the runs, or its mean."),
+                            "low": Number("The interval of the confidence that was asked for begins here."),
+                            "high": Number("It ends here."),
+                            "risk": Nullable(Number("The number of risk; null where there is none.")),
+                            "agrees": Nullable(Boolean("Whether it lies in the interval.")),
+                        },
+                    ),
+                    "unfinished": ObjectOf(
+                        "Runs in which nothing more could happen, or more than 10,000 events did.",
+                        {
+                            "count": Integer("How many runs."),
+                            "mean": Number("Its share of the runs, or its mean."),
+                            "low": Number("The interval of the confidence that was asked for begins here."),
+                            "high": Number("It ends here."),
+                            "risk": Nullable(Number("The number of risk; null where there is none.")),
+                            "agrees": Nullable(Boolean("Whether it lies in the interval.")),
+                        },
+                    ),
+                },
+            ),
+            "degraded_modes": ObjectOf(
+                "How often a run came into a degraded functioning mode.",
+                {
+                    "mean": Number("Its share of the runs, or its mean."),
+                    "low": Number("The interval of the confidence that was asked for begins here."),
+                    "high": Number("It ends here."),
+                    "risk": Nullable(Number("The number of risk; null where there is none.")),
+                    "agrees": Nullable(Boolean("Whether it lies in the interval.")),
+                },
+            ),
+            "hours": Nullable(
+                Number(
+                    "Mean length of a run, in virtual time; null where objectives have no duration.", least=0
+                )
+            ),
+            "no_risk": Nullable(String("Why no numbers of risk stand beside.")),
+            "coverage": ObjectOf(
+                "What the runs have seen of the controller.",
+                {
+                    "modes": Integer("Functioning modes.", least=None),
+                    "of_modes": Nullable(Integer("Of so many; null of rules, which list none.", least=None)),
+                    "edges": Integer("Edges of sections: each event in each state.", least=None),
+                    "of_edges": Nullable(Integer("Of so many.", least=None)),
+                },
+            ),
+            "against": Nullable(
+                ObjectOf(
+                    "Generated code beside the runtime, where it was asked for.",
+                    {
+                        "target": OneOf("Which.", "c", "python", "scxml"),
+                        "agrees": Boolean("Whether it does the same on every event of every run."),
+                        "events": texts("Else the events up to the first difference."),
+                        "expected": Nullable(String("What the runtime does on the last of them.")),
+                        "found": Nullable(String("What the program printed.")),
+                    },
+                )
+            ),
+            "monitors": Nullable(
+                MapOf(
+                    "By requirement, in how many runs it was violated, satisfied or left open; null where "
+                    "nothing watched.",
+                    ObjectOf(
+                        "Of one requirement.",
+                        {
+                            "violated": Integer("Runs that violated it."),
+                            "satisfied": Integer("Runs that satisfied it whatever might have come."),
+                            "open": Integer("Runs that left it open."),
+                        },
+                    ),
+                )
+            ),
+            "traces": texts("Journals of the first runs that did not end in success."),
+            "events": Integer("Events that were taken."),
+            "seconds": Number("How long the runs took.", least=0),
+        },
+    ),
+)
+
+REPORT = Document(
+    "report",
+    "mcpn report MISSION -o FILE.html --json",
+    ObjectOf(
+        "What the command wrote.",
+        {
+            "file": String("The page."),
+            "bytes": Integer("Its size."),
+            "engine": OneOf("The engine that answered.", "auto", "explicit", "symbolic", "local", "pyeda"),
+            "passed": Boolean("All required verdicts hold."),
+        },
+    ),
+)
+
+INIT = Document(
+    "init",
+    "mcpn init NAME --json",
+    ObjectOf(
+        "What the command wrote.",
+        {
+            "files": texts("The files."),
+            "ledger?": ObjectOf(
+                "With --from: what the nodes of the behaviour tree became.",
+                {
+                    "counts": MapOf(
+                        "How many nodes of each kind: exact, time, more, left_out.", Integer(least=None)
+                    ),
+                    "survives": String("Which answers about the mission hold of the tree."),
+                },
+            ),
+        },
+    ),
+)
+
+SCHEMA = Document(
+    "schema",
+    "mcpn schema --json",
+    ObjectOf(
+        "A schema.",
+        {
+            "format": OneOf("Its language.", "RELAX NG", "JSON Schema"),
+            "schema": String("Its text."),
+        },
+    ),
+)
+
+ERROR = Document(
+    "error",
+    "mcpn --json, where the semantics allow no answer",
+    ObjectOf(
+        "The mission is not safe, not confluent, or an internal run does not end; or the net is unbounded. "
+        "The exit code is 1.",
+        {
+            "error": OneOf(
+                "What stands in the way.",
+                "unsafe",
+                "unbounded",
+                "nonconfluent",
+                "divergent",
+                "disagreement",
+                "semantics",
+            ),
+            "message": String("A sentence."),
+            "runs": ListOf(
+                "Runs that show it; two where the outcome depends on an order.", texts("Events or firings.")
+            ),
+        },
+    ),
+)
