@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
-from hypothesis import assume, settings
+import os
+import sys
+from collections import Counter
+from collections.abc import Callable
+from typing import TypeVar
+
+from hypothesis import HealthCheck, Phase, assume, given, seed, settings
+from hypothesis.strategies import SearchStrategy
 
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.model import Mission
+
+Drawn = TypeVar("Drawn")
 
 MOST_TRANSITIONS = 2_000
 """Larger nets are drawn now and then; a proof on their diagrams takes minutes."""
@@ -25,3 +34,36 @@ def fewer(share: float) -> settings:
         share: Of the examples that the profile draws elsewhere.
     """
     return settings(max_examples=max(5, round(share * settings().max_examples)))
+
+
+def campaign(strategy: SearchStrategy[Drawn], judge: Callable[[Drawn], str], number: int) -> Counter[str]:
+    """Judges many draws, for tests that are marked slow; prints how many were of which kind.
+
+    ``MCPN_CAMPAIGN`` says how many are drawn, ``MCPN_CAMPAIGN_SEED`` which ones.
+
+    Args:
+        strategy: What is drawn.
+        judge: Fails, or says of which kind a draw was.
+        number: How many, where the environment does not say.
+
+    Returns:
+        How many were drawn, as ``drawn``, and of each kind.
+    """
+    found = Counter[str]()
+
+    @seed(int(os.environ.get("MCPN_CAMPAIGN_SEED", "1")))
+    @settings(
+        max_examples=int(os.environ.get("MCPN_CAMPAIGN", number)),
+        phases=[Phase.generate, Phase.shrink],
+        deadline=None,
+        database=None,
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(strategy)
+    def judged(drawn: Drawn) -> None:
+        found["drawn"] += 1
+        found[judge(drawn)] += 1
+
+    judged()
+    sys.stderr.write(f"\n{', '.join(f'{count} {what}' for what, count in found.most_common())}\n")
+    return found

@@ -7,16 +7,13 @@
 
 from __future__ import annotations
 
-import os
-import sys
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, Phase, assume, given, seed, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from mcpn.answers.causes.prospects import Prospects
@@ -32,7 +29,7 @@ from mcpn.spaces.engines import Engine
 from mcpn.spaces.stable.alternatives import direct
 from tests.answers.dense import Dense, Numbers, any_missions, interrupted_missions
 from tests.answers.exact import exact_ends, scaled
-from tests.draws import MOST_TRANSITIONS, fewer
+from tests.draws import MOST_TRANSITIONS, campaign, fewer
 from tests.logic.asked import ENGINES
 from tests.small import activity, mission, robot
 
@@ -362,24 +359,8 @@ def test_numbers_are_those_of_a_dense_solve(mission: Mission) -> None:
 
 @pytest.mark.slow
 def test_campaign() -> None:
-    number = int(os.environ.get("MCPN_CAMPAIGN", "2000"))
-    found = Counter[str]()
-
-    @seed(int(os.environ.get("MCPN_CAMPAIGN_SEED", "1")))
-    @settings(
-        max_examples=number,
-        phases=[Phase.generate, Phase.shrink],
-        deadline=None,
-        database=None,
-        suppress_health_check=list(HealthCheck),
-    )
-    @given(DRAWN)
-    def judged(mission: Mission) -> None:
-        found["drawn"] += 1
-        found[judge(mission)] += 1
-
-    judged()
-    sys.stderr.write(f"\n{', '.join(f'{count} {what}' for what, count in found.most_common())}\n")
+    found = campaign(DRAWN, judge, 2000)
+    number = found["drawn"]
     assert found["interruptions with rates"] > number / 10
     assert found["interruptions without rates"] > number / 10
     assert found["interruptions and abort"] > number / 20

@@ -1,4 +1,9 @@
-"""The chain of the whole mission as an automaton: read again and solved exactly, and judged by Storm."""
+"""The chain of the whole mission as an automaton: read again and solved exactly, and judged by Storm.
+
+A campaign (``tests/draws.py``) holds drawn missions against both::
+
+    MCPN_CAMPAIGN=500 python -m pytest -m slow -s tests/answers/test_whole_chain.py
+"""
 
 from __future__ import annotations
 
@@ -49,7 +54,7 @@ from tests.answers.dense import any_missions, interrupted_missions, with_numbers
 from tests.answers.exact import scaled
 from tests.commands import mcpn as command
 from tests.commands import output
-from tests.draws import composed, fewer
+from tests.draws import campaign, composed, fewer
 from tests.logic.automata import Automaton, judged, read
 from tests.small import activity, robot
 
@@ -126,21 +131,40 @@ def agree(mission_net: MissionNet, engine: Engine, ends: Mapping[str, Fraction])
         assert (getattr(found, end) or 0.0) == pytest.approx(float(exact), rel=1e-9, abs=0), end
 
 
-@fewer(1)
-@given(any_missions() | interrupted_missions() | changing_facts(), st.sampled_from([1.0, 1e-6]))
-def test_drawn_missions_have_the_numbers_of_their_automaton(mission: Mission, factor: float) -> None:
-    mission_net = composed(scaled(mission, factor))
+RATED_DRAWS = st.tuples(
+    any_missions() | interrupted_missions() | changing_facts(), st.sampled_from([1.0, 1e-6])
+)
+"""Missions, and how many times as often as drawn their hardware fails."""
+
+
+def has_the_numbers_of_its_automaton(drawn: tuple[Mission, float]) -> str:
+    """Compares the engines with the automaton and, where it is installed, that with Storm; says the kind."""
+    mission_net = composed(scaled(*drawn))
     try:
         text = drn(whole_chain(whole(mission_net), 2000, decimal))
-    except (SemanticsError, LimitError):
-        return
+    except (SemanticsError, LimitError) as error:
+        return type(error).__name__
     automaton = read(text.decode())
     ends = {end: automaton.reaching(end) for end in ENDS}
     agree(mission_net, "explicit", ends)
     with suppress(LimitError):  # a fact of more than two values, which events change
         agree(mission_net, "local", ends)
-    if stormpy is not None:
-        assert {end: judged(text, end) for end in ENDS} == ends
+    if stormpy is None:
+        return "solved"
+    assert {end: judged(text, end) for end in ENDS} == ends
+    return "by Storm"
+
+
+@fewer(1)
+@given(RATED_DRAWS)
+def test_drawn_missions_have_the_numbers_of_their_automaton(drawn: tuple[Mission, float]) -> None:
+    has_the_numbers_of_its_automaton(drawn)
+
+
+@pytest.mark.slow
+def test_campaign() -> None:
+    found = campaign(RATED_DRAWS, has_the_numbers_of_its_automaton, 500)
+    assert found["by Storm"] + found["solved"] > found["drawn"] / 3
 
 
 @cache
