@@ -13,8 +13,10 @@ from dataclasses import dataclass
 from itertools import permutations, product
 
 from mcpn.drawing.compose import MissionNet
+from mcpn.drawing.mortal import crashed_idle
 from mcpn.errors import ConfluenceError
 from mcpn.mission.flatten import ParallelSection
+from mcpn.nets.events import What
 from mcpn.nets.petri import Marking, Provenance, Transition
 from mcpn.sentences import enumeration
 
@@ -189,16 +191,22 @@ def explained(mission_net: MissionNet, error: ConfluenceError) -> ConfluenceErro
         error: The error.
 
     Returns:
-        An error with the same runs; the same error where its runs are of a net in which more may happen.
+        An error with the same runs; the same error where its runs are of a net in which more may happen,
+        and which has explained it.
     """
     net = mission_net.net
     if not all(name in net.transition_index for run in error.runs for name in run):
         return error
-    fired = (net.transitions[net.transition_index[name]] for name in error.runs[0])
-    events = [t.event for t in fired if t.event is not None]
-    return ConfluenceError(
-        sentence(find_clash(mission_net, error)), error.runs, [str(event) for event in events]
-    )
+    fired = [net.transitions[net.transition_index[name]] for name in error.runs[0]]
+    # What is lost for good is only not repaired: without that it is a run as well.
+    events = [str(t.event) for t in fired if t.event is not None and t.event.what is not What.LOST]
+    said = sentence(find_clash(mission_net, error))
+    if idle := crashed_idle(mission_net, fired):
+        said += (
+            f"; this comes of a crash of {enumeration(idle)} while it does not run, for causes are asked of "
+            "losses at any moment"
+        )
+    return ConfluenceError(said, error.runs, events)
 
 
 @contextmanager

@@ -118,7 +118,8 @@ def composite_space(
         try:
             refuse_nonconfluent(composite, {types[name]: known for name, known in explored.items()})
         except (ConfluenceError, DivergenceError) as error:
-            raise nearest_fault(mission_net.net) or error from error
+            with in_mission_words(whole.mission_net):  # in which more happens than in the mission's own
+                raise nearest_fault(whole.mission_net.net) or error from error
     return composite
 
 

@@ -14,7 +14,7 @@ is detected late (:func:`noticed_before`).
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from mcpn.drawing.compose import MissionNet
@@ -117,6 +117,17 @@ def crashing_anytime(mission_net: MissionNet) -> MissionNet:
     names = {t.name for t in crashes}
     kept = [t for t in mission_net.net.transitions if t.name not in names]
     return _with(mission_net, [*kept, *crashes])
+
+
+def crashed_idle(mission_net: MissionNet, run: Iterable[Transition]) -> tuple[str, ...]:
+    """What crashes in a run while its activity does not run, as :func:`crashing_anytime` allows.
+
+    Args:
+        mission_net: The net.
+        run: Transitions of it.
+    """
+    idle = {t.name: t.provenance for t in _crashes_while_idle(mission_net)}
+    return tuple(origin.name for t in run if (origin := idle.get(t.name)) and origin == t.provenance)
 
 
 def _crashes_while_idle(mission_net: MissionNet) -> Iterator[Transition]:

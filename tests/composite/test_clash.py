@@ -6,7 +6,9 @@ from collections import deque
 
 import pytest
 from hypothesis import assume, event, given
+from hypothesis import strategies as st
 
+from mcpn.answers.spaces import spaces_of
 from mcpn.answers.verdicts.mission import check
 from mcpn.composite.clash import Clash, Rival, explained, find_clash, sentence
 from mcpn.drawing.compose import MissionNet, compose
@@ -20,8 +22,10 @@ from mcpn.spaces.run import Completion
 from mcpn.spaces.stable.alternatives import by_reduction, direct
 from mcpn.spaces.stable.completion import fault_after
 from mcpn.testing import missions
+from mcpn.testing.elements import CRASHING
 from tests import small
-from tests.draws import fewer
+from tests.draws import composed, fewer
+from tests.shares import returns_early
 from tests.spaces.runs import assert_parts
 
 CONTENDED = missions(max_objectives=2, max_sections=4, max_hardware=2)
@@ -135,6 +139,41 @@ def test_an_error_of_a_net_in_which_more_happens_keeps_its_words(ulysse_net: Mis
     known = ulysse_net.net.transitions[0].name
     error = ConfluenceError("said of it", ((known, "GPS_earlier"), (known, "IMU_earlier")))
     assert explained(ulysse_net, error) is error
+
+
+def a_clash_after_a_crash_of_what_does_not_run() -> MissionNet:
+    """``a`` begins with its first alternative, unless that has crashed before it began."""
+    ways = (Alternative(name="a1", faulty=True), Alternative(name="a2", consumes=("h",)))
+    of = small.robot(small.hw("h"), Activity(name="a", alternatives=ways), small.activity("b", ("h",)))
+    branches = (Objective(name="x", activities=("a",)), Objective(name="y", activities=("b",)))
+    return compose(small.mission(of, Parallel(name="p", blocks=branches)))
+
+
+@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+def test_a_clash_that_causes_alone_come_to_is_told_as_such(engine: Engine) -> None:
+    found = a_clash_after_a_crash_of_what_does_not_run()
+    assert check(found, engine=engine).verdicts["confluent"].holds
+    with pytest.raises(ConfluenceError) as error:
+        spaces_of(found).space(engine, "alternatives", may_die=True)
+    assert error.value.events == ("a.a1_EV_OOS", "MISSION_EV_START")
+    said = str(error.value)
+    assert "a (objective x) and b (objective y), both in parallel block p, ask for h at the same" in said
+    assert "this comes of a crash of a.a1 while it does not run" in said
+
+
+@fewer(0.4)
+@given(CRASHING, st.sampled_from(["explicit", "symbolic", "local"]))
+def test_clashes_where_hardware_may_die_are_told_in_mission_words(mission: Mission, engine: Engine) -> None:
+    try:
+        spaces_of(composed(mission)).space(engine, "alternatives", may_die=True)
+        return
+    except ConfluenceError as error:
+        said = str(error)
+    except (SemanticsError, LimitError) as error:
+        returns_early(type(error).__name__)
+        return
+    event(f"of a crash of what does not run: {'while it does not run' in said}")
+    assert "at the same moment" in said or "at the moment at which" in said, "rivals, not transitions"
 
 
 def robot(*activities: Activity) -> tuple[Robot, ...]:
