@@ -2,15 +2,18 @@
 
 Code that takes long calls :func:`step`. Steps are messages of the logger ``mcpn.steps`` at level INFO: each
 is a :class:`WorkStep`, whose text is its words. A program that uses the package as a library adds a handler
-to this logger; the command line adds a function to :data:`HEARERS` instead, and needs no logging.
+to this logger. Whoever wants to know how far a step is, too, listens (:func:`heard_by`): the command line
+does, and needs no logging.
 """
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import Enum
+from typing import Protocol
 
 
 class Doing(Enum):
@@ -20,6 +23,7 @@ class Doing(Enum):
     CHECKING_EXITS = "checking what section {section} hands on"
     COMPUTING_RISK = "computing the numbers of risk"
     COUNTING = "counting what happens, and looking for what is never used"
+    DRAWING = "drawing section {section}"
     DECIDING = "looking for a run that decides {question}"
     EXPLAINING = "explaining an event with two outcomes"
     EXPLORING = "exploring section {section}"
@@ -35,6 +39,7 @@ class Doing(Enum):
     LISTING = "listing the stable states, and proving that each event has one outcome"
     LISTING_MARKINGS = "listing the markings"
     MAKING_DIAGRAM = "making a diagram of all markings"
+    PREPARING = "preparing {question}"
     PROVING = "proving that each event has one outcome"
     PROVING_JUNCTION = "proving the way from section {section} to {successor} confluent"
     PROVING_SECTION = "proving section {section} confluent"
@@ -50,7 +55,7 @@ class WorkStep:
         successor: The section after that one.
         objective: The objective that it is about, or ``the mission``.
         hardware: The hardware resource that it is about.
-        question: The verdict or formula that it is for.
+        question: The verdict, formula or part of a report that it is for.
         number: Its number among the steps of its kind.
         total: How many steps of its kind there are.
     """
@@ -75,8 +80,41 @@ class WorkStep:
         return f"{said} (type {self.number} of {self.total})" if self.total > 1 else said
 
 
-HEARERS: list[Callable[[WorkStep], None]] = []
-"""Functions that are called with each step, beside the logger."""
+class Hearer(Protocol):
+    """Who listens to the work."""
+
+    def begins(self, step: WorkStep) -> None:
+        """A step is under way."""
+
+    def comes_to(self, states: int, edges: int) -> None:
+        """So much has been explored in the step that is under way; told now and then."""
+
+
+_hearers: list[Hearer] = []
+
+
+@contextmanager
+def heard_by(hearer: Hearer) -> Iterator[None]:
+    """Has somebody listen meanwhile.
+
+    An error of the hearer ends the work, and is the work's.
+    """
+    _hearers.append(hearer)
+    try:
+        yield
+    finally:
+        _hearers.remove(hearer)
+
+
+def tell(states: int, edges: int) -> None:
+    """Tells how far the exploration is that is under way."""
+    for hearer in _hearers:
+        hearer.comes_to(states, edges)
+
+
+def telling() -> Callable[[int, int], None] | None:
+    """:func:`tell`, for an exploration in the kernel; ``None`` where nobody listens."""
+    return tell if _hearers else None
 
 
 def step(
@@ -91,11 +129,11 @@ def step(
     total: int = 1,
 ) -> None:
     """Announces a step, by the fields of :class:`WorkStep`."""
-    if not HEARERS and "logging" not in sys.modules:  # nobody has a handler
+    if not _hearers and "logging" not in sys.modules:  # nobody has a handler
         return
     announced = WorkStep(doing, section, successor, objective, hardware, question, number, total)
-    for hear in HEARERS:
-        hear(announced)
+    for hearer in _hearers:
+        hearer.begins(announced)
     if "logging" in sys.modules:
         import logging
 

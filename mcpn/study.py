@@ -25,7 +25,6 @@ from mcpn.nets.petri import PetriNet
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
-    from concurrent.futures import Executor
 
     from mcpn.answers.causes.find import Causes
     from mcpn.answers.found import FoundStates
@@ -40,11 +39,9 @@ if TYPE_CHECKING:
     from mcpn.mission.model import Mission
     from mcpn.report.findings import Findings
     from mcpn.report.pictures.drawing import Drawing
-    from mcpn.report.progress import Steps
     from mcpn.spaces.algebra import Space
     from mcpn.spaces.engines import Asked, Choice, On
     from mcpn.spaces.kept import Spaces
-    from mcpn.spaces.markings.explicit import Progress
     from mcpn.spaces.markings.graph import StateGraph
     from mcpn.spaces.sizes import Counting, SpaceSummary
 
@@ -139,37 +136,31 @@ class Study:
         *,
         engine: Asked = "auto",
         max_states: int | None = None,
-        progress: Progress | None = None,
-        executor: Executor | None = None,
     ) -> MissionCheck | NetCheck:
         """Decides the verdicts of a mission, or the behaviour of a net.
 
         Args:
             engine: Who answers for a mission; a net is reached as a diagram.
             max_states: Limit on states that are listed.
-            progress: Called now and then with states and edges, or with sections done and to do.
-            executor: Where sections are explored; this process by default.
 
         Raises:
             LimitError: A limit was hit.
         """
         if self.is_net:
             return self.behaviour(max_states=max_states)
-        return self.verdicts(engine=engine, max_states=max_states, progress=progress, executor=executor)
+        return self.verdicts(engine=engine, max_states=max_states)
 
     def verdicts(
         self,
         *,
         engine: Asked = "auto",
         max_states: int | None = None,
-        progress: Progress | None = None,
-        executor: Executor | None = None,
     ) -> MissionCheck:
         """What :meth:`check` gives of a mission: verdicts with their runs, sizes, functioning modes."""
         from mcpn.answers.verdicts.mission import check
 
         of = self.mission_spaces("whether a mission can succeed")
-        return check(of, engine=engine, max_states=max_states, progress=progress, executor=executor)
+        return check(of, engine=engine, max_states=max_states)
 
     def behaviour(self, *, max_states: int | None = None) -> NetCheck:
         """What :meth:`check` gives of a net: bounds, deadlocks, liveness; of a mission, those of its net."""
@@ -206,12 +197,11 @@ class Study:
         engine: Counting = "auto",
         on: On | None = None,
         max_states: int | None = None,
-        progress: Progress | None = None,
     ) -> tuple[SpaceSummary, Choice | None]:
         """The sizes of the states, and the engine that was chosen; see :func:`mcpn.spaces.sizes.sizes`."""
         from mcpn.spaces.sizes import sizes
 
-        return sizes(self.spaces, engine=engine, on=on, max_states=max_states, progress=progress)
+        return sizes(self.spaces, engine=engine, on=on, max_states=max_states)
 
     def questions(
         self,
@@ -220,7 +210,6 @@ class Study:
         fair: Sequence[str] = (),
         engine: Asked = "auto",
         max_states: int | None = None,
-        executor: Executor | None = None,
     ) -> Questions:
         """What answers formulas; those that are asked alike share what has been found out."""
         from mcpn.logic.questions import Questions
@@ -228,7 +217,7 @@ class Study:
         key = on, tuple(fair), engine, max_states
         if key not in self._questions:
             self._questions[key] = Questions(
-                self.spaces, on=on, fair=fair, engine=engine, max_states=max_states, executor=executor
+                self.spaces, on=on, fair=fair, engine=engine, max_states=max_states
             )
         return self._questions[key]
 
@@ -300,8 +289,6 @@ class Study:
         *,
         engine: Asked = "auto",
         max_states: int | None = None,
-        progress: Progress | None = None,
-        executor: Executor | None = None,
     ) -> Causes:
         """Finds what makes the mission and its objectives fail: critical events and minimal cut sets.
 
@@ -315,13 +302,9 @@ class Study:
             self.mission_spaces("what makes it fail"),
             engine=engine,
             max_states=max_states,
-            progress=progress,
-            executor=executor,
         )
 
-    def alternatives(
-        self, *, engine: Asked = "auto", max_states: int | None = None, progress: Progress | None = None
-    ) -> Space[Any]:
+    def alternatives(self, *, engine: Asked = "auto", max_states: int | None = None) -> Space[Any]:
         """The alternatives graph of the mission: its stable states, and an edge for each event.
 
         Raises:
@@ -333,7 +316,7 @@ class Study:
         spaces = self.mission_spaces("the alternatives graph")
 
         def ask(choice: Choice) -> Space[Any]:
-            return spaces.space(choice, "alternatives", progress=progress)
+            return spaces.space(choice, "alternatives")
 
         return answered(ask, spaces.choices(engine, "alternatives", max_states))[0]
 
@@ -372,9 +355,7 @@ class Study:
         form: Form | Literal["auto"] = "hierarchical",
         *,
         max_states: int | None = None,
-        progress: Progress | None = None,
         told: Callable[[str], object] | None = None,
-        executor: Executor | None = None,
     ) -> AnyController:
         """Generates the controller of the mission; see :func:`mcpn.controller.generate.generate`.
 
@@ -388,9 +369,7 @@ class Study:
             self.mission_spaces("a controller"),
             form,
             max_states=max_states,
-            progress=progress,
             told=told,
-            executor=executor,
         )
 
     # --- what people read ---
@@ -420,13 +399,11 @@ class Study:
         *,
         engine: Asked = "auto",
         max_states: int | None = None,
-        steps: Steps | None = None,
-        executor: Executor | None = None,
     ) -> Findings:
         """What a report tells of the mission; see :func:`mcpn.report.findings.findings`."""
         from mcpn.report.findings import findings
 
-        return findings(self.mission_spaces("a report"), engine, max_states, steps, executor)
+        return findings(self.mission_spaces("a report"), engine, max_states)
 
     def report(self, path: str | Path) -> None:
         """Writes a report of the mission as one HTML page, as ``mcpn report`` does.

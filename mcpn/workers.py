@@ -8,12 +8,41 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
 # Both kinds are loaded when they are asked for.
+
+_WORKERS: ContextVar[Executor | None] = ContextVar("workers", default=None)
+
+
+def workers() -> Executor | None:
+    """Where what can be explored in parts is; ``None`` for this process, which is the default."""
+    return _WORKERS.get()
+
+
+@contextmanager
+def using(executor: Executor | None) -> Iterator[None]:
+    """Has an executor explore what is explored in parts meanwhile.
+
+    Args:
+        executor: Any executor whose calls are pickled; ``None`` for this process.
+    """
+    before = _WORKERS.set(executor)
+    try:
+        yield
+    finally:
+        _WORKERS.reset(before)
+
+
+@contextmanager
+def workers_of(jobs: int = 1, scheduler: str | None = None) -> Iterator[None]:
+    """Uses what :func:`executor_of` gives."""
+    with executor_of(jobs, scheduler) as executor, using(executor):
+        yield
 
 
 @contextmanager

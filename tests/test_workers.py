@@ -16,7 +16,7 @@ import pytest
 from mcpn.composite.composing import composite_space
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError, WorkersError
-from mcpn.workers import executor_of
+from mcpn.workers import executor_of, using
 from tests.commands import mcpn, output
 from tests.conftest import ROOT
 from tests.dying import die
@@ -142,8 +142,8 @@ def test_a_killed_process_is_an_error_that_says_so(ulysse_net: MissionNet) -> No
             time.sleep(0.01)
         for child in children:
             child.kill()
-        with pytest.raises(WorkersError, match="a process that explored sections ended before its work"):
-            composite_space(ulysse_net, executor=executor)
+        with using(executor), pytest.raises(WorkersError, match="a process that explored sections ended"):
+            composite_space(ulysse_net)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")

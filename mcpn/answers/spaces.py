@@ -19,12 +19,9 @@ from mcpn.errors import InputError, LimitError
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.engines import Asked, Choice, Engine, On, choices_of_net
 from mcpn.spaces.kept import Spaces
-from mcpn.spaces.markings.explicit import Progress
 from mcpn.spaces.stable.completion import MAX_STABLE_STATES
 
 if TYPE_CHECKING:
-    from concurrent.futures import Executor
-
     from mcpn.answers.names import MissionNames
     from mcpn.composite.composite import CompositeSpace
     from mcpn.drawing.templates import TemplateSet
@@ -112,9 +109,7 @@ class MissionSpaces(Spaces):
         by: Choice | Engine,
         on: On = "markings",
         *,
-        progress: Progress | None = None,
         tokens: bool = True,
-        executor: Executor | None = None,
         may_die: bool = False,
     ) -> Space[Any]:
         """The space on one of the graphs, by one of the engines; see :meth:`mcpn.spaces.kept.Spaces.space`.
@@ -122,9 +117,7 @@ class MissionSpaces(Spaces):
         Args:
             by: The engine; ``local`` composes the alternatives graph.
             on: The graph.
-            progress: Called now and then with states and edges, or with local spaces done and to do.
             tokens: As there; the net of a mission must be 1-safe.
-            executor: Where composition explores sections; this process by default.
             may_die: Whether the hardware of the mission may die (:mod:`mcpn.drawing.mortal`). Internal
                 evolution is then known to be confluent, for dying changes nothing but what may be repaired;
                 where something may crash, which then does so at any moment, it is proved again.
@@ -136,30 +129,30 @@ class MissionSpaces(Spaces):
         """
         by = Choice(by) if isinstance(by, str) else by
         if on == "markings" or not self.net.priorities:
-            return super().space(by, on, progress=progress, tokens=tokens)
+            return super().space(by, on, tokens=tokens)
         with in_mission_words(self._mortal.mission if may_die and by.engine != "local" else self.mission):
             if by.engine == "local":
-                return self.composite(may_die=may_die, progress=progress, executor=executor)
-            return self._dying(by, progress) if may_die else super().space(by, on, progress=progress)
+                return self.composite(may_die=may_die)
+            return self._dying(by) if may_die else super().space(by, on)
 
-    def _dying(self, by: Choice, progress: Progress | None) -> Space[Any]:
+    def _dying(self, by: Choice) -> Space[Any]:
         """The alternatives graph of the mission where its hardware may die, states listed or on diagrams."""
         proof = bool(self.mission.mission.crashes)
         if by.engine == "symbolic":
-            return self._mortal.reduced(by, progress, proof=proof)[0]
+            return self._mortal.reduced(by, proof=proof)[0]
         limit = by.beside(MORTAL)
-        return self._mortal._listed(limit, progress)[1] if proof else self._mortal.unproved(limit, progress)
+        return self._mortal._listed(limit)[1] if proof else self._mortal.unproved(limit)
 
     @property
     def _mortal(self) -> MissionSpaces:
         """The spaces of the same mission where hardware may die."""
         return self._once("mortal", lambda: MissionSpaces(mortal(self.mission)))
 
-    def stable(self, by: Choice, progress: Progress | None = None) -> tuple[ArraySpace, str]:
+    def stable(self, by: Choice) -> tuple[ArraySpace, str]:
         """The alternatives graph by listing, unless its hardware alone means too many states."""
         if reason := too_much_hardware(self.mission, by.limit):
             raise LimitError(f"{reason}, the limit on states is {by.limit}: use --engine local")
-        return super().stable(by, progress)
+        return super().stable(by)
 
     def symbolic(self, *, tokens: bool = True, edges: bool = False) -> SymbolicSpace:
         """All markings as a diagram; a mission whose net alone would be too large is refused."""
@@ -172,8 +165,6 @@ class MissionSpaces(Spaces):
         self,
         *,
         may_die: bool = False,
-        progress: Progress | None = None,
-        executor: Executor | None = None,
     ) -> CompositeSpace:
         """The alternatives graph of the mission by composition; see :meth:`space`.
 
@@ -186,8 +177,6 @@ class MissionSpaces(Spaces):
             return composite_space(
                 self.mission,
                 templates=self.templates,
-                executor=executor,
-                progress=progress,
                 may_die=may_die,
             )
 

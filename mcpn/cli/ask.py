@@ -20,11 +20,11 @@ from mcpn.cli.shared import (
     jobs_option,
     json_option,
     limit_option,
-    progress_line,
     scheduler_option,
     templates_option,
     without_threads_of_numpy,
 )
+from mcpn.report.progress import progress_on_terminal
 
 if TYPE_CHECKING:
     from mcpn.drawing.compose import MissionNet
@@ -98,7 +98,7 @@ def ask(
     without_threads_of_numpy()
     from mcpn.logic.verdicts import answer_typed
     from mcpn.opening import open_study
-    from mcpn.workers import executor_of
+    from mcpn.workers import workers_of
 
     study = open_study(file, import_root=import_root, templates=templates)
     if not (formulas or properties or examinations):
@@ -107,10 +107,8 @@ def ask(
         _list_words(study.mission_net, as_json)
         return
     objects, answers = [], []
-    with executor_of(jobs, scheduler) as executor:
-        questions = study.questions(
-            on=graph, fair=fair, engine=engine, max_states=max_states, executor=executor
-        )
+    with workers_of(jobs, scheduler):
+        questions = study.questions(on=graph, fair=fair, engine=engine, max_states=max_states)
         # Everything asked is understood before anything is answered.
         for text in formulas:
             questions.formula(text)
@@ -122,7 +120,7 @@ def ask(
             if not as_json:
                 click.echo(str(verdict))
         if formulas:
-            with progress_line(as_json):
+            with progress_on_terminal(as_json):
                 answers = answer_typed(questions, formulas)
     if scn:
         _write_scenario(answers[0], scn)

@@ -10,8 +10,6 @@ import click
 
 from mcpn.cli.shared import (
     FILE,
-    SECTIONS,
-    STATES_AND_EDGES,
     choice_object,
     emit_json,
     engine_option,
@@ -19,13 +17,13 @@ from mcpn.cli.shared import (
     jobs_option,
     json_option,
     limit_option,
-    progress_line,
     scheduler_option,
     tell_warnings,
     templates_option,
     without_threads_of_numpy,
 )
 from mcpn.errors import InputError, LimitError
+from mcpn.report.progress import progress_on_terminal
 
 if TYPE_CHECKING:
     from mcpn.drawing.templates import TemplateSet
@@ -104,7 +102,7 @@ def causes(
     from mcpn.report.failures import objects, tables, terminal
     from mcpn.report.failures.openpsa import open_psa
     from mcpn.report.text import print_choice
-    from mcpn.workers import executor_of
+    from mcpn.workers import workers_of
 
     started = time.perf_counter()
     classes = _classes(severities)
@@ -114,10 +112,9 @@ def causes(
     study = open_study(mission, import_root=import_root, templates=templates)
     if not as_json:
         tell_warnings(study.mission_net)
-    told = SECTIONS if engine in ("auto", "local") else STATES_AND_EDGES
-    with progress_line(as_json, told) as progress:
-        with executor_of(jobs, scheduler) as executor:
-            every = study.causes(engine=engine, progress=progress, max_states=max_states, executor=executor)
+    with progress_on_terminal(as_json):
+        with workers_of(jobs, scheduler):
+            every = study.causes(engine=engine, max_states=max_states)
         found = every.of(objectives) if objectives else every
         short = len(found.objectives) <= MOST_TOLD
         wanted = None if fmeca is not None else list(found.objectives)

@@ -12,8 +12,6 @@ import click
 from mcpn.cli.shared import (
     EXIT_FAILED,
     FILE,
-    SECTIONS,
-    STATES_AND_EDGES,
     choice_object,
     emit_json,
     engine_option,
@@ -21,12 +19,12 @@ from mcpn.cli.shared import (
     jobs_option,
     json_option,
     limit_option,
-    progress_line,
     scheduler_option,
     tell_warnings,
     templates_option,
     without_threads_of_numpy,
 )
+from mcpn.report.progress import progress_on_terminal
 
 if TYPE_CHECKING:
     from mcpn.answers.verdicts.mission import MissionCheck
@@ -77,12 +75,11 @@ def check(
             does = study.behaviour(max_states=max_states)
             emit_json(net_object(does)) if as_json else print_net(does)
         return
-    from mcpn.workers import executor_of
+    from mcpn.workers import workers_of
 
     warned = [] if as_json else tell_warnings(study.mission_net)
-    told = SECTIONS if engine in ("auto", "local") else STATES_AND_EDGES
-    with progress_line(as_json, told) as progress, executor_of(jobs, scheduler) as executor:
-        found = study.verdicts(engine=engine, max_states=max_states, progress=progress, executor=executor)
+    with progress_on_terminal(as_json), workers_of(jobs, scheduler):
+        found = study.verdicts(engine=engine, max_states=max_states)
     seconds = time.perf_counter() - started
     if as_json:
         emit_json(_check_object(found, seconds, internal))

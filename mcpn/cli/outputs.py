@@ -9,19 +9,17 @@ import click
 
 from mcpn.cli.shared import (
     FILE,
-    SECTIONS,
-    STATES_AND_EDGES,
     emit_json,
     import_option,
     jobs_option,
     json_option,
     limit_option,
-    progress_line,
     scheduler_option,
     templates_option,
     without_threads_of_numpy,
 )
 from mcpn.errors import InputError, Source
+from mcpn.report.progress import progress_on_terminal
 
 if TYPE_CHECKING:
     from mcpn.drawing.templates import TemplateSet
@@ -71,19 +69,16 @@ def controller(
     from mcpn.controller.targets import OF_RULES, files
     from mcpn.files import write_folder
     from mcpn.opening import open_study
-    from mcpn.workers import executor_of
+    from mcpn.workers import workers_of
 
     study = open_study(mission, import_root=import_root, templates=templates)
     if form == "auto" and (smallest or target not in OF_RULES):
         form = "hierarchical"
-    told = STATES_AND_EDGES if form == "flat" else SECTIONS
-    with progress_line(as_json, told) as progress, executor_of(jobs, scheduler) as executor:
+    with progress_on_terminal(as_json), workers_of(jobs, scheduler):
         found = study.controller(
             form,
             max_states=max_states,
-            progress=progress,
             told=lambda text: click.echo(text, err=True),
-            executor=executor,
         )
     size = found.size
     if smallest and isinstance(found, TableController):

@@ -22,6 +22,8 @@ from mcpn.cli.shared import (
     without_threads_of_numpy,
 )
 from mcpn.errors import InputError, Source
+from mcpn.report.progress import progress_on_terminal
+from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
     from mcpn.drawing.templates import TemplateSet
@@ -57,16 +59,15 @@ def report(
     from mcpn.files import write_atomically
     from mcpn.opening import open_study
     from mcpn.report.page import page
-    from mcpn.report.progress import steps_on_terminal
-    from mcpn.workers import executor_of
+    from mcpn.workers import workers_of
 
     if output.suffix.lower() not in (".html", ".htm"):
         source = Source(str(output))
         raise InputError.at(source, f"found the suffix {output.suffix!r}, expected .html")
     study = open_study(mission, import_root=import_root, templates=templates)
-    with steps_on_terminal() as steps, executor_of(jobs, scheduler) as executor:
-        found = study.findings(engine=engine, max_states=max_states, steps=steps, executor=executor)
-        steps.begin("the page")
+    with progress_on_terminal(), workers_of(jobs, scheduler):
+        found = study.findings(engine=engine, max_states=max_states)
+        step(Doing.PREPARING, question="the page")
         text = page(found)
     write_atomically(output, text)
     if as_json:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -136,28 +135,6 @@ def emit_counts(counts: dict[str, Any], as_json: bool) -> None:
         from mcpn.report.text import print_counts
 
         print_counts(counts)
-
-
-STATES_AND_EDGES, SECTIONS = "exploring", "sections"
-"""What the two numbers of a progress callback say: functions of :mod:`mcpn.report.progress`."""
-
-
-@contextmanager
-def progress_line(quiet: bool, told: str = STATES_AND_EDGES) -> Iterator[Callable[[int, int], None] | None]:
-    """A line on standard error that tells which step is under way and how far it is, where a person watches.
-
-    Args:
-        quiet: Whether nothing is to be told.
-        told: What the two numbers of a progress callback say.
-    """
-    from mcpn.report import progress
-
-    with progress.listening() as under_way:
-        if quiet or sys.stderr is None or not sys.stderr.isatty():
-            yield None
-            return
-        with progress.progress_on_terminal(under_way.telling(getattr(progress, told))) as update:
-            yield update
 
 
 def tell_warnings(mission_net: MissionNet) -> list[str]:

@@ -10,18 +10,16 @@ import click
 
 from mcpn.cli.shared import (
     FILE,
-    SECTIONS,
-    STATES_AND_EDGES,
     choice_object,
     emit_counts,
     engine_option,
     import_option,
     json_option,
     limit_option,
-    progress_line,
     templates_option,
     without_threads_of_numpy,
 )
+from mcpn.report.progress import progress_on_terminal
 
 if TYPE_CHECKING:
     from mcpn.answers.spaces import MissionSpaces
@@ -29,7 +27,6 @@ if TYPE_CHECKING:
     from mcpn.spaces.algebra import Space
     from mcpn.spaces.engines import Asked, Choice, On
     from mcpn.spaces.kept import Spaces
-    from mcpn.spaces.markings.explicit import Progress
     from mcpn.spaces.sizes import Counting, SpaceSummary
 
 
@@ -78,9 +75,8 @@ def states(
         found = _in_order(study.spaces, order, seed, save_order)
         emit_counts(asdict(found) | {"why": None}, as_json)
         return
-    told = SECTIONS if engine in ("auto", "local") and not study.is_net else STATES_AND_EDGES
-    with progress_line(as_json, told) as progress:
-        found, choice = study.sizes(engine=engine, on=graph, max_states=max_states, progress=progress)
+    with progress_on_terminal(as_json):
+        found, choice = study.sizes(engine=engine, on=graph, max_states=max_states)
     emit_counts(asdict(found) | ({"why": None} if choice is None else choice_object(choice)), as_json)
 
 
@@ -95,15 +91,13 @@ def _in_order(spaces: Spaces, order: Path | None, seed: int | None, save_order: 
     return summary_of(space, started)
 
 
-def _listed(
-    spaces: MissionSpaces, method: str, proof: bool, choice: Choice, progress: Progress | None
-) -> Space[Any]:
+def _listed(spaces: MissionSpaces, method: str, proof: bool, choice: Choice) -> Space[Any]:
     """The alternatives graph as the user wants it listed."""
     if method == "reduction":
-        return spaces.reduced(choice, progress)[0]
+        return spaces.reduced(choice)[0]
     if not proof:
-        return spaces.unproved(choice.limit, progress)
-    return spaces.space(choice, "alternatives", progress=progress)
+        return spaces.unproved(choice.limit)
+    return spaces.space(choice, "alternatives")
 
 
 @click.command()
@@ -153,10 +147,10 @@ def alternatives(
 
     def ask(choice: Choice) -> Space[Any]:
         if choice.engine == "explicit" and not choice.brief:
-            with progress_line(as_json) as progress:
-                return _listed(spaces, method or "direct", proof, choice, progress)
-        with progress_line(as_json or choice.brief, SECTIONS) as progress:
-            return spaces.space(choice, "alternatives", progress=progress)
+            with progress_on_terminal(as_json):
+                return _listed(spaces, method or "direct", proof, choice)
+        with progress_on_terminal(as_json):
+            return spaces.space(choice, "alternatives")
 
     with in_mission_words(spaces.mission):
         space, choice = answered(ask, spaces.choices(engine, "alternatives", max_states))

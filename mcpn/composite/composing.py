@@ -29,11 +29,11 @@ from mcpn.errors import ConfluenceError, DivergenceError, LimitError, WorkersErr
 from mcpn.mission.flatten import Section
 from mcpn.nets.petri import Marking, PetriNet
 from mcpn.spaces.diagrams.encoding import behind, distinct, leading, passing
-from mcpn.spaces.markings.explicit import Progress
 from mcpn.spaces.stable.completion import MAX_STABLE_STATES, fault_after
 from mcpn.spaces.stable.confluence import prove_confluent, without_one_end
 from mcpn.spaces.stable.falsification import FIRST_FIRINGS, fault_by, nearest_fault
 from mcpn.steps import Doing, step
+from mcpn.workers import workers
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -45,8 +45,6 @@ def composite_space(
     mission_net: MissionNet,
     *,
     templates: TemplateSet | None = None,
-    executor: Executor | None = None,
-    progress: Progress | None = None,
     may_die: bool = False,
 ) -> CompositeSpace:
     """The alternatives graph of a mission by composition.
@@ -55,8 +53,6 @@ def composite_space(
         mission_net: The mission's net; it is not explored.
         templates: Those that the mission is composed with, the paper's by default; with a caller's own no two
             sections are of one type.
-        executor: Where sections are explored; in this process one after the other by default.
-        progress: Called after each local space with how many are done and how many there are.
         may_die: Whether hardware may die (:mod:`mcpn.drawing.mortal`).
 
     Returns:
@@ -92,13 +88,11 @@ def composite_space(
     nets = {name: with_death(net) for name, net in immortal.items()}
     explored: dict[str, Explored] = {}
     dying = [net.net if may_die else None for net in nets.values()]
-    results = _explored([net.net for net in immortal.values()], dying, executor)
+    results = _explored([net.net for net in immortal.values()], dying)
     for number, name in enumerate(nets, 1):
         step(Doing.EXPLORING, section=name, number=number, total=len(nets))
         with in_section(name):
             explored[name] = next(results)
-        if progress:
-            progress(number, len(nets))
     whole = WholeNet(with_death(mission_net), templates)
     layout = Layout(whole.mission_net, max(len(known.space.encoding.places) for known in explored.values()))
     types = {name: SectionType(parts[name], net, explored[name], layout) for name, net in nets.items()}
@@ -127,11 +121,10 @@ def _itself(mission_net: MissionNet) -> MissionNet:
     return mission_net
 
 
-def _explored(
-    nets: Sequence[PetriNet], dying: Sequence[PetriNet | None], executor: Executor | None
-) -> Iterator[Explored]:
-    """Explores some nets, and yields results in their order; an executor's processes send proofs, too."""
+def _explored(nets: Sequence[PetriNet], dying: Sequence[PetriNet | None]) -> Iterator[Explored]:
+    """Explores some nets, and yields results in their order; workers send proofs, too."""
     pairs = list(zip(nets, dying, strict=True))
+    executor = workers()
     if executor is None:
         yield from (explore_local(*pair) for pair in pairs)
         return

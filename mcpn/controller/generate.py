@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Literal, overload
+from typing import Literal, overload
 
 from mcpn.answers.spaces import MissionSubject, spaces_of
 from mcpn.composite.clash import in_mission_words
@@ -14,11 +14,7 @@ from mcpn.controller.sizes import MAX_TABLE_STATES, rather_rules, standing, too_
 from mcpn.errors import LimitError
 from mcpn.spaces.stable.completion import MAX_STABLE_STATES
 
-if TYPE_CHECKING:
-    from concurrent.futures import Executor
-
 Form = Literal["flat", "hierarchical", "modular"]
-Progress = Callable[[int, int], None]
 
 MOST_UNTOLD = 10_000
 """States of a section up to which it is listed without a call of ``told``."""
@@ -30,9 +26,7 @@ def generate(
     form: Literal["flat", "hierarchical"] = "hierarchical",
     *,
     max_states: int | None = None,
-    progress: Progress | None = None,
     told: Callable[[str], object] | None = None,
-    executor: Executor | None = None,
 ) -> TableController: ...
 @overload
 def generate(
@@ -40,9 +34,7 @@ def generate(
     form: Literal["modular"],
     *,
     max_states: int | None = None,
-    progress: Progress | None = None,
     told: Callable[[str], object] | None = None,
-    executor: Executor | None = None,
 ) -> ModularController: ...
 @overload
 def generate(
@@ -50,18 +42,14 @@ def generate(
     form: Form | Literal["auto"],
     *,
     max_states: int | None = None,
-    progress: Progress | None = None,
     told: Callable[[str], object] | None = None,
-    executor: Executor | None = None,
 ) -> AnyController: ...
 def generate(
     of: MissionSubject,
     form: Form | Literal["auto"] = "hierarchical",
     *,
     max_states: int | None = None,
-    progress: Progress | None = None,
     told: Callable[[str], object] | None = None,
-    executor: Executor | None = None,
 ) -> AnyController:
     """Generates the controller of a mission.
 
@@ -70,10 +58,8 @@ def generate(
         form: Hierarchical, whose size is the sum of the sizes of types of sections; modular, of rules; flat;
             or ``auto``: hierarchical unless a section has many states, then modular.
         max_states: How many states a machine may have.
-        progress: Called as the spaces are explored.
         told: Called with the sizes, in words, before large sections are listed, and where ``auto`` takes
             the modular form.
-        executor: Where types of sections are explored; this process by default.
 
     Raises:
         SemanticsError: The mission is not safe or not confluent, or a section hands on more than hardware.
@@ -93,9 +79,9 @@ def generate(
                 f"more, the limit is {limit}: the hierarchical one needs no such product"
             )
         with in_mission_words(mission_net):
-            return flat_controller(mission_net, spaces.listed(limit, progress))
+            return flat_controller(mission_net, spaces.listed(limit))
     with in_mission_words(mission_net):
-        composite = spaces.composite(progress=progress, executor=executor)
+        composite = spaces.composite()
     if form == "modular":
         return modular_controller(composite)
     name_of_type = standing(composite)

@@ -22,8 +22,6 @@ from mcpn.spaces.names import PROGRESS
 from mcpn.spaces.search.goal import Formula
 
 if TYPE_CHECKING:
-    from concurrent.futures import Executor
-
     from mcpn.logic.witness import Witness
 
 FIRST_STEPS, GROWTH = 150_000, 2
@@ -62,7 +60,6 @@ class Questions:
         engine: Who makes the space: arrays, diagrams, composition, or ``auto``, see
             :mod:`mcpn.spaces.engines`, with a search before it where one may do; ``search``: nobody.
         max_states: Limit on states that are listed one by one.
-        executor: Where composition explores sections; this process by default.
 
     Raises:
         InputError: A constraint is no formula, or the words do not fit the net.
@@ -76,7 +73,6 @@ class Questions:
         fair: Sequence[str] = (),
         engine: Asked = "auto",
         max_states: int | None = None,
-        executor: Executor | None = None,
     ) -> None:
         self.spaces = spaces_of(of)
         self.net = net = self.spaces.net
@@ -86,7 +82,6 @@ class Questions:
         self.on: On = on
         self.engine = engine
         self.max_states = max_states
-        self.executor = executor
         self._steps = FIRST_STEPS
         self._begun = self._for_space = 0.0
         self.names = self.spaces.names()
@@ -140,7 +135,7 @@ class Questions:
 
     def _made(self, *, tokens: bool = True) -> tuple[Space[Any], Choice]:
         def by(choice: Choice) -> Space[Any]:
-            return self.spaces.space(choice, self.on, tokens=tokens, executor=self.executor)
+            return self.spaces.space(choice, self.on, tokens=tokens)
 
         space, choice = answered(by, self.spaces.choices(self.engine, self.on, self.max_states))
         if choice.engine == "symbolic" and not isinstance(space, Diagrams):

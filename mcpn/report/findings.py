@@ -17,18 +17,15 @@ from mcpn.controller.targets.json import document
 from mcpn.errors import McpnError
 from mcpn.mission.static.intervals import at_their_means
 from mcpn.report.pictures.machines import LocalPicture, local_pictures
-from mcpn.report.progress import Steps, counted, exploring
+from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
-    from concurrent.futures import Executor
-
     from mcpn.answers.causes.prospects import Prospects
     from mcpn.answers.causes.risk import Risk
     from mcpn.controller.generate import Form
     from mcpn.mission.model import Mission
     from mcpn.spaces.engines import Asked
 
-    Told = Callable[[int, int, float], str]
 
 MOST_ROWS = 50
 """Objectives up to which a page has the FMECA table."""
@@ -70,8 +67,6 @@ def findings(
     of: MissionSubject,
     engine: Asked = "auto",
     max_states: int | None = None,
-    steps: Steps | None = None,
-    executor: Executor | None = None,
 ) -> Findings:
     """All that a report tells of a mission.
 
@@ -79,8 +74,6 @@ def findings(
         of: The mission's spaces, or its net.
         engine: ``explicit``, ``symbolic``, ``local``, or ``auto``: the first of them that answers.
         max_states: Limit on states that are listed.
-        steps: Told of each step and how far it is.
-        executor: Where types of sections are explored; this process by default.
 
     Raises:
         SemanticsError: A section hands on more than the state of its hardware.
@@ -88,42 +81,40 @@ def findings(
     """
     spaces = spaces_of(of)
     mission_net = spaces.mission
-    steps = steps or Steps()
     seconds: dict[str, float] = {}
     notes: list[str] = []
 
     @contextmanager
-    def timed(what: str, told: Told | None = None) -> Iterator[None]:
-        steps.begin(what, told)
+    def timed(what: str) -> Iterator[None]:
+        step(Doing.PREPARING, question=what)
         started = time.perf_counter()
         yield
         seconds[what] = time.perf_counter() - started
 
-    def tried(what: str, find: Callable[[], Any], told: Told | None = None) -> Any:
+    def tried(what: str, find: Callable[[], Any]) -> Any:
         try:
-            with timed(what, told):
+            with timed(what):
                 return find()
         except McpnError as error:
             notes.append(f"No {what}: {error}")
             return None
 
-    with timed("verdicts", counted if engine in ("auto", "local") else exploring):
-        checked = check(spaces, engine=engine, max_states=max_states, progress=steps.at, executor=executor)
+    with timed("verdicts"):
+        checked = check(spaces, engine=engine, max_states=max_states)
     chosen = checked.choice.engine
-    told = counted if chosen == "local" else exploring
     warnings = list(map(str, checked.warnings))
     if not (checked.verdicts["safe"].holds and checked.verdicts["confluent"].holds):
         notes.append("No causes and no controller: the reaction to an event is not always the same.")
         return Findings(checked, notes=notes, warnings=warnings, engine=chosen, seconds=seconds)
-    causes, rows = tried("causes", lambda: _causes(checked, max_states, steps, executor), told) or (
+    causes, rows = tried("causes", lambda: _causes(checked, max_states)) or (
         None,
         None,
     )
     if causes is not None and rows is None:
         notes.append(f"No FMECA table of more than {MOST_ROWS} objectives: mcpn causes --fmeca writes it.")
-    controller = tried("controller", lambda: _controller(checked, max_states, steps, executor), counted)
-    with timed("local graphs", counted):
-        local, missing = local_pictures(spaces, steps.at)
+    controller = tried("controller", lambda: _controller(checked, max_states))
+    with timed("local graphs"):
+        local, missing = local_pictures(spaces)
     risk = None
     if causes is not None and _has_rates(mission_net.mission):
         risk = tried("numbers of risk", lambda: _risk(causes.prospects))
@@ -143,26 +134,20 @@ def _has_rates(mission: Mission) -> bool:
     return any(h.failure_rate for h in mission.hardware) or any(event.rate for event in mission.events)
 
 
-def _causes(
-    checked: MissionCheck, max_states: int | None, steps: Steps, executor: Executor | None
-) -> tuple[Any, Any]:
+def _causes(checked: MissionCheck, max_states: int | None) -> tuple[Any, Any]:
     """Causes and, of missions that are not long, the FMECA table."""
     causes = find_causes(
         checked.spaces,
         engine=checked.choice.engine,
         max_states=max_states,
-        progress=steps.at,
-        executor=executor,
     )
     if len(causes.objectives) > MOST_ROWS:
         return causes, None
-    steps.begin("the FMECA table")
+    step(Doing.PREPARING, question="the FMECA table")
     return causes, fmeca(causes.prospects)
 
 
-def _controller(
-    checked: MissionCheck, max_states: int | None, steps: Steps, executor: Executor | None
-) -> dict[str, Any]:
+def _controller(checked: MissionCheck, max_states: int | None) -> dict[str, Any]:
     """The controller as rules: its size is a sum over activities, so that a page can hold it.
 
     Where a section has no rules the controller is one of tables; where a small mission cannot be divided into
@@ -173,10 +158,9 @@ def _controller(
         forms = (*forms, "flat")
     for number, form in enumerate(forms, 1):
         if form == "flat":
-            steps.begin("controller in one piece", exploring)
-        workers = None if form == "flat" else executor
+            step(Doing.PREPARING, question="the controller in one piece")
         try:
-            made = generate(checked.spaces, form, max_states=max_states, progress=steps.at, executor=workers)
+            made = generate(checked.spaces, form, max_states=max_states)
         except McpnError:
             if number == len(forms):
                 raise

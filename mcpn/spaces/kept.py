@@ -18,14 +18,12 @@ from mcpn.spaces.diagrams.race import Resting
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import SymbolicSpace, reaching
 from mcpn.spaces.engines import Asked, Choice, Engine, On, choices_of_net
-from mcpn.spaces.markings.explicit import MAX_MARKINGS, Counts, Progress, count, explore
+from mcpn.spaces.markings.explicit import MAX_MARKINGS, Counts, count, explore
 from mcpn.spaces.names import PROGRESS, Names
 from mcpn.spaces.stable.completion import MAX_STABLE_STATES
 from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
-    from concurrent.futures import Executor
-
     from mcpn.spaces.arrays import ArraySpace
     from mcpn.spaces.diagrams.order import Order
     from mcpn.spaces.pyeda_reference import ReferenceCounts
@@ -116,18 +114,14 @@ class Spaces:
         by: Choice | Engine,
         on: On = "markings",
         *,
-        progress: Progress | None = None,
         tokens: bool = True,
-        executor: Executor | None = None,
     ) -> Space[Any]:
         """The space on one of the graphs, by one of the engines.
 
         Args:
             by: The engine.
             on: The graph; the alternatives graph is of nets with priorities.
-            progress: Called now and then with states and edges, or with local spaces done and to do.
             tokens: Whether the places of a net without priorities may hold several tokens.
-            executor: Where what can be explored in parts is; this process by default.
 
         Raises:
             InputError: The net has no such graph.
@@ -145,49 +139,47 @@ class Spaces:
             )
             raise InputError.at(None, message)
         if on == "markings":
-            return self.markings(by, progress, tokens=tokens)
-        return self.stable(by, progress)[0] if by.engine == "explicit" else self.reduced(by, progress)[0]
+            return self.markings(by, tokens=tokens)
+        return self.stable(by)[0] if by.engine == "explicit" else self.reduced(by)[0]
 
     # --- the whole net ---
 
-    def stable(self, by: Choice, progress: Progress | None = None) -> tuple[ArraySpace, str]:
+    def stable(self, by: Choice) -> tuple[ArraySpace, str]:
         """The alternatives graph by listing, and the proof of confluence used; see :meth:`space`."""
-        graph, space = self._listed(by.limit, progress)
+        graph, space = self._listed(by.limit)
         return space, graph.proof or ""
 
-    def listed(self, max_states: int | None = None, progress: Progress | None = None) -> AlternativesGraph:
+    def listed(self, max_states: int | None = None) -> AlternativesGraph:
         """The alternatives graph with its stable states listed, and proved; its errors are the net's own."""
-        return self._listed(MAX_STABLE_STATES if max_states is None else max_states, progress)[0]
+        return self._listed(MAX_STABLE_STATES if max_states is None else max_states)[0]
 
-    def _listed(self, max_states: int, progress: Progress | None) -> tuple[AlternativesGraph, ArraySpace]:
+    def _listed(self, max_states: int) -> tuple[AlternativesGraph, ArraySpace]:
         def build() -> tuple[AlternativesGraph, ArraySpace]:
             step(Doing.LISTING)  # before arrays are loaded, which takes its time
             from mcpn.spaces.arrays import ArraySpace
             from mcpn.spaces.stable.alternatives import direct_with_proof
 
-            graph = direct_with_proof(self.net, max_states=max_states, progress=progress)
+            graph = direct_with_proof(self.net, max_states=max_states)
             return graph, ArraySpace(graph)
 
         return self._once("listed", build, max_states)
 
-    def unproved(self, max_states: int, progress: Progress | None = None) -> ArraySpace:
+    def unproved(self, max_states: int) -> ArraySpace:
         """The alternatives graph with its stable states listed, confluence taken for granted."""
 
         def build() -> ArraySpace:
             from mcpn.spaces.arrays import ArraySpace
             from mcpn.spaces.stable.alternatives import direct
 
-            return ArraySpace(direct(self.net, proof=False, max_states=max_states, progress=progress))
+            return ArraySpace(direct(self.net, proof=False, max_states=max_states))
 
         return self._once("unproved", build, max_states)
 
-    def markings(
-        self, by: Choice, progress: Progress | None = None, *, tokens: bool = True
-    ) -> ArraySpace | DiagramMarkings:
+    def markings(self, by: Choice, *, tokens: bool = True) -> ArraySpace | DiagramMarkings:
         """The markings graph; see :meth:`space`."""
         tokens = tokens and not self.net.priorities  # else the net must be 1-safe
         if by.engine == "explicit":
-            return self._once(("explicit", tokens), lambda: self._arrays(by, progress, tokens), by.limit)
+            return self._once(("explicit", tokens), lambda: self._arrays(by, tokens), by.limit)
         edges = (
             by.why is not None and not self.net.priorities
         )  # ``auto`` chose: no diagram was asked for by name
@@ -202,15 +194,15 @@ class Spaces:
 
         return self._once(("markings", tokens, edges), build)
 
-    def _arrays(self, by: Choice, progress: Progress | None, tokens: bool) -> ArraySpace:
+    def _arrays(self, by: Choice, tokens: bool) -> ArraySpace:
         step(Doing.LISTING_MARKINGS)
         from mcpn.spaces.arrays import ArraySpace
 
         if not tokens:
-            return ArraySpace(explore(self.net, max_states=by.limit, progress=progress))
+            return ArraySpace(explore(self.net, max_states=by.limit))
         from mcpn.spaces.markings.counted import explore_markings
 
-        return ArraySpace(explore_markings(self.net, max_states=by.limit, progress=progress))
+        return ArraySpace(explore_markings(self.net, max_states=by.limit))
 
     def symbolic(self, *, tokens: bool = True, edges: bool = False) -> SymbolicSpace:
         """All markings as a diagram.
@@ -235,13 +227,11 @@ class Spaces:
         """All markings of a bounded net on a diagram, with as many tokens as there are."""
         return self._once("diagram", lambda: DiagramMarkings(self.symbolic()))
 
-    def reduced(
-        self, by: Choice, progress: Progress | None = None, *, proof: bool = True
-    ) -> tuple[Space[Any], str]:
+    def reduced(self, by: Choice, *, proof: bool = True) -> tuple[Space[Any], str]:
         """The alternatives graph by way of all markings of a 1-safe net, and the proof of confluence."""
 
         def build() -> tuple[Space[Any], str]:
-            markings = self.markings(by, progress, tokens=False)
+            markings = self.markings(by, tokens=False)
             step(Doing.PROVING)
             if not isinstance(markings, DiagramMarkings):
                 from mcpn.spaces.stable.alternatives import by_reduction
@@ -273,18 +263,16 @@ class Spaces:
         """
         return self._reaching(tokens=True, edges=True).go_on(steps)
 
-    def counted(
-        self, max_states: int | None = None, progress: Progress | None = None, *, tokens: bool = True
-    ) -> Counts:
+    def counted(self, max_states: int | None = None, *, tokens: bool = True) -> Counts:
         """The sizes of the markings graph, counted marking by marking without keeping the firings."""
         tokens, limit = tokens and not self.net.priorities, max_states or MAX_MARKINGS
 
         def build() -> Counts:
             if not tokens:
-                return count(self.net, max_states=limit, progress=progress)
+                return count(self.net, max_states=limit)
             from mcpn.spaces.markings.counted import count_markings
 
-            return count_markings(self.net, max_states=limit, progress=progress)
+            return count_markings(self.net, max_states=limit)
 
         return self._once(("counted", tokens), build, limit)
 

@@ -15,7 +15,6 @@ from mcpn.spaces.markings.explicit import Counts
 
 if TYPE_CHECKING:
     from mcpn.spaces.diagrams.symbolic import SymbolicSpace
-    from mcpn.spaces.markings.explicit import Progress
     from mcpn.spaces.own import OwnSpace
     from mcpn.spaces.pyeda_reference import ReferenceCounts
 
@@ -147,7 +146,6 @@ def summarise(
     engine: str,
     *,
     max_states: int | None = None,
-    progress: Progress | None = None,
     seconds: float | None = None,
 ) -> SpaceSummary:
     """Explores a net and says its sizes.
@@ -157,7 +155,6 @@ def summarise(
         engine: One of :data:`mcpn.spaces.sizes.ENGINES`, or one of the caller's own by its name; see
             :func:`mcpn.spaces.own.engine_named`.
         max_states: Limit for the explicit engine.
-        progress: Called now and then by the explicit engine.
         seconds: How much CPU time pyeda may take; an hour by default.
 
     Returns:
@@ -173,7 +170,7 @@ def summarise(
     if engine == "symbolic":
         return summary_of(spaces.symbolic(), started)
     if engine == "explicit":
-        return summary_of_counts(spaces.net, spaces.counted(max_states, progress), engine, started)
+        return summary_of_counts(spaces.net, spaces.counted(max_states), engine, started)
     if engine == "pyeda":
         return summary_of_counts(spaces.net, spaces.reference(seconds), engine, started)
     from mcpn.spaces.own import OwnSpace, engine_named
@@ -187,7 +184,6 @@ def sizes(
     engine: Counting = "auto",
     on: On | None = None,
     max_states: int | None = None,
-    progress: Progress | None = None,
 ) -> tuple[SpaceSummary, Choice | None]:
     """Counts the states of a net, or of a mission.
 
@@ -198,7 +194,6 @@ def sizes(
             default all markings, but for a mission that is asked of sections: by ``local``, or by ``auto``
             where there are many markings.
         max_states: Limit on states that are listed one by one.
-        progress: Called now and then with states and edges, or with sections done and to do.
 
     Returns:
         The sizes, and the engine that was chosen; ``None`` for ``pyeda``, which is only asked by name.
@@ -218,11 +213,11 @@ def sizes(
         if choice.engine == "local":  # counts stable states only: a diagram of the net counts the rest
             whole = summarise(spaces, "symbolic")
             return replace(whole, stable_states=stable(choice).stable_states, engine="local")
-        return summarise(spaces, choice.engine, max_states=choice.limit, progress=progress)
+        return summarise(spaces, choice.engine, max_states=choice.limit)
 
     def stable(choice: Choice) -> SpaceSummary:
         started = time.perf_counter()
-        count = spaces.space(choice, "alternatives", progress=progress).everything.count()
+        count = spaces.space(choice, "alternatives").everything.count()
         seconds = time.perf_counter() - started
         net_size = len(net.places), len(net.transitions)
         return SpaceSummary(*net_size, None, None, count, None, None, None, None, choice.engine, seconds)

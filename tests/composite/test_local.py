@@ -30,8 +30,10 @@ from mcpn.nets.events import Event
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.stable.alternatives import AlternativesGraph, by_reduction, direct, written_out
 from mcpn.spaces.stable.confluence import prove_confluent
+from mcpn.steps import Doing, WorkStep, heard_by
 from mcpn.testing import missions
 from mcpn.testing.shape import stacked_missions
+from mcpn.workers import using
 from tests.draws import composed, fewer
 from tests.logic.test_properties import play
 from tests.shares import returns_early
@@ -329,16 +331,23 @@ class OfACaller(PaperTemplates):
 
 
 def test_local_spaces_are_made_by_any_executor(ulysse_net: MissionNet) -> None:
-    done: list[tuple[int, int]] = []
-    alone: list[tuple[int, int]] = []
-    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-        composite = composite_space(ulysse_net, executor=pool, progress=lambda *at: done.append(at))
-        own = composite_space(
-            ulysse_net, templates=OfACaller(), executor=pool, progress=lambda *at: alone.append(at)
-        )
+    explored: list[list[tuple[int, int]]] = [[], []]
+
+    class Heard:
+        def begins(self, step: WorkStep) -> None:
+            if step.doing is Doing.EXPLORING:
+                explored[-1].append((step.number, step.total))
+
+        def comes_to(self, states: int, edges: int) -> None:
+            pass
+
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool, using(pool), heard_by(Heard()):
+        own = composite_space(ulysse_net, templates=OfACaller())
+        alone = explored.pop()
+        composite = composite_space(ulysse_net)
     assert sizes(composite) == sizes(own) == (260, 1332)
     # Two types of sections; of a caller's templates nothing is known, so that each section is its own.
-    assert done == [(1, 2), (2, 2)]
+    assert explored == [[(1, 2), (2, 2)]]
     assert alone == [(number, 5) for number in range(1, 6)]
 
 
@@ -347,6 +356,7 @@ def test_local_spaces_are_made_on_a_dask_cluster(ulysse_net: MissionNet) -> None
     with (
         distributed.LocalCluster(1, threads_per_worker=1, processes=False, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,
+        using(client.get_executor()),
     ):
-        composite = composite_space(ulysse_net, executor=client.get_executor())
+        composite = composite_space(ulysse_net)
     assert sizes(composite) == (260, 1332)

@@ -23,11 +23,11 @@ from mcpn.composite.section_type import SectionType
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.xml import read_mission
 from mcpn.report.findings import findings
-from mcpn.report.progress import Steps, counted, exploring, listening, sections
+from mcpn.report.progress import exploring, listening
 from mcpn.report.terminal import LEAST_WIDTH, Terminal, plain
 from mcpn.report.words import modes_in_words
 from mcpn.spaces.engines import Engine
-from mcpn.steps import Doing, WorkStep, step
+from mcpn.steps import Doing, WorkStep, step, tell
 from tests.commands import mcpn, output
 from tests.conftest import ROOT, ULYSSE
 
@@ -134,27 +134,21 @@ def test_progress_is_shown_on_a_terminal_and_wiped(tmp_path: Path) -> None:
     assert "\x1b[K" not in on_a_terminal({"TERM": "dumb"}, "states", str(ULYSSE))
 
 
-def test_progress_estimates_what_is_left() -> None:
-    assert exploring(1000, 5000, 2.0) == "exploring: 1,000 states, 5,000 edges, 500 states a second, 2 s"
+def test_how_far_an_exploration_is() -> None:
+    assert exploring(1000, 5000, 2.0) == "1,000 states, 5,000 edges, 500 states a second, 2 s"
 
 
-def test_the_step_that_is_announced_is_named() -> None:
+def test_the_step_that_is_announced_is_named_and_how_far_it_is() -> None:
     with listening() as heard:
-        of_sections, of_states = heard.telling(sections), heard.telling(exploring)
-        assert of_states(0, 0, 2.0) == "exploring, 2 s"
+        assert heard.line() == "reading, 0 s; 0 s in all"
         step(Doing.EXPLORING, section="dive", number=1, total=2)
-        assert of_sections(0, 0, 2.0) == "exploring section dive (type 1 of 2), 0 s; 2 s in all"
-        assert of_sections(1, 2, 2.0) == "exploring section dive (type 1 of 2), 0 s; 2 s in all"
-        step(Doing.PROVING_SECTION, section="dive")
-        assert of_sections(1, 2, 9.0) == "proving section dive confluent, 0 s; 9 s in all"
-        step(Doing.LISTING_MARKINGS)  # the numbers are still those of the step before
-        assert of_states(1, 2, 9.0) == "listing the markings, 0 s; 9 s in all"
-        assert of_states(7, 9, 9.0).startswith("listing the markings: exploring: 7 states, 9 edges")
-        steps = Steps(heard)
-        steps.begin("verdicts", counted)
-        assert steps.line(9.0) == "verdicts, 0 s; 9 s in all"
-        step(Doing.FINDING_MODES)
-        assert steps.line(9.0) == "verdicts: finding the functioning modes, 0 s; 9 s in all"
+        assert heard.line() == "exploring section dive (type 1 of 2), 0 s; 0 s in all"
+        tell(7, 9)
+        assert heard.line().startswith("exploring section dive (type 1 of 2): 7 states, 9 edges, ")
+        step(Doing.PROVING_SECTION, section="dive")  # of which nothing has been told
+        assert heard.line() == "proving section dive confluent, 0 s; 0 s in all"
+    tell(8, 10)
+    assert heard.explored == (0, 0)
 
 
 @pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
@@ -193,37 +187,20 @@ def test_every_engine_announces_its_steps(
     assert proved == {f"proving section {name} confluent" for name in types.values()}
 
 
-def test_steps_tell_how_far_they_are() -> None:
-    assert counted(1, 4, 10.0) == "1 of 4, 10 s, about 30 s left"
-    assert counted(4, 4, 10.0) == "4 of 4, 10 s"  # what follows has no count
-    steps = Steps()
-    assert steps.line(0.0) == "reading, 0 s; 0 s in all"
-    steps.begin("verdicts", counted)
-    assert steps.line(7.0) == "verdicts, 0 s; 7 s in all"
-    steps.at(2, 4)
-    assert steps.line(7.0) == "verdicts: 2 of 4, 0 s, about 0 s left; 7 s in all"
-    steps.begin("the page")
-    assert steps.line(9.0) == "the page, 0 s; 9 s in all"
-
-
-def test_a_report_tells_how_far_each_step_is(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Steps that have a count give it, and none goes past its end.
-
-    Sections are explored once, and once more with hardware that may die.
-    """
-    steps, told = Steps(), list[tuple[str, int, int]]()
-    now = ""
-
-    def begin(name: str, how: object = None) -> None:
-        nonlocal now
-        now = name
-        Steps.begin(steps, name, how)  # type: ignore[arg-type]
-
-    monkeypatch.setattr(steps, "begin", begin)
-    monkeypatch.setattr(steps, "at", lambda done, total: told.append((now, done, total)))
-    findings(compose(read_mission(ULYSSE)), "local", None, steps)
-    assert {name for name, _, _ in told} == {"verdicts", "local graphs"}
-    assert all(0 <= done <= total for _, done, total in told)
+def test_a_report_tells_what_it_prepares(caplog: pytest.LogCaptureFixture) -> None:
+    """Each part is a step, and no local graph is drawn past the last."""
+    with caplog.at_level(logging.INFO, "mcpn.steps"):
+        findings(compose(read_mission(ULYSSE)), "local")
+    steps = [each for record in caplog.records for each in record.args or () if isinstance(each, WorkStep)]
+    assert [each.question for each in steps if each.doing is Doing.PREPARING] == [
+        "verdicts",
+        "causes",
+        "the FMECA table",
+        "controller",
+        "local graphs",
+    ]
+    drawn = [(each.number, each.total) for each in steps if each.doing is Doing.DRAWING]
+    assert drawn == [(1, 2), (2, 2)]
 
 
 def test_a_width_is_asked_for() -> None:

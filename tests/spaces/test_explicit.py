@@ -16,6 +16,7 @@ from mcpn.nets.formats import read_net
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.markings.explicit import KernelNet, count, explore
 from mcpn.spaces.markings.graph import StateGraph
+from mcpn.steps import WorkStep, heard_by
 from tests.nets.nets import nets, reachable
 from tests.shares import returns_early
 
@@ -185,12 +186,16 @@ def test_progress_is_told_and_its_errors_stop_the_exploration(width: int) -> Non
 
     told: list[tuple[int, int]] = []
 
-    def progress(states: int, edges: int) -> None:
-        told.append((states, edges))
-        raise Enough
+    class Impatient:
+        def begins(self, step: WorkStep) -> None:
+            pass
 
-    with pytest.raises(Enough):
-        count(switches(width), progress=progress)
+        def comes_to(self, states: int, edges: int) -> None:
+            told.append((states, edges))
+            raise Enough
+
+    with heard_by(Impatient()), pytest.raises(Enough):
+        count(switches(width))
     ((states, edges),) = told
     assert 0 < states < edges + 2
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mcpn.answers.causes.cutsets import CutSet, CutSets, Moment, Nonmonotone
 from mcpn.answers.causes.prospects import CriticalEvent, Goal, Prospects
@@ -21,12 +21,8 @@ from mcpn.nets.events import Event
 from mcpn.notebook import Told
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.engines import Asked, Choice, answered
-from mcpn.spaces.markings.explicit import Progress
 from mcpn.spaces.run import Run
 from mcpn.steps import Doing, step
-
-if TYPE_CHECKING:
-    from concurrent.futures import Executor
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,8 +147,6 @@ def find_causes(
     *,
     engine: Asked = "auto",
     max_states: int | None = None,
-    progress: Progress | None = None,
-    executor: Executor | None = None,
 ) -> Causes:
     """The failure causes of a mission: all but the tables of ``fmeca`` and the numbers of ``risk``.
 
@@ -170,9 +164,8 @@ def find_causes(
     spaces, mission_net = spaces_of(of), spaces_of(of).mission
 
     def both(by: Choice) -> tuple[Space[Any], Space[Any]]:
-        callback = None if by.brief else progress
-        living = spaces.space(by, "alternatives", progress=callback, executor=executor)
-        return living, spaces.space(by, "alternatives", may_die=True, executor=executor)
+        living = spaces.space(by, "alternatives")
+        return living, spaces.space(by, "alternatives", may_die=True)
 
     (living, dying), choice = answered(both, spaces.choices(engine, "alternatives", max_states))
     step(Doing.FINDING_NEEDS)

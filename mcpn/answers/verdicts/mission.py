@@ -26,13 +26,10 @@ from mcpn.notebook import Told
 from mcpn.sentences import shortened
 from mcpn.spaces.algebra import S, Space
 from mcpn.spaces.engines import SMALL, Asked, Choice, answered
-from mcpn.spaces.markings.explicit import Progress
 from mcpn.spaces.run import Run, run_of_fewest_events, transitions_of
 from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
-    from concurrent.futures import Executor
-
     from mcpn.answers.late import LateLoss
     from mcpn.answers.requirements import AskedRequirement, RequirementAnswer
 
@@ -232,8 +229,6 @@ def check(
     *,
     engine: Asked = "auto",
     max_states: int | None = None,
-    progress: Progress | None = None,
-    executor: Executor | None = None,
 ) -> MissionCheck:
     """Checks a mission: every verdict, with its runs.
 
@@ -241,8 +236,6 @@ def check(
         of: The mission's spaces, or its net.
         engine: Arrays, diagrams, composition or ``auto``, see :mod:`mcpn.spaces.engines`.
         max_states: Limit on states that are listed one by one.
-        progress: Called now and then with states and edges, or with local spaces done and to do.
-        executor: Where composition explores sections; this process by default.
 
     Raises:
         InputError: A requirement is no formula, or names what is not there, with its line.
@@ -261,15 +254,15 @@ def check(
         alternatives: Space[Any] | None = None
         try:
             if choice.engine == "local":
-                alternatives = spaces.composite(executor=executor, progress=progress)
+                alternatives = spaces.composite()
                 proof = "each type of section, and each way from one to the next, proved on its own net"
             elif choice.engine == "symbolic" or not spaces.net.priorities:
                 # Without priorities no marking is stable.
                 every = replace(choice, max_states=choice.beside(SMALL))
-                markings = spaces.markings(every, progress, tokens=False)
-                alternatives, proof = spaces.reduced(every, progress)
+                markings = spaces.markings(every, tokens=False)
+                alternatives, proof = spaces.reduced(every)
             else:
-                alternatives, proof = spaces.stable(choice, None if choice.brief else progress)
+                alternatives, proof = spaces.stable(choice)
             decided = Verdict("confluent", True, proof)
         except (UnsafeError, ConfluenceError, DivergenceError) as error:
             fault: SemanticsError = error

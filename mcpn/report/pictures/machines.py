@@ -7,7 +7,7 @@ mission is drawn by its sections.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from mcpn.answers.spaces import MissionSpaces
@@ -25,6 +25,7 @@ from mcpn.report.pictures.graph import Arrow, Cluster, Graph, Node, Placed, draw
 from mcpn.report.pictures.objectives import ENDS, objectives_picture
 from mcpn.report.words import what_happens
 from mcpn.spaces.stable.alternatives import AlternativesGraph
+from mcpn.steps import Doing, step
 
 MOST_STATES = 16
 """States of a section up to which each has a box of its own."""
@@ -355,14 +356,11 @@ class LocalPicture:
     picture: Placed
 
 
-def local_pictures(
-    spaces: MissionSpaces, progress: Callable[[int, int], None] | None = None
-) -> tuple[list[LocalPicture], list[str]]:
+def local_pictures(spaces: MissionSpaces) -> tuple[list[LocalPicture], list[str]]:
     """Local graphs as far as they can be drawn, and for each that cannot why.
 
     Args:
         spaces: The mission's spaces.
-        progress: Called before each type of section with how many are done, and how many when the last is.
     """
     alike: dict[Hashable, list[str]] = {}
     mission_net = spaces.mission
@@ -372,9 +370,8 @@ def local_pictures(
     notes, sizes = list[str](), list[int]()
     graphs: list[Graph] = []
     members: list[list[str]] = []
-    for number, names in enumerate(alike.values()):
-        if progress:
-            progress(number, number + min(len(alike) - number, MOST_DRAWN - len(graphs)))
+    for number, names in enumerate(alike.values(), 1):
+        step(Doing.DRAWING, section=names[0], number=number, total=min(len(alike), MOST_DRAWN))
         if len(graphs) == MOST_DRAWN:
             notes.append(
                 f"No more than {MOST_DRAWN} local graphs are drawn, of {len(alike)} types of sections."

@@ -18,7 +18,8 @@ from mcpn.nets.petri import Arcs, PetriNet
 from mcpn.nets.programs import minimise
 from mcpn.nets.siphons import p_semiflows
 from mcpn.nets.structure import changes, incidence, needs, place_bounds
-from mcpn.spaces.markings.explicit import DEFAULT_MAX_MEMORY, MAX_MARKINGS, Counts, Progress, count, explore
+from mcpn.spaces.markings.explicit import DEFAULT_MAX_MEMORY, MAX_MARKINGS, Counts, count, explore
+from mcpn.steps import telling
 
 if TYPE_CHECKING:
     from mcpn.spaces.markings.graph import Field, StateGraph
@@ -344,15 +345,12 @@ class TokenCounts(Counts):
     bounds: tuple[int, ...]
 
 
-def explore_markings(
-    net: PetriNet, *, max_states: int = MAX_MARKINGS, progress: Progress | None = None
-) -> StateGraph:
+def explore_markings(net: PetriNet, *, max_states: int = MAX_MARKINGS) -> StateGraph:
     """Builds the markings graph of a net, 1-safe or not.
 
     Args:
         net: The net; with priorities it must be 1-safe.
         max_states: How many states it may have.
-        progress: Called now and then.
 
     Raises:
         UnsafeError: The net has priorities and is not 1-safe.
@@ -360,23 +358,21 @@ def explore_markings(
         LimitError: A limit was hit.
     """
     try:
-        return explore(net, max_states=max_states, progress=progress)
+        return explore(net, max_states=max_states)
     except UnsafeError:
         if net.priorities:
             raise
-        return explore_tokens(net, max_states=max_states, progress=progress)
+        return explore_tokens(net, max_states=max_states)
 
 
-def count_markings(
-    net: PetriNet, *, max_states: int = MAX_MARKINGS, progress: Progress | None = None
-) -> Counts:
+def count_markings(net: PetriNet, *, max_states: int = MAX_MARKINGS) -> Counts:
     """Counts what :func:`explore_markings` builds, without keeping the edges."""
     try:
-        return count(net, max_states=max_states, progress=progress)
+        return count(net, max_states=max_states)
     except UnsafeError:
         if net.priorities:
             raise
-        return count_tokens(net, max_states=max_states, progress=progress)
+        return count_tokens(net, max_states=max_states)
 
 
 def explore_tokens(
@@ -384,7 +380,6 @@ def explore_tokens(
     *,
     max_states: int = MAX_MARKINGS,
     max_memory: int = DEFAULT_MAX_MEMORY,
-    progress: Progress | None = None,
 ) -> StateGraph:
     """Builds the markings graph of a net with as many tokens as there are, priorities respected.
 
@@ -392,7 +387,6 @@ def explore_tokens(
         net: The net.
         max_states: How many states it may have.
         max_memory: Bytes that the kernel's tables may take; the graph's own arrays come on top.
-        progress: Called now and then.
 
     Raises:
         UnboundedError: The net has no priorities and is unbounded.
@@ -400,7 +394,7 @@ def explore_tokens(
     """
     from mcpn.spaces.markings.graph import StateGraph
 
-    exploration, fields = _explored(net, True, max_states, max_memory, progress)
+    exploration, fields = _explored(net, True, max_states, max_memory)
     offsets, targets = exploration.take_offsets().astype("int64"), exploration.take_targets().astype("int64")
     labels = exploration.take_labels().astype("int64")
     return StateGraph(net, exploration.take_markings(), offsets, targets, labels, fields=tuple(fields))
@@ -411,10 +405,9 @@ def count_tokens(
     *,
     max_states: int = MAX_MARKINGS,
     max_memory: int = DEFAULT_MAX_MEMORY,
-    progress: Progress | None = None,
 ) -> TokenCounts:
     """Counts what :func:`explore_tokens` builds, without keeping the edges."""
-    exploration, _ = _explored(net, False, max_states, max_memory, progress)
+    exploration, _ = _explored(net, False, max_states, max_memory)
     sizes = (
         exploration.states,
         exploration.edges,
@@ -438,7 +431,7 @@ def layout(widths: Sequence[int]) -> list[Field]:
 
 
 def _explored(
-    net: PetriNet, edges: bool, max_states: int, max_memory: int, progress: Progress | None
+    net: PetriNet, edges: bool, max_states: int, max_memory: int
 ) -> tuple[Exploration, list[Field]]:
     widths = Widths(net, first=FIRST_BITS, most=MOST_BITS, asking=True)
     encoded = []
@@ -451,7 +444,7 @@ def _explored(
         fields = layout(widths.bits)
         kernel = CountedNet(fields, encoded, net.priorities)
         try:
-            exploration = kernel.explore(net.initial, edges, max_states, max_memory, progress)
+            exploration = kernel.explore(net.initial, edges, max_states, max_memory, telling())
         except (StateLimit, MemoryLimit) as error:
             raise LimitError(str(error)) from error
         if exploration.trouble is None:

@@ -6,14 +6,15 @@ beside a place that changed are looked at again.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from mcpn._kernel import Exploration, MemoryLimit, SafeNet, StateLimit
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.nets.petri import PetriNet
+from mcpn.steps import telling
 
 if TYPE_CHECKING:
     from mcpn.spaces.markings.graph import Ints, StateGraph, Words
@@ -145,7 +146,6 @@ def _bits(indices: Iterator[int] | tuple[int, ...] | list[int]) -> int:
 # each firing is checked, and the first one that would put a second token in a place ends the exploration with
 # that firing and a shortest run to it.
 
-Progress: TypeAlias = Callable[[int, int], None]
 """Called about once a second with the states found and the edges fired so far."""
 
 MAX_MARKINGS = 100_000_000
@@ -242,7 +242,6 @@ def explore(
     *,
     max_states: int = MAX_MARKINGS,
     max_memory: int = DEFAULT_MAX_MEMORY,
-    progress: Progress | None = None,
 ) -> StateGraph:
     """Builds the markings graph of a 1-safe net.
 
@@ -250,7 +249,6 @@ def explore(
         net: The net.
         max_states: How many states it may have.
         max_memory: Bytes that the kernel's tables may take; the graph's own arrays come on top.
-        progress: Called now and then.
 
     Returns:
         The reachable markings in breadth-first order, and every firing between them.
@@ -264,7 +262,7 @@ def explore(
         :func:`mcpn.spaces.stable.alternatives.direct`: stable states alone, without the markings between.
     """
     prepared = KernelNet(net)
-    return prepared.graph(_explored(prepared, True, max_states, max_memory, progress))
+    return prepared.graph(_explored(prepared, True, max_states, max_memory))
 
 
 def count(
@@ -272,7 +270,6 @@ def count(
     *,
     max_states: int = MAX_MARKINGS,
     max_memory: int = DEFAULT_MAX_MEMORY,
-    progress: Progress | None = None,
 ) -> Counts:
     """Counts what :func:`explore` builds, without keeping the edges.
 
@@ -280,7 +277,6 @@ def count(
         net: The net.
         max_states: How many states it may have.
         max_memory: Bytes that the kernel's tables may take.
-        progress: Called now and then.
 
     Returns:
         The sizes.
@@ -289,17 +285,15 @@ def count(
         UnsafeError: The net is not 1-safe; a shortest run to the unsafe firing is given.
         LimitError: A limit was hit.
     """
-    exploration = _explored(KernelNet(net), False, max_states, max_memory, progress)
+    exploration = _explored(KernelNet(net), False, max_states, max_memory)
     return Counts(
         exploration.states, exploration.edges, exploration.dead, exploration.stable, exploration.most_tokens
     )
 
 
-def _explored(
-    prepared: KernelNet, edges: bool, max_states: int, max_memory: int, progress: Progress | None
-) -> Exploration:
+def _explored(prepared: KernelNet, edges: bool, max_states: int, max_memory: int) -> Exploration:
     try:
-        exploration = prepared.kernel.explore(prepared.initial, edges, max_states, max_memory, progress)
+        exploration = prepared.kernel.explore(prepared.initial, edges, max_states, max_memory, telling())
     except (StateLimit, MemoryLimit) as error:
         raise LimitError(str(error)) from error
     if exploration.trouble is not None:

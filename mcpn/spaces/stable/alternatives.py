@@ -20,7 +20,7 @@ from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.nets.events import Event
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.algebra import Space
-from mcpn.spaces.markings.explicit import KernelNet, Progress
+from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.markings.graph import Ints, Mask, StateGraph, pack
 from mcpn.spaces.stable.completion import (
     MAX_STABLE_STATES,
@@ -31,6 +31,7 @@ from mcpn.spaces.stable.completion import (
     settled,
 )
 from mcpn.spaces.stable.falsification import nearest_fault
+from mcpn.steps import tell
 
 State = TypeVar("State", bound=Hashable)
 
@@ -137,7 +138,6 @@ def direct(
     *,
     proof: bool = True,
     max_states: int = MAX_STABLE_STATES,
-    progress: Progress | None = None,
 ) -> AlternativesGraph:
     """Builds the alternatives graph without the markings graph.
 
@@ -147,7 +147,6 @@ def direct(
             internal evolution is confluent and ends. Without it the graph rests on that premise.
         max_states: How many stable states it may have; the proof may keep a hundred times as many markings
             between them, and 100,000 at least.
-        progress: Called now and then.
 
     Returns:
         The alternatives graph, numbered as :func:`by_reduction` numbers it.
@@ -164,24 +163,21 @@ def direct(
     """
     prepared = KernelNet(net)
     if proof:
-        exploration = judged(prepared, max_states, progress)
+        exploration = judged(prepared, max_states)
         return AlternativesGraph(net, *prepared.arrays(exploration), "direct", PROOF_BY_MARKINGS)
-    exploration = settled(prepared, orders="one", max_states=max_states, progress=progress)
+    exploration = settled(prepared, orders="one", max_states=max_states)
     if exploration.trouble is None:
         return AlternativesGraph(net, *prepared.arrays(exploration), "direct", None)
     # Unsafe, endless, or a very long run: exploring the other interleavings decides which.
-    return replace(direct(net, max_states=max_states, progress=progress), proof=None)
+    return replace(direct(net, max_states=max_states), proof=None)
 
 
-def direct_with_proof(
-    net: PetriNet, *, max_states: int = MAX_STABLE_STATES, progress: Progress | None = None
-) -> AlternativesGraph:
+def direct_with_proof(net: PetriNet, *, max_states: int = MAX_STABLE_STATES) -> AlternativesGraph:
     """Builds the alternatives graph directly, with the proof; where it fails, looks for the nearest fault.
 
     Args:
         net: A net with priorities.
         max_states: As of :func:`direct`.
-        progress: Called now and then.
 
     Returns:
         The graph, which says the proof used.
@@ -193,7 +189,7 @@ def direct_with_proof(
         LimitError: More stable states, or more markings to explore, than allowed, or too little memory.
     """
     try:
-        return direct(net, max_states=max_states, progress=progress)
+        return direct(net, max_states=max_states)
     except (ConfluenceError, DivergenceError) as error:
         raise nearest_fault(net) or error from error
 
@@ -202,7 +198,6 @@ def numbered(
     start: State,
     edges: Callable[[State], Iterable[tuple[int, State]]],
     max_states: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
 ) -> tuple[list[State], tuple[Ints, Ints, Ints]]:
     """States in breadth-first order, and edges in compressed sparse rows: offsets, targets, labels.
 
@@ -220,8 +215,8 @@ def numbered(
         offsets.append(len(targets))
         if max_states is not None and len(queue) > max_states:
             raise LimitError(f"more than {max_states} stable states: the limit on states was hit")
-        if progress and number % 1000 == 999:
-            progress(len(queue), len(targets))
+        if number % 1000 == 999:
+            tell(len(queue), len(targets))
     rows, ends, events = (np.array(values, np.int64) for values in (offsets, targets, labels))
     return queue, (rows, ends, events)
 

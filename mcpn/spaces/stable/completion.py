@@ -12,11 +12,11 @@ from mcpn.spaces.markings.explicit import (
     DEFAULT_MAX_MEMORY,
     KernelNet,
     MaskedNet,
-    Progress,
     mask_of,
     unsafe_after,
 )
 from mcpn.spaces.run import Completion
+from mcpn.steps import telling
 
 After: TypeAlias = Mapping[int, Mapping[int, int]]
 """By marking, the markings after its internal transitions, by transition; none for a stable marking."""
@@ -125,7 +125,6 @@ def settled(
     orders: Orders,
     max_states: int,
     max_transient: int | None = None,
-    progress: Progress | None = None,
 ) -> Exploration:
     """Runs events to completion, from stable marking to stable marking, in the kernel.
 
@@ -137,7 +136,6 @@ def settled(
         max_states: How many stable markings there may be.
         max_transient: How many markings between them may be kept; by default a hundred times as many, and
             100,000 at least.
-        progress: Called now and then.
 
     Returns:
         Stable markings and events, or the trouble that it came to.
@@ -148,18 +146,17 @@ def settled(
     begin = prepared.initial if marking is None else [p for p, tokens in enumerate(marking) if tokens]
     most = max(TRANSIENT_OF_A_STATE * max_states, LEAST_TRANSIENT) if max_transient is None else max_transient
     try:
-        return prepared.kernel.settle(begin, orders, max_states, most, DEFAULT_MAX_MEMORY, progress)
+        return prepared.kernel.settle(begin, orders, max_states, most, DEFAULT_MAX_MEMORY, telling())
     except (StateLimit, MemoryLimit) as error:
         raise LimitError(str(error)) from error
 
 
-def judged(prepared: KernelNet, max_states: int, progress: Progress | None = None) -> Exploration:
+def judged(prepared: KernelNet, max_states: int) -> Exploration:
     """Runs events to completion in enough orders of internal transitions to judge all.
 
     Args:
         prepared: A net with priorities.
         max_states: How many stable markings there may be.
-        progress: Called now and then.
 
     Returns:
         Stable markings and events: each event has one outcome.
@@ -170,7 +167,7 @@ def judged(prepared: KernelNet, max_states: int, progress: Progress | None = Non
         UnsafeError: A firing would put a second token in a place.
         LimitError: A limit was hit.
     """
-    exploration = settled(prepared, orders="enough", max_states=max_states, progress=progress)
+    exploration = settled(prepared, orders="enough", max_states=max_states)
     if exploration.trouble is not None:
         raise _fault_found(prepared, exploration)
     return exploration
