@@ -28,7 +28,11 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("mission", type=FILE)
 @click.option(
-    "--target", type=click.Choice(["json", "c", "python", "scxml"]), default="json", show_default=True
+    "--target",
+    type=click.Choice(["json", "c", "python", "scxml", "btcpp"]),
+    default="json",
+    show_default=True,
+    help="btcpp: a node of BehaviorTree.CPP 4 around the controller in C.",
 )
 @click.option("-o", "--output", type=FILE, required=True, help="Directory to write the controller to.")
 @click.option(

@@ -451,8 +451,13 @@ def monitors_of(
     )
 
 
-def files(of: MissionMonitors) -> dict[str, str]:
-    """The files by name: ``monitors.json``, and a header and a source in C99."""
+def files(of: MissionMonitors, *, btcpp: bool = False) -> dict[str, str]:
+    """The files by name: ``monitors.json``, and a header and a source in C99.
+
+    Args:
+        of: The monitors.
+        btcpp: Whether a header with conditions of behaviour trees is one of them.
+    """
     number = {event: i for i, event in enumerate(of.events)}
     document: dict[str, Any] = {
         "format": MONITORS,
@@ -473,10 +478,10 @@ def files(of: MissionMonitors) -> dict[str, str]:
         "unwatched": list(of.unwatched),
     }
     document["digest"] = digest_of(document)
-    return {"monitors.json": json.dumps(document, indent=1) + "\n", **_in_c(of, number)}
+    return {"monitors.json": json.dumps(document, indent=1) + "\n", **_in_c(of, number, btcpp)}
 
 
-def _in_c(of: MissionMonitors, number: dict[str, int]) -> dict[str, str]:
+def _in_c(of: MissionMonitors, number: dict[str, int], btcpp: bool) -> dict[str, str]:
     prefix = identifiers([of.mission], keywords=C_PREFIX_RESERVED, longest=LONGEST_PREFIX)[of.mission]
     lower, upper = prefix.lower(), prefix.upper()
     first, moves_first = [0], [0]
@@ -513,7 +518,12 @@ def _in_c(of: MissionMonitors, number: dict[str, int]) -> dict[str, str]:
         "texts": [c_string(event) for event in of.events],
         "arrays": arrays,
     }
-    return {
+    found = {
         f"{lower}_monitors.h": render("monitors.h.jinja", **said),
         f"{lower}_monitors.c": render("monitors.c.jinja", **said),
     }
+    if btcpp:
+        names = c_string(" or ".join(each.name for each in of.monitors))
+        node = render("monitors_node.hpp.jinja", **{**said, "names": names})
+        found[f"{lower}_monitors_node.hpp"] = node
+    return found

@@ -1,13 +1,10 @@
 """BehaviorTree.CPP itself against the interpreter of trees, and against the missions that are made of them.
 
-``--btcpp`` names a folder with its sources. They are built for the run, which takes some minutes, or once for
-all into the folder that ``MCPN_BTCPP_BUILD`` names.
+``--btcpp`` names a folder with its sources (:func:`tests.natives.library_of`).
 """
 
 from __future__ import annotations
 
-import os
-import shutil
 import subprocess
 from collections.abc import Iterable
 from pathlib import Path
@@ -15,6 +12,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
+from tests.natives import cpp_compiler, library_of
 from tests.shares import returns_early
 from tests.trees.languages import Element, Side, TooMuch, sides
 from tests.trees.test_import import EXACT, MORE, TIME, imported, trees
@@ -22,32 +20,15 @@ from tests.trees.ticking import IDLE, RUNNING, State, Tree, Visible, ticks
 
 NAV2 = {"RecoveryNode", "PipelineSequence", "RoundRobin", "RateController"}
 """Nodes that BehaviorTree.CPP has not."""
-OPTIONS = ("GROOT_INTERFACE", "SQLITE_LOGGING", "EXAMPLES", "BUILD_TOOLS")
-"""What is not built."""
 
 
 @pytest.fixture(scope="session")
 def player(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The program that plays trees in BehaviorTree.CPP."""
-    given = request.config.getoption("--btcpp")
-    if not given:
-        pytest.skip("needs the sources of BehaviorTree.CPP: --btcpp")
-    sources = Path(given).resolve()
-    if not (sources / "CMakeLists.txt").is_file():
-        pytest.skip(f"{sources} has no CMakeLists.txt of BehaviorTree.CPP")
-    if shutil.which("cmake") is None or shutil.which("c++") is None:
-        pytest.skip("needs cmake and a compiler of C++")
-    beside = os.environ.get("MCPN_BTCPP_BUILD")
-    build = Path(beside) if beside else tmp_path_factory.mktemp("btcpp")
-    if not list(build.glob("libbehaviortree_cpp.*")):
-        off = [f"-DBTCPP_{option}=OFF" for option in OPTIONS]
-        subprocess.run(["cmake", "-S", sources, "-B", build, *off, "-DBUILD_TESTING=OFF"], check=True)
-        subprocess.run(["cmake", "--build", build, "-j2"], check=True)
+    against = library_of(request.config, tmp_path_factory)
     program = tmp_path_factory.mktemp("player") / "played"
     source = Path(__file__).with_name("played.cpp")
-    linked = [f"-L{build}", "-lbehaviortree_cpp", f"-Wl,-rpath,{build}"]
-    includes = ["-I", str(sources / "include")]
-    subprocess.run(["c++", "-std=c++17", *includes, source, "-o", program, *linked], check=True)
+    subprocess.run([*cpp_compiler(), "-std=c++17", source, "-o", program, *against], check=True)
     return program
 
 

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 @click.option("-o", "--output", type=FILE, help="Directory to write the monitors to: JSON, and C99.")
 @click.option("--log", type=FILE, help="Read a robot's log: a journal, or an event at the end of each line.")
 @click.option("--within-mission", "within", is_flag=True, help="Only what the mission allows goes on.")
+@click.option("--btcpp", is_flag=True, help="Write conditions of BehaviorTree.CPP 4, too.")
 @limit_option
 @import_option
 @templates_option
@@ -43,6 +44,7 @@ def monitor(
     output: Path | None,
     log: Path | None,
     within: bool,
+    btcpp: bool,
     max_states: int | None,
     import_root: Path | None,
     templates: TemplateSet | None,
@@ -56,6 +58,8 @@ def monitor(
     """
     if output is None and log is None:
         raise click.UsageError("-o or --log is needed")
+    if btcpp and output is None:
+        raise click.UsageError("--btcpp says what is written: -o is needed")
     without_threads_of_numpy()
     from mcpn.controller.monitors import files, monitors_of
     from mcpn.files import write_folder
@@ -67,7 +71,7 @@ def monitor(
     if study.is_net:
         raise InputError.at(Source(str(mission)), "expected a mission: a net requires nothing")
     of = monitors_of(study.mission_spaces("what it requires"), max_states, within)
-    texts = files(of)
+    texts = files(of, btcpp=btcpp)
     paths: list[str] = []
     if output is not None:
         write_folder(output, texts)

@@ -6,8 +6,8 @@ from mcpn.controller.modular import AnyController, ModularController
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError
 
-TARGETS = ("json", "c", "python", "scxml")
-OF_RULES = ("json", "c", "python")
+TARGETS = ("json", "c", "python", "scxml", "btcpp")
+OF_RULES = ("json", "c", "python", "btcpp")
 """Those of modular controllers."""
 
 
@@ -34,8 +34,12 @@ def files(controller: AnyController, mission_net: MissionNet, target: str) -> di
         from mcpn.controller.targets.python import write_python
 
         return write_python(controller, mission_net)
+    if target == "btcpp":
+        from mcpn.controller.targets.btcpp import write_btcpp
+
+        return write_btcpp(controller, mission_net)
     if isinstance(controller, ModularController):
-        expected = " or ".join(OF_RULES)
+        expected = f"{', '.join(OF_RULES[:-1])} or {OF_RULES[-1]}"
         raise InputError.at(None, f"found the target {target} of a modular controller, expected {expected}")
     from mcpn.controller.targets.scxml import write_scxml
 

@@ -8,6 +8,7 @@ header says how many literals these have at most.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from mcpn.controller.modular import AnyController, ModularController
@@ -74,6 +75,32 @@ def write_c(controller: AnyController, mission_net: MissionNet) -> dict[str, str
         controller: The controller.
         mission_net: The mission's net, for the parameters.
     """
+    _, texts, main = written(controller, mission_net)
+    return texts | main
+
+
+@dataclass(frozen=True)
+class InC:
+    """A controller as its files in C speak of it.
+
+    Args:
+        numbers: It as numbers.
+        prefix: What stands before the names of the interface, in lower case.
+        enums: By kind of element its identifiers: the name in C, the number, the name in the mission.
+    """
+
+    numbers: RuleNumbers | MachineNumbers
+    prefix: str
+    enums: Mapping[str, Sequence[tuple[str, int, str]]]
+
+
+def written(controller: AnyController, mission_net: MissionNet) -> tuple[InC, dict[str, str], dict[str, str]]:
+    """What the files speak of, header and source by name, and the example by name.
+
+    Args:
+        controller: The controller.
+        mission_net: The mission's net, for the parameters.
+    """
     numbers: RuleNumbers | MachineNumbers
     if isinstance(controller, ModularController):
         numbers = RuleNumbers(controller, mission_net)
@@ -122,11 +149,11 @@ def write_c(controller: AnyController, mission_net: MissionNet) -> dict[str, str
         "event_type": "uint16_t" if len(numbers.events) < 0xFFFF else "uint32_t",
         "c_string": c_string,
     }
-    return {
+    texts = {
         f"{lower}.h": render("controller.h.jinja", **values),
         f"{lower}.c": render(source, **values),
-        f"{lower}_main.c": render("main.c.jinja", **values),
     }
+    return InC(numbers, lower, enums), texts, {f"{lower}_main.c": render("main.c.jinja", **values)}
 
 
 def _of_machines(n: MachineNumbers) -> list[Array]:

@@ -1,0 +1,47 @@
+"""Programs in C++ that tests compile, by themselves or against BehaviorTree.CPP."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+LIBRARY = "BehaviorTree.CPP"
+OPTIONS = ("GROOT_INTERFACE", "SQLITE_LOGGING", "EXAMPLES", "BUILD_TOOLS")
+"""What of the library is not built."""
+
+
+def cpp_compiler() -> list[str]:
+    """The command of a compiler of C++; without one the test is skipped."""
+    found = shutil.which("c++") or shutil.which("g++") or shutil.which("clang++")
+    if found is None:
+        pytest.skip("needs a compiler of C++")
+    return [found]
+
+
+def library_of(config: pytest.Config, folders: pytest.TempPathFactory) -> list[str]:
+    """The options of a compiler for what uses the library, whose sources ``--btcpp`` names.
+
+    They are built for the run, which takes some minutes, or once for all into the folder that
+    ``MCPN_BTCPP_BUILD`` names.
+    """
+    given = config.getoption("--btcpp")
+    if not given:
+        pytest.skip("needs the sources of BehaviorTree.CPP: --btcpp")
+    sources = Path(given).resolve()
+    if not (sources / "CMakeLists.txt").is_file():
+        pytest.skip(f"{sources} has no CMakeLists.txt of BehaviorTree.CPP")
+    if shutil.which("cmake") is None:
+        pytest.skip("needs cmake")
+    cpp_compiler()
+    beside = os.environ.get("MCPN_BTCPP_BUILD")
+    build = Path(beside) if beside else folders.getbasetemp() / "btcpp"
+    if not list(build.glob("libbehaviortree_cpp.*")):
+        off = [f"-DBTCPP_{option}=OFF" for option in OPTIONS]
+        subprocess.run(["cmake", "-S", sources, "-B", build, *off, "-DBUILD_TESTING=OFF"], check=True)
+        subprocess.run(["cmake", "--build", build, "-j2"], check=True)
+    linked = [f"-L{build}", "-lbehaviortree_cpp", f"-Wl,-rpath,{build}"]
+    return ["-I", str(sources / "include"), *linked]
