@@ -2,11 +2,11 @@
 
 Usage: ``python experiments/judge.py [--missions N] [--seed S] [--jobs N] [--show N] [--unseen FIELD ...]``
 
-The interpreter (``tests/judge``) is made from the language page alone. In every reachable pair of states are
-compared: what runs with which alternative, what waits, what is refused, hardware out of service, running
-objectives, branches that have ended, the end of the mission, possible events, and the parameters given. A
-mission that is not as the interpreter says is printed, with the run that shows it. At the end it says how
-many missions, states, pairs and disagreements there were, by kind; with a disagreement the exit code is 1.
+The interpreter (``mcpn.testing.judge``) is made from the language page alone. In every reachable pair of
+states are compared: what runs with which alternative, what waits, what is refused, hardware out of service,
+running objectives, branches that have ended, the end of the mission, possible events, and the parameters
+given. A mission that is not as the interpreter says is printed, with the run that shows it. At the
+end it says how many missions, states, pairs and disagreements there were, by kind; with a disagreement the exit code is 1.
 With its defaults it takes some three minutes.
 """
 
@@ -26,7 +26,8 @@ from drawing import drawn
 
 from mcpn.mission.writer import write_mission
 from mcpn.testing.elements import MISSIONS
-from tests.judge.lockstep import Disagreement, Judge
+from mcpn.testing.judge.lockstep import Disagreement
+from tests.judge.lockstep import Judge
 
 SHARE = 100
 """Missions that one process draws at a time, from a seed of their own."""

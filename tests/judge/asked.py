@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 
 from mcpn.mission.model import Mission
-from tests.judge.interpreter import FAILURE, SUCCESS, Happening, Interpreter, State
+from mcpn.testing.judge.interpreter import FAILURE, SUCCESS, Happening, Interpreter, State
 
 Which = Callable[[State], bool]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mcpn.mission.model import Mission
-from tests.judge.blocks import Node, written_out
+from mcpn.testing.judge.blocks import Node, written_out
 
 Path = tuple[str, ...]
 """The uses of protocols in which a block stands, then its name: all of it as written."""

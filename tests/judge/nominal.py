@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission
-from tests.judge.blocks import TIMED_OUT, Node, objectives
-from tests.judge.interpreter import REPAIRED, START, SUCCESS, Interpreter, State
+from mcpn.testing.judge.blocks import TIMED_OUT, Node, objectives
+from mcpn.testing.judge.interpreter import REPAIRED, START, SUCCESS, Interpreter, State
 
 MOST_STATES = 3_000
 

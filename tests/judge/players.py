@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Hashable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from functools import cache
-from typing import Any, Literal, Protocol, TypeVar
+from typing import Any, Literal
 
 from mcpn.answers.spaces import spaces_of
-from mcpn.answers.verdicts.modes import Situation, situation
 from mcpn.controller.generate import generate
 from mcpn.controller.minimise import minimise
 from mcpn.controller.modular import AnyController
@@ -20,42 +19,15 @@ from mcpn.errors import LimitError
 from mcpn.nets.events import Event
 from mcpn.runtime import Controller as Runtime
 from mcpn.runtime.restoring import snapshot_text
-from mcpn.runtime.tables import Inside
 from mcpn.spaces.engines import Engine
 from mcpn.spaces.stable.alternatives import AlternativesGraph, written_out
-from tests.judge.interpreter import Happening, Seen
+from mcpn.testing.judge.interpreter import Happening, Seen
+from mcpn.testing.judge.players import OfGraph as OfStates
+from mcpn.testing.judge.players import Order, Player, happening, seen_of
 
 ENGINES: tuple[Engine, ...] = ("explicit", "symbolic", "local")
 FORMS: tuple[Literal["flat", "hierarchical"], ...] = ("flat", "hierarchical")
 MODULAR = "modular controller"
-
-Order = tuple[str | None, str, str, Mapping[str, str]]
-"""An alternative that is selected: its objective, its activity, its name, the parameters that it is given."""
-
-
-Key = TypeVar("Key", bound=Hashable)
-"""Where a player is; it can be gone back to."""
-
-
-class Player(Protocol[Key]):
-    """A mission played by mcpn."""
-
-    start: Key
-
-    def seen(self, at: Key) -> Seen:
-        """What can be seen there."""
-
-    def possible(self, at: Key) -> set[Happening]:
-        """The events that may happen there."""
-
-    def after(self, at: Key, happened: Happening) -> tuple[Key, Iterable[Order]]:
-        """Where an event leads, and the alternatives that are selected on the way, where orders are given."""
-
-
-def happening(event: Event | None) -> Happening:
-    """An event of a net in the interpreter's words."""
-    assert event is not None
-    return event.what.value, event.element
 
 
 @cache
@@ -64,59 +36,15 @@ def named(text: str) -> Happening:
     return happening(Event.parse(text))
 
 
-def seen_of(
-    said: Situation | Inside,
-    out: Iterable[str],
-    unnoticed: Iterable[str],
-    facts: Mapping[str, str],
-    outcome: str | None,
-) -> Seen:
-    """What a situation or a controller's state says."""
-    return Seen(
-        frozenset(said.objectives),
-        frozenset(said.pending),
-        frozenset(said.done),
-        frozenset(said.mode.items()),
-        frozenset(said.waiting.items()),
-        frozenset(said.refused),
-        frozenset(out),
-        frozenset(unnoticed),
-        frozenset(facts.items()),
-        outcome,
-    )
-
-
-class OfGraph:
+class OfGraph(OfStates):
     """The alternatives graph of an engine."""
 
-    start = 0
-
     def __init__(self, mission_net: MissionNet, engine: Engine, max_states: int) -> None:
-        self.mission_net = mission_net
         space = spaces_of(mission_net).space(engine, "alternatives")
-        listed = getattr(space, "graph", None)
-        self.graph = (
-            listed if isinstance(listed, AlternativesGraph) else written_out(space, engine, max_states)
-        )
-        self.edges: dict[int, dict[Happening, int]] = {}
-
-    def seen(self, at: int) -> Seen:
-        said = situation(self.mission_net, self.graph.marking(at))
-        return seen_of(said, said.out_of_service, said.unnoticed, said.facts, said.outcome)
-
-    def possible(self, at: int) -> set[Happening]:
-        return set(self.onward(at))
-
-    def after(self, at: int, happened: Happening) -> tuple[int, Iterable[Order]]:
-        return self.onward(at)[happened], ()
-
-    def onward(self, at: int) -> dict[Happening, int]:
-        if at not in self.edges:
-            transitions = self.graph.net.transitions
-            found = [(happening(transitions[t].event), to) for t, to in self.graph.successors(at)]
-            self.edges[at] = dict(found)
-            assert len(self.edges[at]) == len(found), "one event leads to one state"
-        return self.edges[at]
+        graph = getattr(space, "graph", None)
+        if not isinstance(graph, AlternativesGraph):
+            graph = written_out(space, engine, max_states)
+        super().__init__(mission_net, graph)
 
 
 class OfSimulator:

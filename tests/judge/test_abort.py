@@ -8,7 +8,7 @@ from mcpn.answers.verdicts.mission import check
 from mcpn.drawing.compose import compose
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import Block, Each, Handler, Mission, Objective, Parallel, Recursive
-from tests.judge.interpreter import DECLARED, FAILURE, START, SUCCESS, Happening, Interpreter
+from mcpn.testing.judge.interpreter import DECLARED, FAILURE, START, SUCCESS, Happening, Interpreter
 from tests.judge.lockstep import Judge
 from tests.judge.test_interpreter import play
 from tests.small import activity, hw, mission, robot

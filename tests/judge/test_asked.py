@@ -22,9 +22,9 @@ from mcpn.mission.model import Mission
 from mcpn.mission.requirement import Requirement
 from mcpn.spaces.engines import Choice, Engine
 from mcpn.testing.elements import LED
+from mcpn.testing.judge.interpreter import Undetermined
 from tests.draws import campaign, fewer
 from tests.judge.asked import Claim, Runs, claims
-from tests.judge.interpreter import Undetermined
 from tests.judge.named import ambiguous, meant
 from tests.logic.asked import ENGINES
 from tests.shares import returns_early

@@ -9,7 +9,7 @@ import pytest
 from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError
 from mcpn.mission.model import Block, Handler, Mission, Objective, Parallel, Recursive
-from tests.judge.interpreter import DECLARED, FAILURE, SUCCESS, Happening, Interpreter
+from mcpn.testing.judge.interpreter import DECLARED, FAILURE, SUCCESS, Happening, Interpreter
 from tests.judge.lockstep import Judge
 from tests.judge.test_abort import BEGIN, ROBOT, one
 from tests.judge.test_interpreter import play

@@ -8,8 +8,7 @@ import pytest
 
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
-from tests.commands import mcpn, output
-from tests.judge.interpreter import (
+from mcpn.testing.judge.interpreter import (
     DECLARED,
     FAILURE,
     OUT_OF_SERVICE,
@@ -21,6 +20,7 @@ from tests.judge.interpreter import (
     Interpreter,
     Seen,
 )
+from tests.commands import mcpn, output
 from tests.judge.lockstep import Judge
 
 BEGIN = (START, "")

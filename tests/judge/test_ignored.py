@@ -13,8 +13,8 @@ from mcpn.mission.model import Handler, Mission, Objective
 from mcpn.mission.robot import DeclaredEvent, Robot
 from mcpn.spaces.engines import Engine
 from mcpn.testing import elements as drawn
+from mcpn.testing.judge.interpreter import DECLARED, Interpreter, Undetermined
 from tests.draws import composed, fewer
-from tests.judge.interpreter import DECLARED, Interpreter, Undetermined
 from tests.small import activity, mission
 
 ENGINES: tuple[Engine, ...] = ("explicit", "symbolic", "local")

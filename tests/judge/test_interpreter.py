@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import ast
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
 from mcpn.mission.model import Each, Handler, Mission, Objective, Parallel, Protocol, Recursive, Use
 from mcpn.mission.robot import DeclaredEvent, Hardware, Parameter, Software
-from tests.judge.interpreter import (
+from mcpn.testing.judge.interpreter import (
     DECLARED,
     FAILURE,
     OUT_OF_SERVICE,
@@ -22,6 +21,7 @@ from tests.judge.interpreter import (
     State,
     Undetermined,
 )
+from tests.conftest import ROOT
 from tests.small import activity, hw, mission, robot
 
 BEGIN = (START, "")
@@ -64,10 +64,15 @@ def event(name: str) -> Happening:
 
 @pytest.mark.parametrize("module", ["blocks", "robot", "interpreter"])
 def test_the_interpreter_knows_the_model_alone(module: str) -> None:
-    tree = ast.parse((Path(__file__).parent / f"{module}.py").read_text())
+    tree = ast.parse((ROOT / "mcpn" / "testing" / "judge" / f"{module}.py").read_text())
     found = [node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
     assert not [node for node in ast.walk(tree) if isinstance(node, ast.Import)]
-    known = {"mcpn.mission.model", "mcpn.mission.robot", "tests.judge.blocks", "tests.judge.robot"}
+    known = {
+        "mcpn.mission.model",
+        "mcpn.mission.robot",
+        "mcpn.testing.judge.blocks",
+        "mcpn.testing.judge.robot",
+    }
     assert {name for name in found if name.split(".")[0] in ("mcpn", "tests")} <= known
 
 

@@ -10,7 +10,7 @@ from mcpn.drawing.compose import compose
 from mcpn.drawing.templates.compact import CompactTemplates
 from mcpn.mission.model import Block, Handler, Mission, Objective, Parallel, Recursive
 from mcpn.mission.robot import Activity, Alternative, Fact, FactChange
-from tests.judge.interpreter import FAILURE, Happening
+from mcpn.testing.judge.interpreter import FAILURE, Happening
 from tests.judge.lockstep import Judge
 from tests.judge.test_abort import BEGIN
 from tests.judge.test_interpreter import back, mode, ok, out

@@ -13,9 +13,10 @@ from mcpn.drawing.compose import compose
 from mcpn.mission.flatten import ParallelSection, flatten
 from mcpn.mission.model import Handler, Mission, Objective, Parallel, Recursive, walk
 from mcpn.testing import elements as drawn
+from mcpn.testing.judge.interpreter import Seen
+from mcpn.testing.judge.lockstep import Disagreement
 from tests.draws import composed, fewer
-from tests.judge.interpreter import Seen
-from tests.judge.lockstep import Disagreement, Judge
+from tests.judge.lockstep import Judge
 from tests.judge.players import MODULAR, OfGraph
 from tests.small import activity, hw, mission, robot
 

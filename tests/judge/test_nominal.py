@@ -16,8 +16,8 @@ from mcpn.mission.model import Block, Each, FactRoute, Handler, Mission, Objecti
 from mcpn.mission.robot import Fact, Hardware
 from mcpn.spaces.engines import Engine
 from mcpn.testing import elements as drawn
+from mcpn.testing.judge.interpreter import Undetermined
 from tests.draws import fewer
-from tests.judge.interpreter import Undetermined
 from tests.judge.nominal import WhileNothingFails, played
 from tests.small import activity, mission, robot
 

@@ -14,8 +14,8 @@ from mcpn.mission.model import Block, Each, Handler, Mission, Objective, Paralle
 from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.writer import written
 from mcpn.report.pictures.boxes import boxes
+from mcpn.testing.judge.interpreter import DECLARED, Happening, Interpreter
 from tests.commands import mcpn
-from tests.judge.interpreter import DECLARED, Happening, Interpreter
 from tests.judge.lockstep import Judge
 from tests.judge.test_abort import BEGIN
 from tests.judge.test_interpreter import play

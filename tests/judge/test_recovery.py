@@ -7,7 +7,7 @@ import pytest
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import Each, Handler, Mission, Objective, Recursive
 from mcpn.mission.static.warnings import find_warnings
-from tests.judge.interpreter import DECLARED, FAILURE, SUCCESS, TIMEOUT, Happening, Interpreter
+from mcpn.testing.judge.interpreter import DECLARED, FAILURE, SUCCESS, TIMEOUT, Happening, Interpreter
 from tests.judge.lockstep import Judge
 from tests.judge.test_abort import BEGIN, ROBOT, one
 from tests.judge.test_interpreter import play

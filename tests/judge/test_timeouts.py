@@ -7,7 +7,7 @@ import pytest
 from mcpn.answers.verdicts.mission import check
 from mcpn.drawing.compose import compose
 from mcpn.mission.model import Mission, Objective, Parallel, Recursive
-from tests.judge.interpreter import SUCCESS, TIMEOUT, Happening, Interpreter
+from mcpn.testing.judge.interpreter import SUCCESS, TIMEOUT, Happening, Interpreter
 from tests.judge.lockstep import Judge
 from tests.judge.test_abort import BEGIN, ROBOT, one
 from tests.judge.test_interpreter import play

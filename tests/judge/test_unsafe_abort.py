@@ -12,8 +12,8 @@ from mcpn.errors import LimitError
 from mcpn.mission.model import Mission, Objective, Recursive
 from mcpn.spaces.engines import Engine
 from mcpn.testing import elements as drawn
+from mcpn.testing.judge.interpreter import FAILURE, SUCCESS, TIMEOUT, Interpreter, State, Undetermined
 from tests.draws import composed, fewer
-from tests.judge.interpreter import FAILURE, SUCCESS, TIMEOUT, Interpreter, State, Undetermined
 from tests.small import activity, hw, mission, robot
 
 ENGINES: tuple[Engine, ...] = ("explicit", "symbolic", "local")

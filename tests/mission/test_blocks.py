@@ -16,7 +16,7 @@ from mcpn.mission.model import Mission
 from mcpn.opening import open_study
 from mcpn.spaces.search.goal import FALSE, marked
 from mcpn.testing import missions
-from tests.judge.blocks import Node, written_out
+from mcpn.testing.judge.blocks import Node, written_out
 from tests.shares import returns_early
 
 TEXT = """<mission xmlns="urn:mcpn:mission:1" name="survey">

@@ -13,11 +13,12 @@ from mcpn.answers.verdicts.mission import check
 from mcpn.drawing.compose import compose
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
+from mcpn.testing.judge import lockstep
+from mcpn.testing.judge.interpreter import Seen
+from mcpn.testing.judge.players import happening
 from tests.conftest import ROOT
-from tests.judge import lockstep
-from tests.judge.interpreter import Seen
 from tests.judge.lockstep import Judge
-from tests.judge.players import graphs, happening
+from tests.judge.players import graphs
 
 COURIER = ROOT / "experiments" / "courier"
 OPEN = '<route when="drawer=open" goto="fail" on="failure"/>'

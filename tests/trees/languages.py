@@ -13,9 +13,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from mcpn.testing.judge import interpreter
+from mcpn.testing.judge.interpreter import Interpreter
 from mcpn.trees.importing import Imported
-from tests.judge import interpreter
-from tests.judge.interpreter import Interpreter
 from tests.trees.ticking import IDLE, RUNNING, State, Tree, Visible, ticks
 
 Rest = tuple[str, ...]

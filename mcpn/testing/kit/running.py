@@ -26,6 +26,7 @@ from mcpn.mission.validate import find_errors
 from mcpn.testing import Shape, missions
 from mcpn.testing.data import data_sharing_missions
 from mcpn.testing.kit.corpus import MISSIONS, NEEDED_WHOLE
+from mcpn.testing.kit.language import as_the_language_says
 from mcpn.testing.kit.properties import PROPERTIES, Property, behaves_as, no_dead_transition
 from mcpn.testing.kit.properties import one_safe as one_safe
 from mcpn.testing.kit.subject import MOST_MARKINGS, Subject, Violation
@@ -113,6 +114,7 @@ PROFILES: Mapping[str, settings] = {
 ALL: Mapping[str, Property] = {
     **PROPERTIES,
     "behaves_as": behaves_as(PaperTemplates(), name="paper"),
+    "as_the_language_says": as_the_language_says,
     "no_dead_transition": no_dead_transition,
 }
 """The properties that the kit tests."""

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Handler, Mission, walk
-from tests.judge.blocks import TIMED_OUT, Node, written_out
-from tests.judge.robot import REFUSED, Activities, At, Doing, Robot, so
+from mcpn.testing.judge.blocks import TIMED_OUT, Node, written_out
+from mcpn.testing.judge.robot import REFUSED, Activities, At, Doing, Robot, so
 
 START = "start"
 SUCCESS = "success"
