@@ -6,7 +6,8 @@ The interpreter (``mcpn.testing.judge``) is made from the language page alone. I
 states are compared: what runs with which alternative, what waits, what is refused, hardware out of service,
 running objectives, branches that have ended, the end of the mission, possible events, and the parameters
 given. A mission that is not as the interpreter says is printed, with the run that shows it. At the
-end it says how many missions, states, pairs and disagreements there were, by kind; with a disagreement the exit code is 1.
+end it says how many missions, states, pairs and disagreements there were, by kind; with a
+disagreement the exit code is 1.
 With its defaults it takes some three minutes.
 """
 
