@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from mcpn.mission.model import Mission
 from mcpn.testing import missions
 from mcpn.testing.data import data_sharing_missions
-from mcpn.testing.shape import stacked_missions
+from mcpn.testing.shape import UNCONTENDED, stacked_missions
 
 ANY = missions(sections=6)
 INTERRUPTED = missions(sections=5, hardware=2, producers=2, events=2)
@@ -20,19 +20,13 @@ COMMON_CAUSES = missions(sections=5, faults=2, aborts=1)
 """One event takes several hardware resources out of service."""
 LASTING = missions(sections=5, faults=1, aborts=1, lasting=True)
 """Hardware that is never repaired, or out of service at the start."""
-LASTING_APART = missions(
-    sections=5, outputs=3, own_hardware=True, shared_activities=False, events=1, lasting=True
-)
+LASTING_APART = missions(UNCONTENDED, sections=5, outputs=3, events=1, lasting=True)
 CRASHING = missions(sections=5, faults=1, aborts=1, lasting=True, crashes=True)
 """Activities and alternatives that crash while they run, some of them for good."""
-CRASHING_APART = missions(
-    sections=5, outputs=3, hardware=2, own_hardware=True, shared_activities=False, events=1, crashes=True
-)
+CRASHING_APART = missions(UNCONTENDED, sections=5, outputs=3, hardware=2, events=1, crashes=True)
 LATE = missions(sections=5, hardware=2, lasting=True, aborts=1, timeouts=1, late=True)
 """Hardware whose loss is detected late."""
-LATE_APART = missions(
-    sections=5, outputs=3, own_hardware=True, shared_activities=False, events=1, faults=1, late=True
-)
+LATE_APART = missions(UNCONTENDED, sections=5, outputs=3, events=1, faults=1, late=True)
 RECOVERING = st.integers(0, 1).flatmap(
     lambda facts: missions(
         sections=5,
@@ -53,11 +47,10 @@ PAUSING = missions(
 )
 """Blocks that pause while a sibling is run."""
 PAUSING_APART = missions(
+    UNCONTENDED,
     sections=7,
     branches=3,
     depth=3,
-    own_hardware=True,
-    shared_activities=False,
     events=2,
     aborts=1,
     recovers=1,
@@ -98,14 +91,12 @@ TIMED = missions(sections=6, hardware=2, producers=2, branches=3, events=1, abor
 WORLD = missions(sections=5, hardware=2, producers=2, facts=2, events=1)
 """Facts that objectives and events change, and that routes and alternatives read."""
 WORLD_ABORTED = missions(sections=6, hardware=2, producers=1, branches=3, facts=2, aborts=4, early=3)
-WORLD_APART = missions(
-    sections=5, hardware=2, outputs=3, own_hardware=True, shared_activities=False, events=1, facts=2
-)
+WORLD_APART = missions(UNCONTENDED, sections=5, hardware=2, outputs=3, events=1, facts=2)
 IN_ROUNDS = missions(
     sections=6, hardware=1, producers=0, activities=2, alternatives=1, events=1, interrupted=True
 )
 """Little but blocks: handlers in rounds, tries, values and uses."""
-APART = missions(sections=5, outputs=3, own_hardware=True, shared_activities=False, events=1)
+APART = missions(UNCONTENDED, sections=5, outputs=3, events=1)
 """Nothing contends, whatever runs together."""
 SHARING = data_sharing_missions()
 """The same, with data that branches share."""

@@ -98,6 +98,10 @@ class Shape:
     awkward_names: bool = False
 
 
+UNCONTENDED = Shape(own_hardware=True, shared_activities=False)
+"""Missions in which nothing contends, whatever runs together."""
+
+
 # Missions in which an activity, its suppliers, the one beside it and the next objective want the same.
 #
 # These are rare among missions of any shape. In them a section stops while a producer still looks for another

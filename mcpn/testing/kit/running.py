@@ -30,7 +30,7 @@ from mcpn.testing.kit.language import as_the_language_says
 from mcpn.testing.kit.properties import PROPERTIES, Property, behaves_as, no_dead_transition
 from mcpn.testing.kit.properties import one_safe as one_safe
 from mcpn.testing.kit.subject import MOST_MARKINGS, Subject, Violation
-from mcpn.testing.shape import as_xml
+from mcpn.testing.shape import UNCONTENDED, as_xml
 
 
 def smaller_missions(mission: Mission) -> Iterator[Mission]:
@@ -70,16 +70,7 @@ def _smaller(element: Any) -> Iterator[Any]:
 MOST_OF_THE_CORPUS = 50_000
 """Markings that a mission of the corpus may have."""
 
-SMALL = Shape(
-    hardware=3,
-    producers=2,
-    alternatives=2,
-    activities=3,
-    sections=4,
-    objectives=2,
-    own_hardware=True,
-    shared_activities=False,
-)
+SMALL = replace(UNCONTENDED, producers=2, alternatives=2, activities=3, sections=4, objectives=2)
 """Missions in which nothing contends, most with less than a thousand markings."""
 
 _LEAST = replace(SMALL, hardware=2, producers=1, activities=2, outputs=1)
