@@ -27,7 +27,7 @@ from drawing import drawn
 
 from mcpn.mission.writer import write_mission
 from mcpn.testing.elements import MISSIONS
-from mcpn.testing.judge.lockstep import Disagreement
+from mcpn.testing.judge.lockstep import Mismatch
 from tests.judge.lockstep import Judge
 
 SHARE = 100
@@ -70,7 +70,7 @@ def judged(number: int, seed: int, unseen: tuple[str, ...]) -> Found:
     for mission in drawn(MISSIONS, number, seed):
         try:
             verdict = Judge(mission, unseen).judge()
-        except Disagreement as error:
+        except Mismatch as error:
             kind = f"disagreement: {error.kind}"
             found.kinds[kind] += 1
             found.first.setdefault(kind, found.kinds.total())

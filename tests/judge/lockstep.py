@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.testing.judge import lockstep
-from mcpn.testing.judge.lockstep import MOST_STATES, Disagreement, TooLargeError
+from mcpn.testing.judge.lockstep import MOST_STATES, Mismatch, TooLargeError
 from tests.judge.players import controllers, graphs
 
 MOST_TRANSITIONS = 2_000
@@ -38,7 +38,7 @@ class Judge(lockstep.Judge):
         """Judges the mission.
 
         Raises:
-            Disagreement: Somebody differs from the interpreter.
+            Mismatch: Somebody differs from the interpreter.
         """
         try:
             determined = self.explore()
@@ -54,7 +54,7 @@ class Judge(lockstep.Judge):
                     verdict.pairs[who] = self.lockstep(who, player)
         except SemanticsError as error:
             if determined:
-                raise Disagreement("an engine", "confluence", [], "confluent", error) from error
+                raise Mismatch("an engine", "confluence", [], "confluent", error) from error
         except LimitError:
             verdict.kind = "too large"
         return verdict

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mcpn.mission.model import Mission
-from mcpn.testing.judge.blocks import Node, written_out
+from mcpn.testing.judge.blocks import WrittenBlock, written_out
 
 Path = tuple[str, ...]
 """The uses of protocols in which a block stands, then its name: all of it as written."""
@@ -13,7 +13,7 @@ def paths(mission: Mission) -> dict[str, list[Path]]:
     """By qualified name of an objective the blocks that it stands in and itself, from without, as written."""
     found: dict[str, list[Path]] = {}
 
-    def descend(node: Node, uses: Path, around: list[Path]) -> None:
+    def descend(node: WrittenBlock, uses: Path, around: list[Path]) -> None:
         if not node.copy:
             around = [*around, (*uses, node.written)]
         if not node.children:

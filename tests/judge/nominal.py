@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission
-from mcpn.testing.judge.blocks import TIMED_OUT, Node, objectives
+from mcpn.testing.judge.blocks import TIMED_OUT, WrittenBlock, objectives
 from mcpn.testing.judge.interpreter import REPAIRED, START, SUCCESS, Interpreter, State
 
 MOST_STATES = 3_000
@@ -62,8 +62,8 @@ def played(of: Mission) -> WhileNothingFails | None:
     return WhileNothingFails(frozenset(ends), bool(inside), frozenset(wanted - entered - optional))
 
 
-def says(leaf: Node, nominal: str) -> bool:
-    node: Node | None = leaf
+def says(leaf: WrittenBlock, nominal: str) -> bool:
+    node: WrittenBlock | None = leaf
     while node is not None and node.nominal != nominal:
         node = node.parent
     return node is not None
@@ -79,17 +79,17 @@ class Level:
         of: The mission's node, or a branch's.
     """
 
-    def __init__(self, of: Node) -> None:
+    def __init__(self, of: WrittenBlock) -> None:
         self.of = of
         self.units = list(_units(of))
         self.within = {id(u): [Level(b) for b in u.children.values()] for u in self.units if u.parallel}
-        self.by_success: dict[int, list[Node]] = {id(unit): [] for unit in self.units}
-        self.otherwise: dict[int, list[Node]] = {id(unit): [] for unit in self.units}
+        self.by_success: dict[int, list[WrittenBlock]] = {id(unit): [] for unit in self.units}
+        self.otherwise: dict[int, list[WrittenBlock]] = {id(unit): [] for unit in self.units}
         self.ends: dict[int, set[str]] = {id(unit): set() for unit in self.units}
         self.units = [unit for unit in self.units if not only_helps(unit)]
         self.lead(self.units)
 
-    def lead(self, units: Iterable[Node]) -> None:
+    def lead(self, units: Iterable[WrittenBlock]) -> None:
         for unit in units:
             self.unit = unit
             way, aside = self.by_success[id(unit)], self.otherwise[id(unit)]
@@ -101,7 +101,7 @@ class Level:
                 self.follow(unit, ABORT, aside, aside)
             self.interrupted(unit, aside)
 
-    def interrupted(self, unit: Node, aside: list[Node]) -> None:
+    def interrupted(self, unit: WrittenBlock, aside: list[WrittenBlock]) -> None:
         node = unit
         while True:
             for handler in node.handlers:
@@ -125,7 +125,7 @@ class Level:
         both = {unit: [*self.by_success[unit], *self.otherwise[unit]] for unit in self.by_success}
         return closed([entry(self.of)], both)
 
-    def meant(self) -> Iterator[Node]:
+    def meant(self) -> Iterator[WrittenBlock]:
         """Objectives on the way of successes from the first, and those that nothing leads to."""
         wanted, reached = closed([entry(self.of)], self.by_success), self.reached
         left = [unit for unit in self.units if id(unit) not in reached]
@@ -138,7 +138,9 @@ class Level:
                 else:
                     yield unit
 
-    def follow(self, node: Node, exit_: str, way: list[Node], aside: list[Node]) -> None:
+    def follow(
+        self, node: WrittenBlock, exit_: str, way: list[WrittenBlock], aside: list[WrittenBlock]
+    ) -> None:
         """Where an exit of a node leads in effect; where facts choose that, it is aside."""
         on = {SUCCEED: "success", FAIL: "failure", TIMED_OUT: "failure"}.get(exit_)
         if exit_ == TIMED_OUT and node.timed_out is not None:
@@ -146,12 +148,18 @@ class Level:
         for route in (r for r in node.deciding if r.on == on):
             way = aside
             self.goto(node, route.goto, aside, aside)
-        leads: dict[str, str | Node] = {SUCCEED: node.success, FAIL: node.failure, ABORT: node.abort}
+        leads: dict[str, str | WrittenBlock] = {SUCCEED: node.success, FAIL: node.failure, ABORT: node.abort}
         leads[TIMED_OUT] = node.timed_out or node.failure
         self.goto(node, leads[exit_], way, aside)
 
-    def goto(self, node: Node, route: str | Node, way: list[Node], aside: list[Node]) -> None:
-        if isinstance(route, Node):
+    def goto(
+        self,
+        node: WrittenBlock,
+        route: str | WrittenBlock,
+        way: list[WrittenBlock],
+        aside: list[WrittenBlock],
+    ) -> None:
+        if isinstance(route, WrittenBlock):
             way.append(entry(route))
         elif node is not self.of and node.parent is not None and route in node.parent.children:
             way.append(entry(node.parent.children[route]))
@@ -161,7 +169,7 @@ class Level:
             self.follow(node.parent, str(route), way, aside)
 
 
-def closed(begin: list[Node], onward: dict[int, list[Node]]) -> set[int]:
+def closed(begin: list[WrittenBlock], onward: dict[int, list[WrittenBlock]]) -> set[int]:
     found, stack = set[int](), list(begin)
     while stack:
         if id(unit := stack.pop()) not in found:
@@ -170,7 +178,7 @@ def closed(begin: list[Node], onward: dict[int, list[Node]]) -> set[int]:
     return found
 
 
-def _units(node: Node) -> Iterator[Node]:
+def _units(node: WrittenBlock) -> Iterator[WrittenBlock]:
     """Objectives and parallel blocks in a node, but what stands in parallel blocks."""
     if node.parallel or not node.children:
         yield node
@@ -179,17 +187,17 @@ def _units(node: Node) -> Iterator[Node]:
             yield from _units(child)
 
 
-def entry(node: Node) -> Node:
+def entry(node: WrittenBlock) -> WrittenBlock:
     while node.children and not node.parallel:
         node = node.first
     return node
 
 
-def led_otherwise(node: Node) -> bool:
+def led_otherwise(node: WrittenBlock) -> bool:
     """Whether its text leads to it by anything but success, or runs it for a sibling."""
     assert node.parent is not None
     siblings, root = node.parent.children, node.parent.parent is None
-    targets: set[str | Node | None] = {handler.goto for handler in node.parent.handlers if root}
+    targets: set[str | WrittenBlock | None] = {handler.goto for handler in node.parent.handlers if root}
     for key, of in siblings.items():
         if of.written == node.written and key != node.written:
             return True
@@ -198,7 +206,7 @@ def led_otherwise(node: Node) -> bool:
     return node.written in targets
 
 
-def helps(leaf: Node) -> bool:
+def helps(leaf: WrittenBlock) -> bool:
     """Whether it is a helper, or stands in one."""
     node = leaf
     while node.parent is not None:
@@ -208,7 +216,7 @@ def helps(leaf: Node) -> bool:
     return False
 
 
-def only_helps(unit: Node) -> bool:
+def only_helps(unit: WrittenBlock) -> bool:
     """Whether it stands in a sibling of which copies alone are run, for others: no route leads to it."""
     node = unit
     while node.parent is not None:

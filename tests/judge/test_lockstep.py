@@ -14,7 +14,7 @@ from mcpn.mission.flatten import ParallelSection, flatten
 from mcpn.mission.model import Handler, Mission, Objective, Parallel, Recursive, walk
 from mcpn.testing import elements as drawn
 from mcpn.testing.judge.interpreter import Seen
-from mcpn.testing.judge.lockstep import Disagreement
+from mcpn.testing.judge.lockstep import Mismatch
 from tests.draws import composed, fewer
 from tests.judge.lockstep import Judge
 from tests.judge.players import MODULAR, OfGraph
@@ -313,7 +313,7 @@ class _Wrong(OfGraph):
 def test_a_wrong_state_is_found(kind: str) -> None:
     player = _Wrong(compose(CHAIN), "explicit", 1000)
     player.wrong = {kind: "something else"}
-    with pytest.raises(Disagreement) as caught:
+    with pytest.raises(Mismatch) as caught:
         Judge(CHAIN).lockstep("somebody", player)
     assert caught.value.kind == kind
 
@@ -321,6 +321,6 @@ def test_a_wrong_state_is_found(kind: str) -> None:
 def test_an_event_that_is_missing_is_found() -> None:
     player = OfGraph(compose(CHAIN), "explicit", 1000)
     player.onward(7).popitem()
-    with pytest.raises(Disagreement) as caught:
+    with pytest.raises(Mismatch) as caught:
         Judge(CHAIN).lockstep("somebody", player)
     assert caught.value.kind == "possible"

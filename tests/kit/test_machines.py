@@ -28,7 +28,33 @@ ALONE = [
     for name, (kind, *_) in BY_ELEMENT[element].items()
     if kind in DRIVEN and name not in ELSEWHERE
 ]
-"""Faults of the forms that are driven; those of facts, crashes and late losses show in missions alone."""
+"""Faults of the forms that are driven."""
+
+ONE_MACHINE = {
+    "fact": (
+        "an event changes nothing and ends what was",
+        "an event leaves what was",
+        "an event that changes facts never happens",
+    ),
+    "late loss": (*BY_ELEMENT["late loss"],),
+    "crash": (*BY_ELEMENT["crashes"],),
+    "control": (
+        "an objective succeeds and stops nothing",
+        "an objective fails and runs still",
+        "a block never ends",
+        "a retry begins before what stops is idle",
+        *BY_ELEMENT["timeout"],
+        "a block is interrupted and halts no branch",
+        "a branch is halted and nothing stops",
+        "an interrupted block is never left",
+        "a block aborts and halts no branch",
+        "a block never aborts",
+        "a block is decided and never left",
+        "a block pauses and nothing stops",
+        *BY_ELEMENT["gates"],
+    ),
+}
+"""Faults that one machine finds; what else is wrong with facts and control shows in whole missions."""
 
 
 @pytest.mark.parametrize("name", MACHINES)
@@ -46,6 +72,15 @@ def test_each_fault_is_found(name: str) -> None:
     found = [driven(faulty, profile="ci", only=machine, shrink=False) for machine in DRIVEN[FAULTS[name][0]]]
     assert faulty.changed
     assert any(found)
+
+
+@pytest.mark.parametrize(
+    ("machine", "name"), [(machine, name) for machine, names in ONE_MACHINE.items() for name in names]
+)
+def test_faults_of_facts_losses_and_control_are_found(machine: str, name: str) -> None:
+    faulty = Faulty(*FAULTS[name])
+    assert driven(faulty, profile="ci", only=machine, shrink=False)
+    assert faulty.changed
 
 
 @pytest.mark.parametrize("name", [*ELSEWHERE, *(n for n, (kind, *_) in HARMLESS.items() if kind in DRIVEN)])

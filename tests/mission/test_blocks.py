@@ -16,7 +16,7 @@ from mcpn.mission.model import Mission
 from mcpn.opening import open_study
 from mcpn.spaces.search.goal import FALSE, marked
 from mcpn.testing import missions
-from mcpn.testing.judge.blocks import Node, written_out
+from mcpn.testing.judge.blocks import WrittenBlock, written_out
 from tests.shares import returns_early
 
 TEXT = """<mission xmlns="urn:mcpn:mission:1" name="survey">
@@ -43,7 +43,7 @@ TEXT = """<mission xmlns="urn:mcpn:mission:1" name="survey">
 """
 
 
-def named(node: Node) -> dict[str, set[str]]:
+def named(node: WrittenBlock) -> dict[str, set[str]]:
     """By name of a node in it the objectives that it holds.
 
     One that stands for several has them all, also by its name as it is written, which no node has where the
@@ -53,7 +53,7 @@ def named(node: Node) -> dict[str, set[str]]:
     stack = [node]
     while stack:
         here = stack.pop()
-        above: Node | None = here
+        above: WrittenBlock | None = here
         while above is not None and not here.children:
             around, dot, _ = above.name.rpartition(".")
             for name in {above.name, f"{around}{dot}{above.written}"} if above.written else {above.name}:

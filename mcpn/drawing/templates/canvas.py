@@ -14,32 +14,32 @@ from mcpn.mission.static.usage import Usage
 from mcpn.nets.events import ENDING, Event, What
 from mcpn.nets.petri import NetBuilder, Provenance
 
-Role: TypeAlias = tuple[
-    Literal[
-        "active",
-        "wait",
-        "want",
-        "refused",
-        "oos",
-        "known",
-        "fine",
-        "objective",
-        "pending",
-        "done",
-        "success",
-        "failure",
-        "abort",
-        "exit",
-        "alive",
-        "dead",
-        "open",
-        "happened",
-        "fact",
-        "ready",
-        "presumed",
-    ],
-    str,
+RoleName: TypeAlias = Literal[
+    "active",
+    "wait",
+    "want",
+    "refused",
+    "oos",
+    "known",
+    "fine",
+    "objective",
+    "pending",
+    "done",
+    "success",
+    "failure",
+    "abort",
+    "exit",
+    "alive",
+    "dead",
+    "open",
+    "happened",
+    "fact",
+    "ready",
+    "presumed",
 ]
+"""A kind of statement that a marked place may make."""
+
+Role: TypeAlias = tuple[RoleName, str]
 """What a marked place says, and of which element.
 
 ``("active", "localisation.gps_localisation")``: this alternative of this activity runs;

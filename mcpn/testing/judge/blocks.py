@@ -1,7 +1,7 @@
 """The blocks of a mission written out: uses, values, rounds and tries, each with its name and its routes.
 
-Made from the language page alone. A place in the mission is a :class:`Node`; the names of nodes are the
-qualified names of the page. Every handler that is written in the text is one object of the model, however
+Made from the language page alone. A place in the mission is a :class:`WrittenBlock`; the names of nodes are
+the qualified names of the page. Every handler that is written in the text is one object of the model, however
 many copies of its block there are.
 """
 
@@ -37,7 +37,7 @@ Values = Mapping[str, str]
 
 
 @dataclass(eq=False)
-class Node:
+class WrittenBlock:
     """A block in its place, or one copy of it.
 
     Args:
@@ -67,18 +67,18 @@ class Node:
     """
 
     name: str
-    parent: Node | None = None
+    parent: WrittenBlock | None = None
     parallel: bool = False
     mandatory: bool = True
     needed: int | None = None
     hasty: bool = False
-    success: str | Node = SUCCEED
-    failure: str | Node = FAIL
+    success: str | WrittenBlock = SUCCEED
+    failure: str | WrittenBlock = FAIL
     abort: str = ABORT
     timeout: float | None = None
     timed_out: str | None = None
     handlers: tuple[Handler, ...] = ()
-    children: dict[str, Node] = field(default_factory=dict)
+    children: dict[str, WrittenBlock] = field(default_factory=dict)
     activities: tuple[str, ...] = ()
     parameters: Values = field(default_factory=dict)
     written: str = ""
@@ -86,17 +86,17 @@ class Node:
     use: bool = False
     sets: tuple[FactChange, ...] = ()
     deciding: tuple[FactRoute, ...] = ()
-    pauses: dict[tuple[str, str], Node] = field(default_factory=dict)
+    pauses: dict[tuple[str, str], WrittenBlock] = field(default_factory=dict)
     nominal: str = "entered"
 
     @property
-    def first(self) -> Node:
+    def first(self) -> WrittenBlock:
         """The child that a series is entered at."""
         return next(iter(self.children.values()))
 
-    def within(self, other: Node) -> bool:
+    def within(self, other: WrittenBlock) -> bool:
         """Whether it is another node, or stands in it at any depth."""
-        node: Node | None = self
+        node: WrittenBlock | None = self
         while node is not None and node is not other:
             node = node.parent
         return node is other
@@ -141,17 +141,17 @@ def _values(parameters: tuple[Parameter, ...]) -> dict[str, str]:
     return {parameter.name: parameter.value for parameter in parameters}
 
 
-def written_out(mission: Mission) -> Node:
+def written_out(mission: Mission) -> WrittenBlock:
     """The mission's own node, with all that stands in it."""
     return _Writing(mission).mission()
 
 
-def objectives(node: Node) -> list[Node]:
+def objectives(node: WrittenBlock) -> list[WrittenBlock]:
     """The elementary objectives in a node, at any depth."""
     return [leaf for child in node.children.values() for leaf in objectives(child)] or [node]
 
 
-def stopped(node: Node) -> list[Node]:
+def stopped(node: WrittenBlock) -> list[WrittenBlock]:
     """What one copy of a sibling is run for: the objectives in a node, but parallel blocks whole."""
     if node.parallel or not node.children:
         return [node]
@@ -159,9 +159,9 @@ def stopped(node: Node) -> list[Node]:
     return [at for child in inside for at in stopped(child)]
 
 
-def _within_parallel(shelter: Node) -> bool:
+def _within_parallel(shelter: WrittenBlock) -> bool:
     """Whether it is what runs while a parallel block pauses: with that block it is stopped."""
-    return isinstance(shelter.success, Node) and shelter.success.parallel
+    return isinstance(shelter.success, WrittenBlock) and shelter.success.parallel
 
 
 class _Writing:
@@ -169,14 +169,14 @@ class _Writing:
         self.of = mission
         self.protocols = {protocol.name: protocol for protocol in mission.protocols}
 
-    def mission(self) -> Node:
-        root = Node(self.of.name)
+    def mission(self) -> WrittenBlock:
+        root = WrittenBlock(self.of.name)
         self.series(root, self.of.blocks, _Scope())
         # Handlers of the mission lead to its own blocks, as those of a block lead to its siblings.
         root.handlers = self.of.handlers
         return root
 
-    def series(self, parent: Node, blocks: tuple[Block, ...], scope: _Scope) -> None:
+    def series(self, parent: WrittenBlock, blocks: tuple[Block, ...], scope: _Scope) -> None:
         """Writes out blocks that run one after the other, or as branches."""
         aside = {block.recover for block in blocks} | {h.pause for block in blocks for h in block.handlers}
         by_name = {block.name: block for block in blocks}
@@ -195,7 +195,7 @@ class _Writing:
             for name in {h.pause for h in block.handlers if h.pause is not None}:
                 self.pauses(node, by_name[name], scope)
 
-    def pauses(self, node: Node, by: Block, scope: _Scope) -> None:
+    def pauses(self, node: WrittenBlock, by: Block, scope: _Scope) -> None:
         """Gives each objective in a block what is run when it is stopped, which leads back to it.
 
         A parallel block in it has one for all of its objectives.
@@ -207,7 +207,7 @@ class _Writing:
             node.pauses[by.name, leaf.name] = shelter
             node.parent.children[f"{by.name} at {leaf.name}"] = shelter
 
-    def recoveries(self, node: Node, block: Block, by: Block, scope: _Scope) -> None:
+    def recoveries(self, node: WrittenBlock, block: Block, by: Block, scope: _Scope) -> None:
         """Lets each run of a block but the last lead by its failure to a recovery, that to the next run."""
         assert node.parent is not None
         runs = list(node.children.values())
@@ -216,7 +216,7 @@ class _Writing:
             run.failure = recovery
             node.parent.children[f"{block.name} {number}"] = recovery
 
-    def helper(self, node: Node, by: Block, scope: _Scope, success: Node) -> Node:
+    def helper(self, node: WrittenBlock, by: Block, scope: _Scope, success: WrittenBlock) -> WrittenBlock:
         """A copy of a sibling that is run for a block, and by its success leads back into it."""
         assert node.parent is not None
         found = self.block(by, node.parent, scope)
@@ -226,9 +226,9 @@ class _Writing:
         found.timed_out = by.timeout_goto if isinstance(by, Objective) else None
         return found
 
-    def block(self, block: Block, parent: Node, scope: _Scope) -> Node:
+    def block(self, block: Block, parent: WrittenBlock, scope: _Scope) -> WrittenBlock:
         """A block without what its parent sees of it: rounds, in each its tries, in each the block."""
-        node = Node(f"{scope.prefix}{block.name}{scope.suffix}", parent, written=block.name)
+        node = WrittenBlock(f"{scope.prefix}{block.name}{scope.suffix}", parent, written=block.name)
         node.nominal = block.nominal
         if isinstance(block, Objective) and block.timeout_goto is not None:
             node.timed_out = TIMED_OUT  # of a copy; what its parent sees of a block comes later
@@ -248,7 +248,7 @@ class _Writing:
             self.copies(node, [self.block(once, node, try_) for try_ in tries], tries=True)
         elif isinstance(block, Each):
             inside = scope.inside(block)
-            values = [Node(node.name, node) for _ in block.values]
+            values = [WrittenBlock(node.name, node) for _ in block.values]
             for round_, value in zip(values, block.values, strict=True):
                 self.series(round_, block.blocks, inside.copy(value, {block.bound: value}))
             self.copies(node, values)
@@ -269,7 +269,7 @@ class _Writing:
             node.use = True
         return node
 
-    def copies(self, parent: Node, copies: list[Node], *, tries: bool = False) -> None:
+    def copies(self, parent: WrittenBlock, copies: list[WrittenBlock], *, tries: bool = False) -> None:
         """Rounds, where each success leads to the next, or tries, where each failure does."""
         for number, node in enumerate(copies):
             following = str(number + 1) if number + 1 < len(copies) else None

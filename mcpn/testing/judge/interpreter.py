@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Handler, Mission, walk
-from mcpn.testing.judge.blocks import TIMED_OUT, Node, written_out
-from mcpn.testing.judge.robot import REFUSED, Activities, At, Doing, Robot, so
+from mcpn.testing.judge.blocks import TIMED_OUT, WrittenBlock, written_out
+from mcpn.testing.judge.robot import REFUSED, Acting, Activities, At, Reactions, so
 
 START = "start"
 SUCCESS = "success"
@@ -106,7 +106,7 @@ class Interpreter:
 
     def __init__(self, mission: Mission) -> None:
         self.mission = mission
-        self.robot = Robot(mission)
+        self.robot = Reactions(mission)
         self.root = written_out(mission)
         self.objectives = {leaf.name: leaf for leaf in _leaves(self.root)}
         self.branches = {branch.name: branch for branch in _branches(self.root)}
@@ -138,12 +138,12 @@ class Interpreter:
         found = {(OUT_OF_SERVICE, h) for h in self.faulty if h not in state.out}
         found |= {(REPAIRED, h) for h in state.out - self.lasting - state.unnoticed}
         for name, (doing, rank) in state.activities:
-            if doing is Doing.RUNS:
+            if doing is Acting.RUNS:
                 found |= {(DETECTED, h) for h in self.robot.activities[name].detects if h in state.unnoticed}
                 found |= {(OUT_OF_SERVICE, crash) for crash in self.robot.crashes(name, rank)}
         if not state.begun:
             found.add((START, ""))
-        runs = {name for name, (doing, _) in state.activities if doing is Doing.RUNS}
+        runs = {name for name, (doing, _) in state.activities if doing is Acting.RUNS}
         for name in state.running:
             found.add((FAILURE, name))
             if self.objectives[name].timeout is not None:
@@ -174,7 +174,7 @@ class Interpreter:
             stack += [self.robot.producer[k] for k in consumed if k in self.robot.producer]
         return state.unnoticed & self.held(state) & reached
 
-    def handling(self, node: Node, event: str, state: State) -> list[tuple[Node, Handler]]:
+    def handling(self, node: WrittenBlock, event: str, state: State) -> list[tuple[WrittenBlock, Handler]]:
         """The blocks that handle an event, in a block that runs: the innermost of each branch."""
         if not self.runs(node, state):
             return []
@@ -184,7 +184,7 @@ class Interpreter:
         own = (h for h in node.handlers if h.event == event and id(h) not in state.happened)
         return [(node, handler) for handler in own][:1]
 
-    def runs(self, node: Node, state: State) -> bool:
+    def runs(self, node: WrittenBlock, state: State) -> bool:
         """Whether an objective in a block runs or is about to begin."""
         return any(self.objectives[name].within(node) for name in state.running | state.pending)
 
@@ -201,7 +201,7 @@ class Interpreter:
             Undetermined: Two activities or objectives ask for one thing at the same moment.
         """
         what, element = happening
-        routes: list[tuple[Node, str | Node]] = []
+        routes: list[tuple[WrittenBlock, str | WrittenBlock]] = []
         if what == OUT_OF_SERVICE:
             unnoticed = {element} & self.late
             state = replace(state, out=state.out | {element}, unnoticed=state.unnoticed | unnoticed)
@@ -238,9 +238,9 @@ class Interpreter:
             routes = [(node, led(state, node, by))]
         # All that is left stops first, what aborts with it; then what follows begins.
         for node, route in routes:
-            pausing = what == DECLARED and isinstance(route, Node)
+            pausing = what == DECLARED and isinstance(route, WrittenBlock)
             state = self.stopped(state, node) if pausing else self.left(state, node)
-        aborted: list[Node] = []
+        aborted: list[WrittenBlock] = []
         after, waiting = state, state.pending
         for node, route in routes:
             if not any(node.within(block) for block in aborted):
@@ -257,12 +257,12 @@ class Interpreter:
         after = replace(after, unnoticed=after.unnoticed - learnt, suspected=after.suspected - learnt)
         return self.reaction(replace(after, activities=rest))
 
-    def paused(self, node: Node, handler: Handler, state: State) -> Node:
+    def paused(self, node: WrittenBlock, handler: Handler, state: State) -> WrittenBlock:
         """What is run while a block pauses, made for the objective that runs in it."""
         whole = block = self.objectives[next(iter(self.within(node, state)))]
         while block is not node:
             shelter = self.shelters.get(block.name) is block
-            if shelter and isinstance(block.success, Node) and block.success.parallel:
+            if shelter and isinstance(block.success, WrittenBlock) and block.success.parallel:
                 whole = block = block.success
                 continue
             assert block.parent is not None
@@ -270,11 +270,11 @@ class Interpreter:
             whole = block if block.parallel else whole
         return node.pauses[handler.pause or "", whole.name]
 
-    def within(self, node: Node, state: State) -> frozenset[str]:
+    def within(self, node: WrittenBlock, state: State) -> frozenset[str]:
         """The objectives in a block that run or are about to begin."""
         return frozenset(n for n in state.running | state.pending if self.objectives[n].within(node))
 
-    def stopped(self, state: State, node: Node) -> State:
+    def stopped(self, state: State, node: WrittenBlock) -> State:
         """No objective in a block runs any more; what has ended in it, and what it paused for, stays."""
         gone = self.within(node, state)
         stopped = {a for name in gone & state.running for a in self.objectives[name].activities}
@@ -285,7 +285,7 @@ class Interpreter:
             activities=frozenset((a, at) for a, at in state.activities if a not in stopped),
         )
 
-    def left(self, state: State, node: Node) -> State:
+    def left(self, state: State, node: WrittenBlock) -> State:
         """Nothing in a block runs any more, nor goes on later."""
         state = self.stopped(state, node)
         inner = {name for name, by in self.shelters.items() if by is not node and by.within(node)}
@@ -295,26 +295,28 @@ class Interpreter:
             paused=frozenset(p for p in state.paused if p[0] not in inner),
         )
 
-    def resumed(self, state: State, by: Node) -> State:
+    def resumed(self, state: State, by: WrittenBlock) -> State:
         """A block goes on where it was, after what was run meanwhile has succeeded."""
         (at,) = (at for name, at in state.paused if name == by.name)
         return replace(
             state, pending=state.pending | at, paused=frozenset(p for p in state.paused if p[0] != by.name)
         )
 
-    def given_up(self, state: State, by: Node) -> State:
+    def given_up(self, state: State, by: WrittenBlock) -> State:
         """What is run while a block pauses leads elsewhere: nothing in the block goes on."""
         block = next(node for node in _nodes(self.root) if by in node.pauses.values())
         state = self.left(state, block)
         return replace(state, paused=frozenset(p for p in state.paused if p[0] != by.name))
 
-    def follow(self, state: State, node: Node, route: str | Node, aborted: list[Node]) -> State:
+    def follow(
+        self, state: State, node: WrittenBlock, route: str | WrittenBlock, aborted: list[WrittenBlock]
+    ) -> State:
         """A block is left by one of its routes; parallel blocks that this aborts are noted."""
         if self.shelters.get(node.name) is node:
             if route is node.success:
                 return self.resumed(state, node)
             state = self.given_up(state, node)
-        if isinstance(route, Node):
+        if isinstance(route, WrittenBlock):
             return self.enter(state, route)
         parent = self.root if node is self.root else node.parent
         assert parent is not None
@@ -327,7 +329,9 @@ class Interpreter:
             return self.end(self.left(state, parent), parent, route, aborted)
         return self.enter(state, parent.children[route])
 
-    def branch_ends(self, state: State, branch: Node, well: bool, aborted: list[Node]) -> State:
+    def branch_ends(
+        self, state: State, branch: WrittenBlock, well: bool, aborted: list[WrittenBlock]
+    ) -> State:
         """A child of a parallel block has ended; with the last of them the block does."""
         assert branch.parent is not None
         ended = dict(state.ended) | {branch.name: well}
@@ -340,7 +344,7 @@ class Interpreter:
         others = frozenset(e for e in ended.items() if self.branches[e[0]].parent is not branch.parent)
         return self.end(replace(state, ended=others), branch.parent, SUCCEED if well else FAIL, aborted)
 
-    def decided(self, state: State, stopped: list[Node]) -> State:
+    def decided(self, state: State, stopped: list[WrittenBlock]) -> State:
         """Parallel blocks whose end is decided are left, the outermost first, and noted."""
         while (found := self.decision(dict(state.ended), [self.root])) is not None:
             block, by = found
@@ -348,7 +352,7 @@ class Interpreter:
             state = self.end(self.left(state, block), block, by, stopped)
         return state
 
-    def decision(self, ended: dict[str, bool], level: list[Node]) -> tuple[Node, str] | None:
+    def decision(self, ended: dict[str, bool], level: list[WrittenBlock]) -> tuple[WrittenBlock, str] | None:
         """The first parallel block, from outside in, that awaits no more, and by which exit it is left."""
         while level:
             for block in level:
@@ -361,13 +365,13 @@ class Interpreter:
             level = [child for block in level for child in block.children.values()]
         return None
 
-    def end(self, state: State, node: Node, by: str, aborted: list[Node]) -> State:
+    def end(self, state: State, node: WrittenBlock, by: str, aborted: list[WrittenBlock]) -> State:
         """A block ends by one of its exits; with the mission's own blocks the mission does."""
         if node is self.root:
             return replace(state, outcome=ENDS[by])
         return self.follow(state, node, led(state, node, by), aborted)
 
-    def enter(self, state: State, node: Node) -> State:
+    def enter(self, state: State, node: WrittenBlock) -> State:
         """A block is entered: at its first, or at all its children."""
         if not node.children:
             return replace(state, pending=state.pending | {node.name})
@@ -406,16 +410,16 @@ class Interpreter:
 
     def seen(self, state: State) -> Seen:
         """A state by names, as reports and controllers tell it."""
-        by_doing: dict[Doing, set[tuple[str, str]]] = {doing: set() for doing in Doing}
+        by_doing: dict[Acting, set[tuple[str, str]]] = {doing: set() for doing in Acting}
         for name, at in state.activities:
             by_doing[at[0]].add((name, "" if at == REFUSED else self.robot.way(name, at).name))
         return Seen(
             state.running,
             state.pending,
             frozenset(name for name, _ in state.ended),
-            frozenset(by_doing[Doing.RUNS]),
-            frozenset(by_doing[Doing.TRIES] | by_doing[Doing.ASKS]),
-            frozenset(name for name, _ in by_doing[Doing.REFUSED]),
+            frozenset(by_doing[Acting.RUNS]),
+            frozenset(by_doing[Acting.TRIES] | by_doing[Acting.ASKS]),
+            frozenset(name for name, _ in by_doing[Acting.REFUSED]),
             state.out,
             state.unnoticed,
             frozenset((fact, value) for fact, value in state.facts),
@@ -435,7 +439,7 @@ def changed(state: State, facts: Mapping[str, str]) -> State:
     return replace(state, facts=frozenset({**dict(state.facts), **facts}.items())) if facts else state
 
 
-def led(state: State, node: Node, by: str) -> str | Node:
+def led(state: State, node: WrittenBlock, by: str) -> str | WrittenBlock:
     """Where an outcome of a block leads: the first of its routes whose facts are so, else the default."""
     if by == TIMED_OUT and node.timed_out is not None:
         return node.timed_out
@@ -455,25 +459,25 @@ def _read_of_objectives(mission: Mission) -> Iterator[str]:
     yield from (word.lstrip("!").partition("=")[0] for when in whens for word in when if "done(" in word)
 
 
-def _nodes(node: Node) -> Iterator[Node]:
+def _nodes(node: WrittenBlock) -> Iterator[WrittenBlock]:
     yield node
     for child in node.children.values():
         yield from _nodes(child)
 
 
-def _shelters(node: Node) -> Iterator[Node]:
+def _shelters(node: WrittenBlock) -> Iterator[WrittenBlock]:
     for inner in _nodes(node):
         yield from inner.pauses.values()
 
 
-def _leaves(node: Node) -> Iterator[Node]:
+def _leaves(node: WrittenBlock) -> Iterator[WrittenBlock]:
     if not node.children:
         yield node
     for child in node.children.values():
         yield from _leaves(child)
 
 
-def _branches(node: Node) -> Iterator[Node]:
+def _branches(node: WrittenBlock) -> Iterator[WrittenBlock]:
     for child in node.children.values():
         if node.parallel:
             yield child

@@ -18,7 +18,7 @@ MOST_STATES = 3_000
 """Stable states of the missions that are judged."""
 
 
-class Disagreement(AssertionError):
+class Mismatch(AssertionError):
     """The interpreter and one of mcpn's ways to play a mission do not say the same.
 
     Args:
@@ -101,7 +101,7 @@ class Judge:
             state, at = queue.popleft()
             if (found := self.differs(state, player, at)) is not None:
                 kind, expected, others = found
-                raise Disagreement(who, kind, _run_to(came, (state, at)), expected, others)
+                raise Mismatch(who, kind, _run_to(came, (state, at)), expected, others)
             for happened, after in self.after(state).items():
                 if after is None:
                     continue
@@ -110,7 +110,7 @@ class Judge:
                     wanted = self.interpreter.parameters(objective, activity, alternative)
                     if "parameters" not in self.unseen and given != wanted:
                         run = [*_run_to(came, (state, at)), happened]
-                        raise Disagreement(who, "parameters", run, wanted, given)
+                        raise Mismatch(who, "parameters", run, wanted, given)
                 if (after, to) not in came:
                     came[after, to] = (state, at), happened
                     queue.append((after, to))

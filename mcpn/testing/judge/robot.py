@@ -20,7 +20,7 @@ from mcpn.mission.model import Mission
 from mcpn.mission.robot import Activity, Alternative
 
 
-class Doing(StrEnum):
+class Acting(StrEnum):
     """What an activity does that is not idle."""
 
     TRIES = "tries"
@@ -31,12 +31,12 @@ class Doing(StrEnum):
     REFUSED = "refused"
 
 
-At = tuple[Doing, int]
+At = tuple[Acting, int]
 """What an activity does, and with which alternative, by its rank; a refused one has none, by rank -1."""
 Facts = frozenset[tuple[str, str]]
 """The value of every fact."""
-REFUSED: At = (Doing.REFUSED, -1)
-FROM_THE_FIRST: At = (Doing.TRIES, 0)
+REFUSED: At = (Acting.REFUSED, -1)
+FROM_THE_FIRST: At = (Acting.TRIES, 0)
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def so(facts: Facts, words: Iterable[str]) -> bool:
     return True
 
 
-class Robot:
+class Reactions:
     """What the robot's engineer has declared, and how it reacts.
 
     Args:
@@ -178,7 +178,7 @@ class Robot:
         for name, consumes in self.holding(now):
             if name in level and self.in_error(now, name, consumes):
                 doing, rank = now.at[name]
-                found[name] = FROM_THE_FIRST if doing is Doing.RUNS else (Doing.TRIES, rank + 1)
+                found[name] = FROM_THE_FIRST if doing is Acting.RUNS else (Acting.TRIES, rank + 1)
         return found
 
     def in_error(self, now: Activities, name: str, consumes: Iterable[str]) -> bool:
@@ -217,27 +217,27 @@ class Robot:
         held = {k for _, consumes in self.holding(now) for k in consumes}  # known to be out when given up
         for name, (doing, rank) in now.at.items():
             activity = self.activities[name]
-            if doing is Doing.TRIES and rank == len(activity.alternatives):
+            if doing is Acting.TRIES and rank == len(activity.alternatives):
                 found[name] = REFUSED
-            elif doing is Doing.TRIES:
+            elif doing is Acting.TRIES:
                 consumes = activity.alternatives[rank].consumes
                 lost = self.unusable(now.out).intersection(consumes)
                 if lost - held or not self.allowed(name, rank, now.facts, now.out):
-                    found[name] = (Doing.TRIES, rank + 1)
+                    found[name] = (Acting.TRIES, rank + 1)
                 elif not lost and not any(map(self.contended, consumes)):
-                    found[name] = (Doing.ASKS, rank)
-            elif doing is Doing.ASKS and not self.asked(name, rank):
-                found[name] = (Doing.RUNS, rank)
+                    found[name] = (Acting.ASKS, rank)
+            elif doing is Acting.ASKS and not self.asked(name, rank):
+                found[name] = (Acting.RUNS, rank)
         return found
 
     def answers(self, now: Activities, level: frozenset[str]) -> dict[str, At | None]:
         """Who asks runs when all producers do that it asks, of whom some are of a level."""
         found: dict[str, At | None] = {}
         for name, (doing, rank) in now.at.items():
-            asked = self.asked(name, rank) if doing is Doing.ASKS else set[str]()
-            runs = all(now.at.get(p, REFUSED)[0] is Doing.RUNS for p in asked)
+            asked = self.asked(name, rank) if doing is Acting.ASKS else set[str]()
+            runs = all(now.at.get(p, REFUSED)[0] is Acting.RUNS for p in asked)
             if runs and asked & level and not self.in_error(now, name, self.way(name, now.at[name]).consumes):
-                found[name] = (Doing.RUNS, rank)
+                found[name] = (Acting.RUNS, rank)
         return found
 
     def asked(self, name: str, rank: int) -> set[str]:
@@ -250,7 +250,7 @@ class Robot:
         return {
             name: FROM_THE_FIRST
             for name, (doing, rank) in now.at.items()
-            if name in level and doing is Doing.RUNS and self.activities[name].switch_back
+            if name in level and doing is Acting.RUNS and self.activities[name].switch_back
             if any(self.possible(name, better, now.out, now.facts) for better in range(rank))
         }
 
@@ -268,8 +268,8 @@ class Robot:
         held = {k for _, consumes in self.holding(now) for k in consumes if self.contended(k)}
         held |= self.unusable(now.out)
         for name, at in now.at.items():
-            if at[0] is Doing.TRIES and held.isdisjoint(self.way(name, at).consumes):
-                yield now.but({name: (Doing.ASKS, at[1])})
+            if at[0] is Acting.TRIES and held.isdisjoint(self.way(name, at).consumes):
+                yield now.but({name: (Acting.ASKS, at[1])})
 
     def begins(self, now: Activities) -> Iterator[Activities]:
         """One of the objectives that wait begins."""
@@ -291,7 +291,7 @@ class Robot:
     def holding(self, now: Activities) -> Iterator[tuple[str, tuple[str, ...]]]:
         """Who has which resources, or has asked their producers."""
         for name, at in now.at.items():
-            if at[0] in (Doing.ASKS, Doing.RUNS):
+            if at[0] in (Acting.ASKS, Acting.RUNS):
                 yield name, self.way(name, at).consumes
 
     def needed(self, now: Activities) -> set[str]:

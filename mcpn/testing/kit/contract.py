@@ -16,7 +16,7 @@ Status has no agreed parts: what templates declare by a role (the values of fact
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import ClassVar, TypeAlias
 
 from hypothesis import strategies as st
@@ -24,6 +24,7 @@ from hypothesis.stateful import RuleBasedStateMachine, precondition, rule
 
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.templates import Role, TemplateSet
+from mcpn.drawing.templates.canvas import RoleName
 from mcpn.drawing.templates.names import names_of
 from mcpn.mission.model import Mission
 from mcpn.mission.static.usage import Usage
@@ -192,6 +193,11 @@ def drawer(by: Provenance) -> tuple[str, str]:
     return ("activity", by.name.split(".", 1)[0]) if by.kind == "alternative" else (by.kind, by.name)
 
 
+def _drawn_by(by: Provenance, kind: str, name: str) -> bool:
+    """Whether a template draws something: ``control`` is one template, of whatever kinds it draws."""
+    return by.kind in CONTROL if kind == "control" else drawer(by) == (kind, name)
+
+
 # --- One template alone: what it draws, cut out of a composed net, and driven by hand at its places -------
 #
 # The places at which it meets others stay; what others do there is the *environment*, which a machine plays
@@ -216,18 +222,34 @@ class Alone:
     def __init__(self, mission: Mission, templates: TemplateSet | None, kind: str, name: str) -> None:
         found = compose(mission, templates)
         self.usage: Usage = found.usage
+        self.graph = found.graph
+        self._roles = found.by_role
+        self._said = {place for places in self._roles.values() for place in places}
         self._names = names_of(found.usage)
         net = found.net
         self._places = [place.name for place in net.places]
-        self.tokens: Counter[str] = Counter({place.name: place.initial for place in net.places})
-        self._own = [
-            t for t in net.transitions if t.provenance is not None and drawer(t.provenance) == (kind, name)
-        ]
+        self._initial = {place.name: place.initial for place in net.places}
+        drawn = (t for t in net.transitions if t.provenance is not None)
+        self._own = [t for t in drawn if t.provenance is not None and _drawn_by(t.provenance, kind, name)]
+        self.begin()
+
+    def begin(self) -> None:
+        """Before anything has happened."""
+        self.tokens: Counter[str] = Counter(self._initial)
         self.run: list[str] = []
+
+    def changed(self, *but: str) -> list[str]:
+        """Places that say nothing of the mission and are not as at the beginning, but for some."""
+        silent = (name for number, name in enumerate(self._places) if number not in self._said)
+        return [name for name in silent if name not in but and self.tokens[name] != self._initial[name]]
 
     def place(self, kind: str, element: str, part: str, owner: str | None = None) -> str:
         """The name of a place, drawn or not."""
         return self._names.of(kind, element, part, *([owner] if owner else []))
+
+    def says(self, role: RoleName, name: str) -> bool:
+        """Whether a place with a role is marked."""
+        return any(self.tokens[self._places[place]] for place in self._roles.get((role, name), ()))
 
     @property
     def internal(self) -> list[Transition]:
@@ -277,6 +299,11 @@ class Alone:
         """
         if not holds:
             raise Violation(f"{message}, after {' '.join(self.run) or 'nothing'}")
+
+
+def told(names: Iterable[str]) -> str:
+    """Some names, for a message."""
+    return ", ".join(sorted(names)) or "none"
 
 
 CHOICE = st.integers(0, 5)

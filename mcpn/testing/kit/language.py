@@ -12,7 +12,7 @@ from mcpn.errors import ConfluenceError, DivergenceError
 from mcpn.nets.game import TokenGame
 from mcpn.nets.petri import PetriNet
 from mcpn.testing.judge.interpreter import Happening
-from mcpn.testing.judge.lockstep import Disagreement, Judge, TooLargeError
+from mcpn.testing.judge.lockstep import Judge, Mismatch, TooLargeError
 from mcpn.testing.judge.players import OfGraph, happening
 from mcpn.testing.kit.properties import event_deterministic
 from mcpn.testing.kit.subject import Subject, Violation
@@ -57,11 +57,11 @@ def as_the_language_says(of: Subject) -> None:
         return  # that internal evolution ends is another property
     try:
         judge.lockstep("the net", OfGraph(of.mission_net, graph))
-    except Disagreement as found:
+    except Mismatch as found:
         raise Violation(told(found), [fired(of.net, found.run)], of.net) from None
 
 
-def told(found: Disagreement) -> str:
+def told(found: Mismatch) -> str:
     """What differs, in words."""
     if found.kind == "possible":
         sides = (("the language", found.expected), ("these templates", found.found))

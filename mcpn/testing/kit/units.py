@@ -7,9 +7,10 @@ everywhere: it plays all others at once, does in any order whatever the contract
 allows them, and looks after each step at what the template promises. What breaks is shrunk to a short
 series of steps.
 
-Hardware, shared or not, is driven, software whose producer does not serve, and an activity that an objective
-starts. What waits for another activity's release, serving producers, returns to better alternatives, facts
-and control are left to whole missions.
+Hardware is driven, shared or not, what stands for crashes and what is detected late, software whose producer
+does not serve, an activity that an objective starts, facts, and the objectives graph. What waits for another
+activity's release, serving producers, returns to better alternatives, and where routes lead are left to whole
+missions.
 
 >>> from mcpn.drawing.templates import PaperTemplates
 >>> driven(PaperTemplates(), profile="dev") is None
@@ -20,16 +21,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, ClassVar
+from typing import Any
 
 from hypothesis import Phase, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import invariant, precondition, rule, run_state_machine_as_test
 
 from mcpn.drawing.templates import TemplateSet
-from mcpn.mission.model import Objective, Parallel
+from mcpn.mission.model import Handler, Objective, Parallel, Recursive
 from mcpn.testing.kit.contract import CHOICE, TemplateMachine
-from mcpn.testing.kit.corpus import objective
+from mcpn.testing.kit.control import ControlMachine, FactMachine
+from mcpn.testing.kit.corpus import MISSIONS, objective
+from mcpn.testing.kit.resources import CrashMachine, HardwareMachine, LateMachine, SoftwareMachine
 from mcpn.testing.kit.running import PROFILES
 from mcpn.testing.kit.subject import Violation
 from mcpn.testing.shape import activity, hw, mission, robot
@@ -174,158 +177,6 @@ class ActivityMachine(TemplateMachine):
             self.of.require(not missed, f"it {does} over {' and '.join(missed)}, which was possible")
 
 
-# Machines that drive a resource alone, hardware or software, and play its consumers and its producer.
-
-
-class _ResourceMachine(TemplateMachine):
-    """The consumers of a resource, each by an interface."""
-
-    owners: ClassVar[tuple[str | None, ...]] = (None,)
-
-    def chosen(self, part: str, choice: int) -> str | None:
-        """An owner at whose interface a place is marked."""
-        owners = [owner for owner in self.owners if self.has(part, owner)]
-        return owners[choice % len(owners)]
-
-    def any_has(self, part: str) -> bool:
-        """Whether a place is marked at some interface."""
-        return any(self.has(part, owner) for owner in self.owners)
-
-    def passes_on(self, choice: int, before: str, after: str, said: str) -> None:
-        """A consumer takes a token of its interface and puts another."""
-        owner = self.chosen(before, choice)
-        self.of.move(said, (self.at(before, owner),), (self.at(after, owner),))
-
-    def owed(self) -> bool:
-        """Whether others must act before an event may happen."""
-        return self.any_has("error")
-
-    def one(self, said: int, message: str) -> None:
-        """Sees that one place of several is marked, or none while the template goes from one to another."""
-        self.of.require(said == 1 or (said == 0 and bool(self.of.internal)), message)
-
-    def may_ask(self) -> bool:
-        """Whether a consumer may ask now."""
-        return self.any_has("available")
-
-    def may_give_back(self) -> bool:
-        """Whether a consumer may give back now."""
-        return self.any_has("answer")
-
-    @precondition(lambda self: self.may_ask())
-    @rule(choice=CHOICE)
-    def asks(self, choice: int) -> None:
-        """A consumer asks."""
-        self.passes_on(choice, "available", "take", "asks")
-
-    @precondition(lambda self: self.may_give_back())
-    @rule(choice=CHOICE)
-    def gives_back(self, choice: int) -> None:
-        """A consumer gives back."""
-        self.passes_on(choice, "answer", "release", "gives back")
-
-    @precondition(lambda self: self.any_has("error"))
-    @rule(choice=CHOICE)
-    def notes_the_error(self, choice: int) -> None:
-        """A consumer takes note of an error, and gives back."""
-        self.passes_on(choice, "error", "release", "notes the error")
-
-
-class HardwareMachine(_ResourceMachine):
-    """Hardware between its consumers; nobody asks while it fails."""
-
-    def may_ask(self) -> bool:
-        """Whether a consumer may ask now."""
-        return self.any_has("available") and not self.has("failing") and not self.any_has("error")
-
-    @invariant()
-    def it_is_in_one_state(self) -> None:
-        """One of free, busy, failing, out of service."""
-        said = sum(self.has(part) for part in ("free", "busy", "failing", "OOS"))
-        self.one(said, f"{self.element[1]} is in {said} states")
-
-    @invariant()
-    def each_interface_is_in_one_state(self) -> None:
-        """One token of an interface, or the hardware is out of service."""
-        for owner in self.owners:
-            parts = ("available", "take", "answer", "release", "error")
-            said = sum(self.has(part, owner) for part in parts) + self.has("OOS")
-            self.one(said, f"an interface of {self.element[1]} holds {said} tokens")
-
-    @invariant()
-    def it_answers(self) -> None:
-        """At rest every request and release has been answered, and its status is known."""
-        if self.at_rest:
-            self.of.require(not self.any_has("take"), "a request is not answered")
-            self.of.require(not self.any_has("release"), "a release is not answered")
-            self.of.require(not self.has("failing"), "it fails for ever")
-            out = [event.what.name for event in self.of.events]
-            expected = ["REPAIRED"] if self.has("OOS") else ["OUT_OF_SERVICE"]
-            self.of.require(out == expected, f"{out} may happen, expected {expected}")
-
-
-class SoftwareMachine(_ResourceMachine):
-    """Software between its consumer and its producer, which does not serve."""
-
-    producer: ClassVar[tuple[str, str]]
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.runs = False
-
-    @property
-    def asked(self) -> bool:
-        """Whether the producer evaluates."""
-        return self.has("StartByRes", element=self.producer)
-
-    def owed(self) -> bool:
-        """Whether others must act before an event may happen."""
-        return super().owed() or self.asked or (self.runs and self.has("free"))
-
-    def may_give_back(self) -> bool:
-        """Whether a consumer may give back now."""
-        return super().may_give_back() and not self.asked and not self.of.internal
-
-    @precondition(lambda self: self.asked and not self.has("activation"))
-    @rule(runs=st.booleans())
-    def producer_decides(self, runs: bool) -> None:
-        """The producer, which has been started or evaluates again, runs or refuses."""
-        self.runs = runs
-        said, part = ("it runs", "activation") if runs else ("it refuses", "deactivation")
-        self.of.move(said, (self.at("StartByRes", element=self.producer),), (self.at(part),))
-
-    @precondition(lambda self: self.runs and self.at_rest)
-    @rule()
-    def producer_evaluates(self) -> None:
-        """The producer has lost something and evaluates again."""
-        self.of.move("it evaluates again", (), (self.at("StartByRes", element=self.producer),))
-
-    @precondition(lambda self: self.runs and self.has("free") and not self.asked)
-    @rule()
-    def producer_stops(self) -> None:
-        """Nobody holds the product: the producer stops."""
-        self.runs = False
-        self.of.move("it stops", (), (self.at("deactivation"),))
-
-    @invariant()
-    def its_interface_is_in_one_state(self) -> None:
-        """One token of the interface, or it waits, or is free."""
-        parts = ("available", "take", "answer", "release", "error", "waiting", "free")
-        said = sum(map(self.has, parts))
-        self.one(said, f"the interface of {self.element[1]} holds {said} tokens")
-
-    @invariant()
-    def it_answers(self) -> None:
-        """At rest nothing is on its way; it is held if its producer runs, and else to be had."""
-        if self.at_rest:
-            left = [part for part in ("take", "release", "waiting", "activation") if self.has(part)]
-            self.of.require(not left, f"{' and '.join(left)} is left")
-            part = "answer" if self.runs else "available"
-            self.of.require(
-                self.has(part), f"no {part}, though its producer {'runs' if self.runs else 'stopped'}"
-            )
-
-
 # --- State machines that drive one template alone, in the most general environment of its contract --------
 
 STEPS = 40
@@ -346,6 +197,32 @@ _DRIVER = mission(
     objective("x", "a"),
 )
 
+_CONTROL = mission(
+    robot(
+        hw("h"),
+        *(activity(name, ("h",)) for name in "abcd"),
+        events=("leak", "rain"),
+    ),
+    replace(objective("x", "a", failure="y"), retries=1, timeout=5.0, timeout_goto="z"),
+    Parallel(
+        name="y",
+        success_when="any",
+        failure_when="any",
+        handlers=(Handler(event="leak", goto="z", once=True), Handler(event="rain", pause="d")),
+        blocks=(objective("u", "a", "b"), objective("v", "c")),
+    ),
+    Parallel(
+        name="z",
+        failure="fail",
+        handlers=(Handler(event="leak", goto="x"),),
+        blocks=(
+            Recursive(name="r", blocks=(objective("s", "a"), objective("t", "b", failure="abort"))),
+            objective("w", "c"),
+        ),
+    ),
+    objective("d", "d"),
+)
+
 MACHINES: Mapping[str, tuple[type[TemplateMachine], Mapping[str, object]]] = {
     "hardware": (HardwareMachine, {"mission": _HARDWARE, "element": ("hardware", "h")}),
     "shared hardware": (
@@ -357,6 +234,16 @@ MACHINES: Mapping[str, tuple[type[TemplateMachine], Mapping[str, object]]] = {
         {"mission": _DRIVER, "element": ("software", "s"), "producer": ("activity", "p")},
     ),
     "activity": (ActivityMachine, {"mission": _DRIVER, "element": ("activity", "a")}),
+    "crash": (
+        CrashMachine,
+        {"mission": MISSIONS["crashes"], "element": ("hardware", "a"), "activity": ("activity", "a")},
+    ),
+    "late loss": (
+        LateMachine,
+        {"mission": MISSIONS["found late"], "element": ("hardware", "h"), "looking": ("activity", "look")},
+    ),
+    "fact": (FactMachine, {"mission": MISSIONS["facts"], "element": ("fact", "lit")}),
+    "control": (ControlMachine, {"mission": _CONTROL, "element": ("control", "m")}),
 }
 """By template, the machine that drives it, and of which mission the template is."""
 

@@ -1,0 +1,271 @@
+"""Machines that drive a resource alone, hardware or software, and play its consumers and its producer."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from hypothesis import strategies as st
+from hypothesis.stateful import invariant, precondition, rule
+
+from mcpn.nets.events import What
+from mcpn.testing.kit.contract import CHOICE, TemplateMachine, told
+
+
+class ResourceMachine(TemplateMachine):
+    """The consumers of a resource, each by an interface."""
+
+    owners: ClassVar[tuple[str | None, ...]] = (None,)
+
+    def chosen(self, part: str, choice: int) -> str | None:
+        """An owner at whose interface a place is marked."""
+        owners = [owner for owner in self.owners if self.has(part, owner)]
+        return owners[choice % len(owners)]
+
+    def any_has(self, part: str) -> bool:
+        """Whether a place is marked at some interface."""
+        return any(self.has(part, owner) for owner in self.owners)
+
+    def passes_on(self, choice: int, before: str, after: str, said: str) -> None:
+        """A consumer takes a token of its interface and puts another."""
+        owner = self.chosen(before, choice)
+        self.of.move(said, (self.at(before, owner),), (self.at(after, owner),))
+
+    def owed(self) -> bool:
+        """Whether others must act before an event may happen."""
+        return self.any_has("error")
+
+    def one(self, said: int, message: str) -> None:
+        """Sees that one place of several is marked, or none while the template goes from one to another."""
+        self.of.require(said == 1 or (said == 0 and bool(self.of.internal)), message)
+
+    def may_ask(self) -> bool:
+        """Whether a consumer may ask now."""
+        return self.any_has("available")
+
+    def may_give_back(self) -> bool:
+        """Whether a consumer may give back now."""
+        return self.any_has("answer")
+
+    @precondition(lambda self: self.may_ask())
+    @rule(choice=CHOICE)
+    def asks(self, choice: int) -> None:
+        """A consumer asks."""
+        self.passes_on(choice, "available", "take", "asks")
+
+    @precondition(lambda self: self.may_give_back())
+    @rule(choice=CHOICE)
+    def gives_back(self, choice: int) -> None:
+        """A consumer gives back."""
+        self.passes_on(choice, "answer", "release", "gives back")
+
+    @precondition(lambda self: self.any_has("error"))
+    @rule(choice=CHOICE)
+    def notes_the_error(self, choice: int) -> None:
+        """A consumer takes note of an error, and gives back."""
+        self.passes_on(choice, "error", "release", "notes the error")
+
+
+class HardwareMachine(ResourceMachine):
+    """Hardware between its consumers; nobody asks while it fails."""
+
+    def may_ask(self) -> bool:
+        """Whether a consumer may ask now."""
+        return self.any_has("available") and not self.has("failing") and not self.any_has("error")
+
+    @invariant()
+    def it_is_in_one_state(self) -> None:
+        """One of free, busy, failing, out of service."""
+        said = sum(self.has(part) for part in ("free", "busy", "failing", "OOS"))
+        self.one(said, f"{self.element[1]} is in {said} states")
+
+    @invariant()
+    def each_interface_is_in_one_state(self) -> None:
+        """One token of an interface, or the hardware is out of service."""
+        for owner in self.owners:
+            parts = ("available", "take", "answer", "release", "error")
+            said = sum(self.has(part, owner) for part in parts) + self.has("OOS")
+            self.one(said, f"an interface of {self.element[1]} holds {said} tokens")
+
+    @invariant()
+    def it_answers(self) -> None:
+        """At rest every request and release has been answered, and its status is known."""
+        if self.at_rest:
+            self.of.require(not self.any_has("take"), "a request is not answered")
+            self.of.require(not self.any_has("release"), "a release is not answered")
+            self.of.require(not self.has("failing"), "it fails for ever")
+            out = sorted(event.what.name for event in self.of.events)
+            expected = [what.name for what in self.expected()]
+            self.of.require(out == expected, f"{told(out)} may happen, expected {told(expected)}")
+
+    def expected(self) -> list[What]:
+        """The events that are possible at rest."""
+        return [What.REPAIRED if self.has("OOS") else What.OUT_OF_SERVICE]
+
+
+class SoftwareMachine(ResourceMachine):
+    """Software between its consumer and its producer, which does not serve."""
+
+    producer: ClassVar[tuple[str, str]]
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.runs = False
+
+    @property
+    def asked(self) -> bool:
+        """Whether the producer evaluates."""
+        return self.has("StartByRes", element=self.producer)
+
+    def owed(self) -> bool:
+        """Whether others must act before an event may happen."""
+        return super().owed() or self.asked or (self.runs and self.has("free"))
+
+    def may_give_back(self) -> bool:
+        """Whether a consumer may give back now."""
+        return super().may_give_back() and not self.asked and not self.of.internal
+
+    @precondition(lambda self: self.asked and not self.has("activation"))
+    @rule(runs=st.booleans())
+    def producer_decides(self, runs: bool) -> None:
+        """The producer, which has been started or evaluates again, runs or refuses."""
+        self.runs = runs
+        said, part = ("it runs", "activation") if runs else ("it refuses", "deactivation")
+        self.of.move(said, (self.at("StartByRes", element=self.producer),), (self.at(part),))
+
+    @precondition(lambda self: self.runs and self.at_rest)
+    @rule()
+    def producer_evaluates(self) -> None:
+        """The producer has lost something and evaluates again."""
+        self.of.move("it evaluates again", (), (self.at("StartByRes", element=self.producer),))
+
+    @precondition(lambda self: self.runs and self.has("free") and not self.asked)
+    @rule()
+    def producer_stops(self) -> None:
+        """Nobody holds the product: the producer stops."""
+        self.runs = False
+        self.of.move("it stops", (), (self.at("deactivation"),))
+
+    @invariant()
+    def its_interface_is_in_one_state(self) -> None:
+        """One token of the interface, or it waits, or is free."""
+        parts = ("available", "take", "answer", "release", "error", "waiting", "free")
+        said = sum(map(self.has, parts))
+        self.one(said, f"the interface of {self.element[1]} holds {said} tokens")
+
+    @invariant()
+    def it_answers(self) -> None:
+        """At rest nothing is on its way; it is held if its producer runs, and else to be had."""
+        if self.at_rest:
+            left = [part for part in ("take", "release", "waiting", "activation") if self.has(part)]
+            self.of.require(not left, f"{' and '.join(left)} is left")
+            part = "answer" if self.runs else "available"
+            self.of.require(
+                self.has(part), f"no {part}, though its producer {'runs' if self.runs else 'stopped'}"
+            )
+
+
+# What is lost at times that only others tell: while it runs, or before anybody knows.
+
+
+class CrashMachine(HardwareMachine):
+    """What stands for the crash of an activity, which holds it while it runs: only then it may fail."""
+
+    activity: ClassVar[tuple[str, str]]
+
+    @property
+    def runs(self) -> bool:
+        """Whether the activity runs."""
+        return self.has("active1", element=self.activity)
+
+    def may_give_back(self) -> bool:
+        """An activity that runs ends before it gives back."""
+        return super().may_give_back() and not self.runs
+
+    @precondition(lambda self: self.any_has("answer") and not self.runs and self.at_rest)
+    @rule()
+    def begins(self) -> None:
+        """The activity, which has been answered, runs."""
+        self.of.move("runs", (), (self.at("active1", element=self.activity),))
+
+    @precondition(lambda self: self.runs)
+    @rule()
+    def ends(self) -> None:
+        """The activity runs no more: it has been stopped, or takes note that it has crashed."""
+        self.of.move("runs no more", (self.at("active1", element=self.activity),), ())
+
+    def expected(self) -> list[What]:
+        """The events that are possible at rest."""
+        if self.has("OOS"):
+            return [What.REPAIRED]
+        return [What.OUT_OF_SERVICE] if self.runs and self.any_has("answer") else []
+
+
+class LateMachine(HardwareMachine):
+    """Hardware whose loss is detected late: by an activity that looks, or as an objective fails.
+
+    What is true is followed beside it: whether the hardware is gone, whether that is known, and whether it is
+    suspected, since an objective that may use it has failed while it was gone and in use.
+    """
+
+    looking: ClassVar[tuple[str, str]]
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.gone = self.known = self.suspected = False
+
+    @property
+    def looks(self) -> bool:
+        """Whether the activity runs that detects the loss."""
+        return self.has("active1", element=self.looking)
+
+    @precondition(lambda self: self.at_rest and self.of.events)
+    @rule(choice=CHOICE)
+    def happens(self, choice: int) -> None:
+        """An event of the template happens."""
+        events = list(self.of.events.items())
+        event, transition = events[choice % len(events)]
+        self.of.fire(transition)
+        self.gone = event.what is not What.REPAIRED
+        self.known = event.what is What.DETECTED
+        self.suspected = self.suspected and event.what is What.OUT_OF_SERVICE
+
+    @precondition(lambda self: self.at_rest)
+    @rule()
+    def begins_or_ends_to_look(self) -> None:
+        """The activity that detects the loss is started, or stopped."""
+        place = (self.at("active1", element=self.looking),)
+        said = "nobody looks" if self.looks else "somebody looks"
+        self.of.move(said, *((place, ()) if self.looks else ((), place)))
+
+    @precondition(lambda self: self.at_rest and self.has("undoubted"))
+    @rule()
+    def an_objective_fails(self) -> None:
+        """An objective that may use the hardware fails."""
+        self.suspected |= self.gone and not self.known and self.any_has("answer")
+        self.of.move("an objective fails", (self.at("undoubted"),), (self.at("doubted"),))
+
+    @precondition(lambda self: self.may_give_back())
+    @rule(choice=CHOICE)
+    def gives_back(self, choice: int) -> None:
+        """A consumer gives back, and what was suspected is known."""
+        self.known, self.suspected = self.known or self.suspected, False
+        self.passes_on(choice, "answer", "release", "gives back")
+
+    def expected(self) -> list[What]:
+        """The events that are possible at rest."""
+        if self.known:
+            return [What.REPAIRED]
+        if self.gone:
+            return [What.DETECTED] if self.looks else []
+        return [What.OUT_OF_SERVICE]
+
+    @invariant()
+    def it_says_what_is_true(self) -> None:
+        """At rest no doubt is left, and it is available unless it is held, or known to be gone."""
+        if self.at_rest:
+            self.of.require(not self.has("doubted") and self.has("undoubted"), "a doubt is left")
+            self.of.require(self.has("OOS") == self.known, f"its loss is known: {self.has('OOS')}")
+            had = self.any_has("answer")
+            self.of.require(self.has("available") != (had or self.known), "it is available, and it is not")
+            said = self.of.says("oos", self.element[1])
+            self.of.require(said == self.gone, f"it is out of service: {said}")
