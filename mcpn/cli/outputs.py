@@ -29,10 +29,10 @@ if TYPE_CHECKING:
 @click.argument("mission", type=FILE)
 @click.option(
     "--target",
-    type=click.Choice(["json", "c", "python", "scxml", "btcpp"]),
+    type=click.Choice(["json", "c", "python", "scxml", "btcpp", "ros2"]),
     default="json",
     show_default=True,
-    help="btcpp: a node of BehaviorTree.CPP 4 around the controller in C.",
+    help="btcpp: a node of BehaviorTree.CPP 4, around c; ros2: a package with a node, around python.",
 )
 @click.option("-o", "--output", type=FILE, required=True, help="Directory to write the controller to.")
 @click.option(

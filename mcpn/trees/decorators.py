@@ -50,7 +50,10 @@ def _loop(at: Translator, node: TreeNode, context: Context, times: str, *, fails
     result = at.piece(node.children[0], replace(context, again=context.again or count != 1))
     if isinstance(result, bool) or count == 0:
         made: Result = result if isinstance(result, bool) and count != 0 else not fails
-        at.note(node, became(made), Kind.EXACT)
+        if count not in (0, 1) and result is not fails:
+            at.note(node, became(made), Kind.LEFT_OUT, "that it returns between its rounds is not told")
+        else:
+            at.note(node, became(made), Kind.EXACT)
         return made
     if count is not None and 0 < count <= COPIES:
         # What has rounds or tries already gets an objective around it.

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import random
 import subprocess
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -18,19 +17,16 @@ from mcpn.controller.monitors import files as monitor_files
 from mcpn.controller.monitors import monitors_of
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
-from mcpn.drawing.compose import MissionNet, compose
-from mcpn.mission.model import Mission
-from mcpn.mission.xml import read_mission
+from mcpn.drawing.compose import MissionNet
 from mcpn.opening import open_study
-from mcpn.runtime import Action, Controller, Refused
 from mcpn.runtime.tables import Tables
+from tests.controller.small import WATCH, composed
 from tests.controller.traces import canonical
+from tests.controller.treed import FORMS, Modelled
 from tests.natives import LIBRARY, cpp_compiler, library_of
 
 HERE = Path(__file__).parent
 STRICT = ["-std=c++17", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"]
-START = "MISSION_EV_START"
-FORMS: tuple[Form, ...] = ("hierarchical", "modular", "flat")
 
 
 @pytest.fixture(scope="module", params=["stand-in", LIBRARY])
@@ -63,97 +59,6 @@ def _run(command: list[str]) -> None:
     assert (run.returncode, run.stderr) == (0, ""), run.stderr
 
 
-class Modelled:
-    """What the node is said to do, over the runtime: an independent telling of the header's comment."""
-
-    def __init__(self, mission: Mission, tables: Tables) -> None:
-        self.tables = tables
-        self.told: list[str] = []
-        self.fixed = {each.name for each in (*mission.faults, *mission.crashes)}
-        self.takes = {
-            (activity.name, way.name): [k for k in way.consumes if k not in self.fixed]
-            for activity in mission.activities
-            for way in activity.alternatives
-        }
-        self.hardware = {each.name for each in mission.hardware}
-        self.crashes = {each.name for each in mission.crashes}
-        self.controller = Controller(tables, log=1)
-        self.running = False
-        self.started: list[str] = []
-        self.timed: list[str] = []
-
-    def take(self, event: str) -> tuple[str, list[str]]:
-        try:
-            actions = self.controller.handle(event)
-        except Refused as refused:
-            return ("refused" if refused.known else "unknown"), []
-        for action in actions:
-            self._note(action)
-        return "taken", [str(action) for action in actions]
-
-    def _note(self, action: Action) -> None:
-        verb, what, *_ = str(action).split()
-        if verb == "start":
-            self.started.append(what)
-        elif verb == "stop":
-            self.started.remove(what)
-        elif verb == "arm":
-            self.timed.append(what)
-        elif verb == "disarm":
-            self.timed.remove(what)
-
-    def line(self, event: str) -> str:
-        if not event:
-            return canonical(self.halt())
-        if not self.running and event != START:
-            self.told.append(event)
-            return canonical("told: |")
-        actions: list[str] = []
-        if not self.running:
-            lost = self.controller.out_of_service
-            self.controller, self.running = Controller(self.tables, log=1), True
-            self.started, self.timed = [], []
-            for name in sorted(lost ^ self.controller.out_of_service):
-                if name in self.hardware and name not in self.crashes:
-                    actions += self.take(f"{name}_EV_{'OOS' if name in lost else 'RD'}")[1]
-            for each in self.told:
-                actions += self.take(each)[1]
-            self.told = []
-        status, more = self.take(event)
-        actions += more
-        c = self.controller
-        mode = " ".join(sorted(f"{a}.{way}" for a, way in c.mode.items()))
-        if c.outcome is not None:
-            self.running = False
-        said = f"{status}: {'; '.join(actions)} | {mode} | {' '.join(c.possible)} | {c.outcome or '-'}"
-        return canonical(said)
-
-    def halt(self) -> str:
-        actions: list[str] = []
-        if self.running:
-            actions += [f"disarm {name}" for name in self.timed]
-            modes = [(a, self.controller.mode[a]) for a in reversed(self.started)]
-            actions += [f"stop {a}" for a, _ in modes]
-            held = [k for mode in modes for k in self.takes[mode] if k in self.hardware]
-            actions += [f"release {k}" for k in dict.fromkeys(held)]
-        self.running = False
-        return f"halted: {'; '.join(actions)} |"
-
-    def events(self, rng: random.Random, steps: int) -> Iterator[str]:
-        """Events at random, impossible ones and halts among them; none before the start that would end it."""
-        every = sorted(self.tables.known)
-        for _ in range(steps):
-            chosen = rng.random()
-            if not self.running:
-                yield rng.choice([e for e in every if e != START]) if chosen < 0.5 else START
-            elif chosen < 0.01:
-                yield ""
-            elif chosen < 0.05:
-                yield rng.choice([*every, "no_such_EV"])
-            else:
-                yield rng.choice(self.controller.possible)
-
-
 def lockstep(mission_net: MissionNet, form: Form, folder: Path, against: list[str], steps: int) -> None:
     controller = generate(mission_net, form)
     program = compiled(files(controller, mission_net, "btcpp"), folder, against)
@@ -175,37 +80,6 @@ def test_a_tree_in_lockstep_with_the_runtime(
     form: Form, ulysse_net: MissionNet, against: list[str], tmp_path: Path
 ) -> None:
     lockstep(ulysse_net, form, tmp_path, against, 100_000 if form == "hierarchical" else 5_000)
-
-
-def composed(text: str, folder: Path) -> MissionNet:
-    (folder / "mission.xml").write_text(text)
-    return compose(read_mission(folder / "mission.xml"))
-
-
-WATCH = """
-<mission name="twice" xmlns="urn:mcpn:mission:1">
-  <robot name="r">
-    <hardware name="camera"/><hardware name="lamp" initial="oos"/><hardware name="gps" repairable="false"/>
-    <fault name="short" affects="camera lamp"/>
-    <fact name="door" values="open closed"/>
-    <event name="closes"><sets fact="door" to="closed"/></event>
-    <event name="opens"><sets fact="door" to="open"/></event>
-    <event name="leak"/>
-    <activity name="look" faulty="true"><alternative name="bright" consumes="camera"/>
-      <alternative name="dark" consumes="camera lamp"/></activity>
-    <activity name="go" consumes="gps" requires="door=open"/>
-    <activity name="rest"/>
-  </robot>
-  <on event="leak" goto="abort"/>
-  <parallel name="both">
-    <objective name="watch" activities="look" timeout="5" retries="1"/>
-    <objective name="leave" activities="go"/>
-  </parallel>
-  <objective name="wait" activities="rest" timeout="2.5">
-    <sets fact="door" to="closed" on="start"/>
-  </objective>
-</mission>
-"""
 
 
 @pytest.fixture(scope="module")

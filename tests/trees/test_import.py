@@ -131,6 +131,21 @@ def test_nodes_with_more_runs(name: str, tmp_path: Path) -> None:
             compare(sides(made, tree), exact=True)
 
 
+@pytest.mark.parametrize(
+    "tree",
+    [
+        node("Repeat", "<AlwaysSuccess/>", num_cycles=2),
+        node("RetryUntilSuccessful", "<AlwaysFailure/>", num_attempts=-1),
+    ],
+)
+def test_rounds_that_end_at_once_take_ticks_in_the_tree(tree: str, tmp_path: Path) -> None:
+    """Beside one of them a leaf of a parallel node may answer, and one without a number never ends."""
+    made, _ = imported(tmp_path, node("Parallel", tree, A, success_count=1))
+    assert made.ledger.kind is Kind.LEFT_OUT
+    made, _ = imported(tmp_path, tree.replace("2", "1").replace("-1", "1"))
+    assert made.ledger.kind is Kind.EXACT
+
+
 LEAVES = st.sampled_from([A, B, C, D, X, Y, "<AlwaysSuccess/>", "<AlwaysFailure/>"])
 
 

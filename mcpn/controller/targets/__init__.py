@@ -6,8 +6,8 @@ from mcpn.controller.modular import AnyController, ModularController
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError
 
-TARGETS = ("json", "c", "python", "scxml", "btcpp")
-OF_RULES = ("json", "c", "python", "btcpp")
+TARGETS = ("json", "c", "python", "scxml", "btcpp", "ros2")
+OF_RULES = ("json", "c", "python", "btcpp", "ros2")
 """Those of modular controllers."""
 
 
@@ -38,6 +38,10 @@ def files(controller: AnyController, mission_net: MissionNet, target: str) -> di
         from mcpn.controller.targets.btcpp import write_btcpp
 
         return write_btcpp(controller, mission_net)
+    if target == "ros2":
+        from mcpn.controller.targets.ros2 import write_ros2
+
+        return write_ros2(controller, mission_net)
     if isinstance(controller, ModularController):
         expected = f"{', '.join(OF_RULES[:-1])} or {OF_RULES[-1]}"
         raise InputError.at(None, f"found the target {target} of a modular controller, expected {expected}")

@@ -13,6 +13,7 @@ from mcpn.controller.targets.c import written
 from mcpn.controller.targets.names import c_string, comment, render
 from mcpn.controller.targets.tables import MachineNumbers, RuleNumbers
 from mcpn.drawing.compose import MissionNet
+from mcpn.mission.model import Mission
 from mcpn.nets.events import START, Event, What
 
 
@@ -89,15 +90,24 @@ def _told(mission_net: MissionNet) -> dict[str, dict[str, str]]:
     return found
 
 
-def _held(numbers: RuleNumbers | MachineNumbers, mission_net: MissionNet) -> Iterator[tuple[str, list[int]]]:
-    """By alternative, in the order of their numbers, the hardware that it takes."""
-    mission = mission_net.mission
-    place = {name: number for number, name in enumerate(numbers.hardware)}
+def held(mission: Mission) -> dict[tuple[str, str], list[str]]:
+    """By activity and alternative the hardware that the robot takes for it, and releases.
+
+    Args:
+        mission: The mission.
+    """
     stands = {each.name for each in (*mission.faults, *mission.crashes)}
-    takes = {
-        f"{activity.name}.{way.name}": [place[k] for k in way.consumes if k in place and k not in stands]
+    hardware = {each.name for each in mission.hardware} - stands
+    return {
+        (activity.name, way.name): [name for name in way.consumes if name in hardware]
         for activity in mission.activities
         for way in activity.alternatives
     }
+
+
+def _held(numbers: RuleNumbers | MachineNumbers, mission_net: MissionNet) -> Iterator[tuple[str, list[int]]]:
+    """By alternative, in the order of their numbers, the numbers of the hardware that it takes."""
+    place = {name: number for number, name in enumerate(numbers.hardware)}
+    takes = {".".join(way): [place[k] for k in names] for way, names in held(mission_net.mission).items()}
     for name in numbers.alternatives:
         yield name, takes[name]
