@@ -578,6 +578,7 @@ class TokenNet:
         seed: int,
         unsafe: bool = ...,
         counts: Sequence[int] = ...,
+        order: Sequence[int] = ...,
     ) -> list[tuple[int, list[int]]]:
         """Runs to the goals that were met; a second token in a place has the number after the last goal."""
 

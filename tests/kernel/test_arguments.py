@@ -67,6 +67,14 @@ def test_goals_are_those_of_the_net() -> None:
         kernel.Checker(net, [1, 0], other, [("goal", [0])], 1 << 20)
 
 
+def test_an_order_has_a_number_for_each_transition() -> None:
+    net = kernel.TokenNet(2, [([(0, 1)], [(0, -1), (1, 1)], 0)], False)
+    dead = kernel.Goals(2, [("dead", [], [], 0)])
+    with pytest.raises(ValueError, match="one number in the order"):
+        net.walk([1, 0], dead, [0], 10, 10, 0, False, [], [0, 1])
+    assert net.walk([1, 0], dead, [0], 10, 10, 0, False, [], [7]) == [(0, [0])]
+
+
 def test_what_is_nested_too_deep_for_the_stack_is_refused() -> None:
     net = kernel.TokenNet(2, [([(0, 1)], [(0, -1), (1, 1)], 0)], False)
     first: tuple[str, list[int], list[tuple[int, int]], int] = ("at_most", [], [(0, 1)], 0)

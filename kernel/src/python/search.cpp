@@ -119,20 +119,24 @@ void bind_search(nb::module_& module) {
       }, nb::arg("places"), nb::arg("transitions"), nb::arg("priorities"))
       .def("walk", [](const TokenNet& net, const Marking& initial, const Goals& goals,
                       const std::vector<std::uint32_t>& roots, std::uint64_t steps, std::uint64_t length,
-                      std::uint64_t seed, bool unsafe, const std::vector<Tokens>& counts) {
+                      std::uint64_t seed, bool unsafe, const std::vector<Tokens>& counts,
+                      const std::vector<std::uint32_t>& order) {
         check(initial, net);
         check(goals, roots, net);
         if (!counts.empty() && counts.size() != net.rules.size())
           throw std::invalid_argument("one count for each transition");
+        if (!order.empty() && order.size() != net.rules.size())
+          throw std::invalid_argument("one number in the order for each transition");
         const std::vector<Reached> found = run([&](const GoOn& go_on) {
-          return walk(net, initial, goals, roots, {steps, length, seed, unsafe, counts}, go_on);
+          return walk(net, initial, goals, roots, {steps, length, seed, unsafe, counts, order}, go_on);
         });
         std::vector<std::pair<std::uint32_t, std::vector<Transition>>> told;
         told.reserve(found.size());
         for (const Reached& reached : found) told.emplace_back(reached.goal, reached.run);
         return told;
       }, nb::arg("initial"), nb::arg("goals"), nb::arg("roots"), nb::arg("steps"), nb::arg("length"), nb::arg("seed"),
-         nb::arg("unsafe") = false, nb::arg("counts") = std::vector<Tokens>{})
+         nb::arg("unsafe") = false, nb::arg("counts") = std::vector<Tokens>{},
+         nb::arg("order") = std::vector<std::uint32_t>{})
       .def("seek", [](const TokenNet& net, const Marking& initial, const Goals& goals, std::uint32_t root,
                       bool stubborn, std::uint64_t max_states, std::uint64_t max_bytes) {
         check(initial, net);

@@ -86,6 +86,7 @@ struct WalkOptions {
   std::uint64_t steps, length, seed;  // firings in all, those tried included; before a walk begins anew
   bool unsafe;                        // also look for a second token in a place
   std::vector<Tokens> counts;         // how often each transition should fire, if there is a proposal
+  std::vector<std::uint32_t> order;   // a place for each transition, if walks to a deadlock are to begin by that order
 };
 struct Reached {
   std::uint32_t goal;  // its number in the list of roots; as many as there are roots: the unsafe firing

@@ -1,5 +1,7 @@
 // Walks: one marking at a time, what is enabled and how far the goals are kept up to date firing by firing.
 #include <algorithm>
+#include <set>
+#include <utility>
 
 #include "diagrams/store.hpp"
 #include "search/draw.hpp"
@@ -31,7 +33,13 @@ class Walker {
       for (const auto& [place, weight] : net.rules[t].need) missing0_[t] += initial[place] < weight;
   }
 
+  // From here on, what is enabled is kept sorted by these keys as well; by none where there are none.
+  void sort_by(const std::vector<std::uint32_t>* keys) { keys_ = keys; }
+  // The first of those that are enabled.
+  Transition first() const { return sorted_.begin()->second; }
+
   void begin() {
+    sorted_.clear();
     tokens_ = initial_;
     missing_ = missing0_;
     sums_ = sums0_;
@@ -111,12 +119,17 @@ class Walker {
   void insert(Transition t) {
     at_[t] = std::uint32_t(list(t).size());
     list(t).push_back(t);
+    if (keys_) sorted_.insert(key(t));
   }
   void remove(Transition t) {
     auto& from = list(t);
     at_[from.back()] = at_[t];
     from[at_[t]] = from.back();
     from.pop_back();
+    if (keys_) sorted_.erase(key(t));
+  }
+  std::pair<std::uint64_t, Transition> key(Transition t) const {
+    return {std::uint64_t(net_.order[t]) << 32 | (*keys_)[t], t};
   }
 
   const TokenNet& net_;
@@ -132,6 +145,8 @@ class Walker {
   std::vector<std::vector<Transition>> lists_;  // enabled, by the place of their rank
   std::vector<std::uint32_t> touched_, looked_;
   std::vector<bool> is_touched_;
+  const std::vector<std::uint32_t>* keys_ = nullptr;
+  std::set<std::pair<std::uint64_t, Transition>> sorted_;  // enabled, by rank and key
 };
 
 }  // namespace
@@ -163,16 +178,21 @@ std::vector<Reached> walk(const TokenNet& net, const Marking& initial, const Goa
     }
   };
 
+  // Components that are alike, each doing the same first, often lock each other: the second walk is by such an order.
+  const bool alike = !options.order.empty() && std::find(asks_dead.begin(), asks_dead.end(), true) != asks_dead.end();
   std::uint64_t spent = 0;
   for (std::uint64_t round = 0; left && spent < options.steps; ++round) {
+    const bool given = alike && round == 1;
+    walker.sort_by(given ? &options.order : nullptr);
     walker.begin();
     walker.crowded = walker.flooded = false;
     run.clear();
     for (std::uint32_t g = 0; round == 0 && g < roots.size(); ++g) walker.touch(g);
     look();
-    Mode mode = Mode(round % 3);
-    if (!options.counts.empty() && round % 2 == 0) mode = counted;
-    if (mode == ordered)
+    const std::uint64_t drawn = alike && round > 1 ? round - 1 : round;  // the round by order aside
+    Mode mode = given ? ordered : Mode(drawn % 3);
+    if (!given && !options.counts.empty() && round % 2 == 0) mode = counted;
+    if (mode == ordered && !given)
       for (auto& key : keys) key = std::uint32_t(draw.next() >> 32);
     if (mode == counted) remaining = options.counts;
     std::uint32_t focus = std::uint32_t(roots.size());  // the open goal that a guided walk heads for
@@ -182,7 +202,7 @@ std::vector<Reached> walk(const TokenNet& net, const Marking& initial, const Goa
         if (open[(first + i) % roots.size()]) focus = std::uint32_t((first + i) % roots.size());
       if (focus == roots.size()) mode = random;
     }
-    const std::uint64_t length = options.length << std::min<std::uint64_t>(round / 3 % 6, 5);
+    const std::uint64_t length = given ? options.length : options.length << std::min<std::uint64_t>(drawn / 3 % 6, 5);
     spent += 1 + net.rules.size() / 8;
     if (round % 256 == 255 && !go_on()) throw Interrupted();
     for (std::uint64_t step = 0; left && step < length && spent < options.steps; ++step, ++spent) {
@@ -203,6 +223,8 @@ std::vector<Reached> walk(const TokenNet& net, const Marking& initial, const Goa
             chosen = t;
           }
         }
+      } else if (given) {
+        chosen = walker.first();
       } else if (mode == ordered) {
         spent += count / 8;
         for (const Transition t : enabled)

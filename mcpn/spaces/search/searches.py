@@ -69,6 +69,25 @@ class Searches:
             transitions.append((list(needs(self.net, t).items()), changed, self.net.ranks[t]))
         return TokenNet(len(self.net.places), transitions, self.net.priorities)
 
+    @cached_property
+    def _orders(self) -> tuple[list[int], list[int]]:
+        """Two orders of the transitions, in which those of components that are alike stand together.
+
+        Their names differ in a number at the end alone. What is enabled at first comes first, in one order as
+        its names are met, in the other the reverse. A walk to a deadlock begins by such an order, for
+        components that all do the same first often lock each other: each philosopher takes the left fork.
+        """
+        net, stems = self.net, dict[str, int]()
+        of = [stems.setdefault(t.name.rstrip("0123456789"), len(stems)) for t in net.transitions]
+        late = [not net.covers(net.initial, t) for t in range(len(of))]
+        orders = []
+        for sign in (1, -1):
+            ranked = sorted(range(len(of)), key=lambda t: (late[t], of[t] if late[t] else sign * of[t]))
+            orders.append([0] * len(of))
+            for place, t in enumerate(ranked):
+                orders[-1][t] = place
+        return orders[0], orders[1]
+
     @property
     def _length(self) -> int:
         return max(WALK_LENGTH, 2 * len(self.net.transitions))
@@ -105,7 +124,9 @@ class Searches:
     ) -> list[tuple[int, list[int]]]:
         encoded, roots = encode(goals, len(self.net.places))
         length = max(self._length, 2 * sum(counts))
-        return self.kernel.walk(self.net.initial, encoded, roots, steps, length, seed, False, list(counts))
+        return self.kernel.walk(
+            self.net.initial, encoded, roots, steps, length, seed, False, list(counts), self._orders[seed % 2]
+        )
 
     def ends(self, start: Sequence[int], *, steps: int, walks: int, seed: int = 0) -> Iterator[list[int]]:
         """Markings that random walks come to, of a net without priorities; a dead one ends its walk.

@@ -14,6 +14,7 @@ from mcpn.nets.formats import read_net
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.search.goal import DEADLOCK, And, AtMost, marked
 from mcpn.spaces.search.searches import Searches, replay, shortened
+from mcpn.testing.nets import philosophers
 from tests.nets.nets import counter, nets, state_machines
 from tests.spaces.search.goals import all_markings, goals, is_goal
 
@@ -58,6 +59,16 @@ def test_walks_replay_and_end_in_the_goal(data: st.DataObject) -> None:
     for index, goal in enumerate(asked):
         if is_goal(goal, net, net.initial):
             assert found[index] == ()
+
+
+@pytest.mark.parametrize("count", [2, 400])
+def test_components_that_all_do_the_same_first_lock_each_other(count: int) -> None:
+    """A family whose two dead markings are known: nobody who draws a walk of 400 philosophers meets one."""
+    net = philosophers(count)
+    for seed in (0, 1):
+        (run,) = Searches(net).walk([DEADLOCK], steps=100 * count, seed=seed).values()
+        assert count == 2 or len(run) == 2 * count  # each wakes, and takes the fork of one side
+        assert not net.enabled(replay(net, run))
 
 
 @given(ANY_NETS)
