@@ -14,6 +14,18 @@ def enumeration(names: Sequence[str]) -> str:
     return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))
 
 
+def ordinal(number: int) -> str:
+    """A number as it counts times.
+
+    >>> [ordinal(number) for number in (1, 3, 11, 22)]
+    ['first', 'third', '11th', '22nd']
+    """
+    if number <= 3:
+        return ("first", "second", "third")[number - 1]
+    ending = "th" if number % 100 in (11, 12, 13) else {1: "st", 2: "nd", 3: "rd"}.get(number % 10, "th")
+    return f"{number}{ending}"
+
+
 def shortened(names: Sequence[str], most: int = 3) -> str:
     """The first few names of a list, and how many more there are.
 

@@ -11,12 +11,14 @@ from mcpn.answers.names import MissionNames, progress
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError, LimitError, Problem
 from mcpn.logic.evaluate import Evaluation
+from mcpn.logic.formulas import is_temporal
 from mcpn.logic.syntax import parse, show
 from mcpn.logic.vacuity import idle_parts
 from mcpn.logic.witness import Witness, explain
 from mcpn.mission.flatten import requirements_of
-from mcpn.mission.requirement import Requirement
+from mcpn.mission.requirement import BoundedExistence, Requirement
 from mcpn.nets.events import ENDING
+from mcpn.sentences import enumeration, ordinal
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.names import Names
 from mcpn.spaces.search.goal import Formula
@@ -171,12 +173,33 @@ def answer_requirements(
         evaluation = fairly() if each.requirement.fair else plain
         witness = explain(evaluation, each.formula, each.names)
         holds, parts = evaluation.holds(each.formula), tuple[str, ...]()
+        if not holds:
+            _say_when(each, witness, evaluation)
         if holds and each.requirement.expected == "holds":
             vacuous = idle_parts(each.formula, each.names.said, evaluation.holds)
             parts = tuple(show(part, each.names) for part in vacuous)
         idle = not holds and not each.requirement.fair and each.requirement.expected == "holds"
         idle = idle and _nothing_ends(mission_net, witness) and fairly().holds(each.formula)
         yield RequirementAnswer(each, holds, witness, vacuous=parts, fairly=idle)
+
+
+def _say_when(each: AskedRequirement, witness: Witness, evaluation: Evaluation[Any]) -> None:
+    """Of what comes about too often: says when it does, where the formula would be shown, which nests."""
+    if not isinstance(pattern := next(iter(each.requirement.patterns), None), BoundedExistence):
+        return
+    counted = parse(pattern.of, each.names)
+    if pattern.after or pattern.before or is_temporal(counted) or each.events:
+        return
+    from mcpn.answers.patterns.reading import clause
+
+    states, single = evaluation.states(counted), evaluation.space.single
+    holding = [bool(single(at) & states) for at in (witness.start, *(edge.target for edge in witness.steps))]
+    begins = [at for at, now in enumerate(holding) if now and not (at and holding[at - 1])]
+    if len(begins) > pattern.most:
+        times = [f"the {ordinal(n)} {witness.moment(at)}" for n, at in enumerate(begins, 1)]
+        kept = [note for note in witness.shown if isinstance(note, str)]
+        said = enumeration(["the first time " + times[0].removeprefix("the first "), *times[1:]])
+        witness.shown[:] = [f"{clause(counted, each.names)} for {said}", *kept]
 
 
 def _nothing_ends(mission_net: MissionNet, witness: Witness) -> bool:

@@ -94,10 +94,10 @@ class Witness:
         return [note if isinstance(note, str) else self._words(note) for note in self.shown]
 
     def _words(self, note: Note) -> str:
-        text = f"{self._moment(note.step)}, {note.where}: {show(note.formula, self.names)}"
+        text = f"{self.moment(note.step)}, {note.where}: {show(note.formula, self.names)}"
         return f"{text} ({note.reason})" if note.reason else text
 
-    def _moment(self, step: int) -> str:
+    def moment(self, step: int) -> str:
         """The moment after some steps: by events, as runs are shown, where the net has events."""
         if not self.space.net.priorities:
             return f"after step {step}"

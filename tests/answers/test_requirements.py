@@ -226,3 +226,32 @@ def test_runs_that_no_robot_makes_are_told(asked: str, fairly: bool, tmp_path: P
     assert plain.holds is False
     assert bool(plain.advice) is plain.fairly is fairly
     assert (bool(fair.holds), fair.advice) == (fairly, "")
+
+
+DIGS = """<mission name="digs" xmlns="urn:mcpn:mission:1">
+  <robot name="r"><activity name="dig"/><activity name="move"/></robot>
+  <requirement name="few"><bounded_existence of="objective(dig)" most="{most}"/></requirement>
+  <objective name="dig" activities="dig" success="succeed" failure="move"/>
+  <objective name="move" activities="move" success="dig" failure="fail"/>
+</mission>"""
+
+
+@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize(
+    ("most", "said"),
+    [
+        (1, "dig runs for the first time after event 1 and the second after event 3"),
+        (3, "the second after event 3, the third after event 5 and the 4th after event 7"),
+    ],
+)
+def test_what_comes_about_too_often_is_told_time_by_time(
+    most: int, said: str, engine: Asked, tmp_path: Path
+) -> None:
+    """The moments are those of the run that is shown; no nest of untils stands beside it."""
+    path = tmp_path / "digs.xml"
+    path.write_text(DIGS.format(most=most))
+    (answer,) = check(compose(read_mission(path)), engine=engine).requirements
+    assert answer.holds is False
+    assert answer.witness is not None
+    assert [note for note in answer.witness.notes if said in note]
+    assert not any(" U " in note for note in answer.witness.notes)
