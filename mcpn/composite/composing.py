@@ -22,7 +22,7 @@ from mcpn.composite.section_type import ALL, Explored, SectionType, explore_and_
 from mcpn.composite.sections import Stage, WholeNet
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.mortal import crashing_anytime, forgetful, mortal
-from mcpn.drawing.sections import SectionParts, junction_part, part_of, refuse_wide
+from mcpn.drawing.sections import SectionParts, junction_part, many_apart, part_of, refuse_wide
 from mcpn.drawing.templates import TemplateSet
 from mcpn.drawing.templates.named import looks_at_no_names
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, WorkersError
@@ -88,7 +88,8 @@ def composite_space(
     nets = {name: with_death(net) for name, net in immortal.items()}
     explored: dict[str, Explored] = {}
     dying = [net.net if may_die else None for net in nets.values()]
-    results = _explored([net.net for net in immortal.values()], dying)
+    wide = [many_apart(parts[name]) for name in nets]
+    results = _explored([net.net for net in immortal.values()], dying, wide)
     for number, name in enumerate(nets, 1):
         step(Doing.EXPLORING, section=name, number=number, total=len(nets))
         with in_section(name):
@@ -121,15 +122,17 @@ def _itself(mission_net: MissionNet) -> MissionNet:
     return mission_net
 
 
-def _explored(nets: Sequence[PetriNet], dying: Sequence[PetriNet | None]) -> Iterator[Explored]:
+def _explored(
+    nets: Sequence[PetriNet], dying: Sequence[PetriNet | None], wide: Sequence[bool]
+) -> Iterator[Explored]:
     """Explores some nets, and yields results in their order; workers send proofs, too."""
-    pairs = list(zip(nets, dying, strict=True))
     executor = workers()
+    each = list(zip(nets, dying, wide, strict=True))
     if executor is None:
-        yield from (explore_local(*pair) for pair in pairs)
+        yield from (explore_local(*one) for one in each)
         return
     try:
-        futures = [executor.submit(explore_and_prove, *pair) for pair in pairs]
+        futures = [executor.submit(explore_and_prove, *one) for one in each]
         for future in futures:
             yield future.result()
     except Exception as error:

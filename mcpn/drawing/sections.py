@@ -40,14 +40,20 @@ MOST_BRANCHES = 30
 MOST_HARDWARE = 120
 """Hardware resources that may fail in one such section."""
 
+MOST_OF_BOTH_APART = 900
+"""The product of the two, where no failure of hardware concerns two branches."""
+
 MOST_OF_BOTH = 600
-"""The product of the two."""
+"""The same, where some failure does."""
 
 MOST_OF_BOTH_WIDE = 200
-"""The same where the section has more than :data:`MOST_AT_ONCE` branches."""
+"""The same, where the section has more than :data:`MOST_AT_ONCE` branches as well."""
 
 MOST_AT_ONCE = 12
 """Such branches that one failure of hardware concerns: each more doubles at least what may come of it."""
+
+FEW_BRANCHES = 8
+"""Branches that are apart from one another and whose big steps are found first; of more all markings are."""
 
 MOST_ALTERNATIVES = 60
 """Alternatives of one activity in such a section."""
@@ -351,9 +357,11 @@ def refuse_wide(parts: Iterable[LocalPart]) -> None:
         (section,) = part.graph.sections
         branches, hardware = _width(part.graph), len(part.faulty)
         same, may_fail = "branches that may run at the same time", "hardware resources that may fail"
-        listed = MOST_AT_ONCE < branches <= MOST_BRANCHES and hardware <= MOST_HARDWARE
+        listed = 1 < branches <= MOST_BRANCHES and hardware <= MOST_HARDWARE
         most, concerned = _most_concerned(part) if listed else ("", 0)
         of_both = MOST_OF_BOTH_WIDE if branches > MOST_AT_ONCE else MOST_OF_BOTH
+        if concerned <= 1:
+            of_both = MOST_OF_BOTH_APART
         ways, widest = max(((len(a.alternatives), a.name) for a in part.used.activities), default=(0, ""))
         for found, limit, what in (
             (branches, MOST_BRANCHES, same),
@@ -367,6 +375,14 @@ def refuse_wide(parts: Iterable[LocalPart]) -> None:
                     f"{section.name} has {found} {what}, the limit for composition and diagrams is {limit}"
                 )
                 raise LimitError(str(Problem(section.source, message)))
+
+
+def many_apart(part: LocalPart) -> bool:
+    """Whether one section has so many branches, apart from one another, that few markings say what happens.
+
+    An event that stops them all then has very many big steps, and all markings one small diagram.
+    """
+    return _width(part.graph) > FEW_BRANCHES and _most_concerned(part)[1] <= 1
 
 
 def _most_concerned(part: LocalPart) -> tuple[str, int]:

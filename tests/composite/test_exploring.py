@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -13,9 +14,10 @@ from mcpn.composite.composing import composite_space
 from mcpn.composite.section_type import Explored, explore_and_prove, explore_local
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.mortal import mortal
-from mcpn.drawing.sections import SectionParts
+from mcpn.drawing.sections import SectionParts, many_apart
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
-from mcpn.mission.model import Mission, Objective, Recursive
+from mcpn.mission.model import Mission, Objective, Parallel, Recursive
+from mcpn.mission.robot import Hardware
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.diagrams.symbolic import reach
 from mcpn.spaces.stable import big_steps
@@ -89,16 +91,40 @@ def test_many_steps_come_after_all_markings(monkeypatch: pytest.MonkeyPatch) -> 
     assert by_markings.space.stable is not None
     assert by_markings.space.stable.count() == stable
 
-    def limited(_: PetriNet) -> None:
+    def limited(_: PetriNet) -> Iterator[int]:
+        yield 1
         raise LimitError("too many bytes")
 
-    monkeypatch.setattr(exploring, "reach", limited)
+    monkeypatch.setattr(exploring, "reaching", limited)
     after_all = explore_local(net)
     assert after_all.steps is not None
     assert after_all.space.reachable.count() == stable
     monkeypatch.setattr(exploring, "MOST_STEPS", 1)
     with pytest.raises(LimitError, match="too many bytes"):
         explore_local(net)
+
+
+@pytest.mark.parametrize(
+    ("branches", "apart", "wide"), [(9, True, True), (8, True, False), (9, False, False)]
+)
+def test_many_branches_that_are_apart_are_reached_by_markings(
+    branches: int, apart: bool, wide: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The composite is the same as by big steps, which such branches have very many of."""
+    ways = [(f"h{i}",) if apart or i else ("h0", "h1") for i in range(branches)]
+    of = robot(
+        tuple(Hardware(name=f"h{i}", shared=True) for i in range(branches)),
+        *(activity(f"a{i}", way) for i, way in enumerate(ways)),
+    )
+    work = tuple(Objective(name=f"o{i}", activities=(f"a{i}",)) for i in range(branches))
+    found = compose(mission(of, Parallel(name="p", blocks=work)))
+    assert many_apart(SectionParts(found.usage).alone(found.graph.sections[0])) is wide
+    said = []
+    for first in (0, exploring.WIDE_FIRST):
+        monkeypatch.setattr(exploring, "WIDE_FIRST", first)
+        space = composite_space(found)
+        said.append((space.everything.count(), space.firings(space.everything)))
+    assert said[0] == said[1]
 
 
 @pytest.mark.parametrize("stepped", [True, False])

@@ -377,8 +377,10 @@ AT_ONCE = "branches that may run at the same time"
     [
         ((MOST_BRANCHES + 1, 1), f"31 {AT_ONCE}, .* is 30", (MOST_BRANCHES, 1)),
         ((1, MOST_HARDWARE + 1), "121 hardware resources that may fail, .* is 120", (1, MOST_HARDWARE)),
-        ((20, 11), rf"220 \(20 {AT_ONCE}\) x \(11 hardware .*\), .* is 200", (20, 10)),
-        ((12, 51), rf"612 \(12 {AT_ONCE}\) x \(51 hardware .*\), .* is 600", (12, 50)),
+        ((30, 31), rf"930 \(30 {AT_ONCE}\) x \(31 hardware .*\), .* is 900", (30, 30)),
+        ((20, 11, 2), rf"220 \(20 {AT_ONCE}\) x \(11 hardware .*\), .* is 200", (20, 10, 2)),
+        ((12, 51, 2), rf"612 \(12 {AT_ONCE}\) x \(51 hardware .*\), .* is 600", (12, 50, 2)),
+        ((12, 76), rf"912 \(12 {AT_ONCE}\) x \(76 hardware .*\), .* is 900", (12, 75)),
         (
             (15, 13, MOST_AT_ONCE + 1),
             f"13 {AT_ONCE} and that the loss of h0 concerns, .* is 12",
