@@ -16,6 +16,7 @@ Each space is built once (:mod:`mcpn.spaces.kept`): these questions share a list
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -328,7 +329,7 @@ class Study:
             max_states: The most states that it may have.
 
         Returns:
-            The graph in arrays, which goes to networkx.
+            The graph in arrays, which goes to networkx; of a mission with what each state says of it.
 
         Raises:
             SemanticsError: The net is not 1-safe, or of stable states, internal evolution is not confluent.
@@ -339,6 +340,8 @@ class Study:
             >>> stable = mcpn.open("experiments/ulysse/mission.xml").graph().to_networkx()
             >>> stable.number_of_nodes(), stable.number_of_edges()
             (260, 1332)
+            >>> stable.nodes[0]["out_of_service"], stable.nodes[0]["mode"]
+            ((), {})
         """
         from mcpn.spaces.arrays import ArraySpace
         from mcpn.spaces.engines import Choice
@@ -348,7 +351,13 @@ class Study:
             space = self.spaces.space(Choice("explicit", max_states=max_states), "markings")
         else:
             space = self.alternatives(max_states=max_states)
-        return space.graph if isinstance(space, ArraySpace) else written_out(space, "listed", max_states)
+        graph = space.graph if isinstance(space, ArraySpace) else written_out(space, "listed", max_states)
+        if self.is_net:
+            return graph
+        from mcpn.answers.verdicts.modes import in_fields, situation
+
+        of = self.mission_net
+        return replace(graph, told=lambda marking: in_fields(situation(of, marking)))
 
     def controller(
         self,

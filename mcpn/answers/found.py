@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from random import Random
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from mcpn.answers.verdicts.modes import Situation, situation
+from mcpn.answers.verdicts.modes import Situation, in_fields, situation
 from mcpn.errors import LimitError
 from mcpn.spaces.algebra import Space
 
@@ -152,7 +152,7 @@ class FoundStates:
         number = {tuple(self.space.marking(state)): n for n, state in enumerate(states)}
         for n, state in enumerate(states):
             said = self.said(state)
-            graph.add_node(n, **(vars_of(said) if isinstance(said, Situation) else {"marking": dict(said)}))
+            graph.add_node(n, **(in_fields(said) if isinstance(said, Situation) else {"marking": dict(said)}))
         for n, state in enumerate(states):
             for edge in self.space.edges(state):
                 target = number.get(tuple(self.space.marking(edge.target)))
@@ -212,8 +212,3 @@ class FoundStates:
         if not isinstance(self.space, Diagrams):
             raise LimitError(f"engine {self.engine} holds no diagram: ask with engine='symbolic'")
         return diagram_of(self.space.encoding, self.space.net, self.states)
-
-
-def vars_of(said: Situation) -> dict[str, Any]:
-    """The fields of a situation, by name."""
-    return {name: getattr(said, name) for name in Situation.__dataclass_fields__}

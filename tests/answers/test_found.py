@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
+from dataclasses import fields
 from functools import cache
 
 import networkx
@@ -13,14 +14,15 @@ from hypothesis import strategies as st
 
 import mcpn
 from mcpn.answers.found import FoundStates
-from mcpn.answers.verdicts.modes import Situation
+from mcpn.answers.verdicts.modes import Situation, situation
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.nets.petri import NetBuilder
 from mcpn.spaces.diagrams.shown import EMPTY, END, Diagram
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engines import Engine, On
 from mcpn.study import Study
 from mcpn.testing import missions
+from mcpn.testing.kit.corpus import MISSIONS
 from mcpn.testing.nets import FAMILIES
 from tests.draws import fewer
 from tests.shares import returns_early
@@ -79,6 +81,24 @@ def test_a_sample_is_drawn_evenly() -> None:
         assert len(drawn) == found.count == 6
         assert min(drawn.values()) > 60
         assert len({str(said) for said in found.sample(6)}) == 6
+
+
+@pytest.mark.parametrize("on", ["alternatives", "markings"])
+@pytest.mark.parametrize("name", ["facts", "found late", "pauses"])
+def test_a_graph_of_a_mission_says_in_networkx_what_its_states_say(name: str, on: On) -> None:
+    """Each node says what the situation there says, and the tokens beside it."""
+    study = mcpn.open(MISSIONS[name])
+    listed = study.graph(on)
+    graph = listed.to_networkx()
+    assert len(graph) == len(listed) > 5
+    for state, tokens in enumerate(listed):
+        now = situation(study.mission_net, listed.marking(state))
+        said = {field.name: getattr(now, field.name) for field in fields(now)}
+        assert graph.nodes[state] == {"marking": tokens, **said}
+    if on == "alternatives":
+        found = study.satisfying().to_networkx()
+        said_by = [Counter(str(node["mode"]) for _, node in g.nodes(data=True)) for g in (graph, found)]
+        assert said_by[0] == said_by[1]
 
 
 def test_states_go_to_networkx(ulysse: Mission) -> None:

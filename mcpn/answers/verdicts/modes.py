@@ -11,7 +11,7 @@ from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, field
 from functools import cache
 from itertools import compress
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from mcpn._kernel import Zdd
 from mcpn.spaces.images import ImageStore
@@ -65,6 +65,11 @@ class Situation:
     outcome: str | None = None
     facts: Mode = field(default_factory=dict)
     unnoticed: tuple[str, ...] = ()
+
+
+def in_fields(said: Situation) -> dict[str, Any]:
+    """A situation by the names of its fields, for tables and graphs of other libraries."""
+    return {name: getattr(said, name) for name in Situation.__dataclass_fields__}
 
 
 def situation(mission_net: MissionNet, marking: tuple[int, ...]) -> Situation:

@@ -51,6 +51,8 @@ class StateGraph(Drawn):
         labelled: Shape (edges,), the transition fired; or what finds those of some markings.
         fields: By place the word, the lowest bit and the number of bits that count its tokens, where places
             hold several.
+        told: What a marking says beside its tokens, by name, where more is known of the net: of a mission
+            what runs.
     """
 
     net: PetriNet
@@ -59,6 +61,7 @@ class StateGraph(Drawn):
     targets: Ints | Targets
     labelled: Ints | Callable[[Words], Ints]
     fields: tuple[Field, ...] | None = field(default=None, kw_only=True)
+    told: Callable[[tuple[int, ...]], Mapping[str, object]] | None = field(default=None, kw_only=True)
 
     def __repr__(self) -> str:
         sizes = f"{len(self.markings):,} states, {self.edges:,} edges"
@@ -150,15 +153,16 @@ class StateGraph(Drawn):
         """The graph in networkx, whose algorithms say what mcpn does not ask.
 
         Returns:
-            States as numbers, each with its ``marking`` (tokens by the name of a marked place); an edge for
-            each firing, its key and ``transition`` the transition's name, with its ``event`` (``None`` for an
-            internal one).
+            States as numbers, each with its ``marking`` (tokens by the name of a marked place), of a mission
+            also with ``objectives``, ``mode``, ``waiting``, ``refused``, ``out_of_service``, ``facts`` and
+            ``outcome``; an edge for each firing, its key and ``transition`` the transition's name, with its
+            ``event`` (``None`` for an internal one).
         """
         import networkx
 
         graph: nx.MultiDiGraph[int] = networkx.MultiDiGraph(name=self.net.name)
         for state, marking in enumerate(self):
-            graph.add_node(state, marking=marking)
+            graph.add_node(state, marking=marking, **(self.told(self.marking(state)) if self.told else {}))
         fired = [(t.name, None if t.event is None else str(t.event)) for t in self.net.transitions]
         edges = zip(self.sources.tolist(), self.targets.tolist(), self.labels.tolist(), strict=True)
         for source, target, label in edges:
