@@ -58,7 +58,8 @@ def run_engine(engine: str, mission: Mission) -> Result:
     composite = found.alternatives
     assert isinstance(composite, CompositeSpace), {n: v.explanation for n, v in found.verdicts.items()}
     types = {placed.type for placed in composite.sections.values()}
-    most = max(len(placed.faulty) for placed in composite.sections.values())
+    carried = (stage.type.carried for stage in composite.sections.values())
+    most = max(sum(kind == "hardware" for kind, _ in of) for of in carried)
     local = sum(type_.inside.count() >> len(composite.layout.all_slots) for type_ in types)
     return {"stable": composite.everything.count(), "local": local, "types": len(types), "most": most}
 

@@ -16,12 +16,14 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 from mcpn.drawing.templates import Canvas, PaperTemplates, TemplateSet
 from mcpn.drawing.templates.compact import CompactTemplates
 from mcpn.mission.flatten import ObjectivesGraph
 from mcpn.mission.robot import Activity, Hardware, Software
+from mcpn.nets.events import Event, What
+from mcpn.testing.kit.promises import STATES
 from mcpn.testing.kit.running import broken
 from mcpn.testing.kit.units import MACHINES, driven
 
@@ -34,6 +36,7 @@ class Drawn:
     produce: tuple[tuple[str, str], ...]
     read: tuple[tuple[str, str], ...]
     rank: int = 0
+    event: Event | None = None
 
 
 Arcs = tuple[tuple[str, str], ...]
@@ -89,6 +92,18 @@ def both(first: Change, second: Change) -> Change:
     return change
 
 
+def happens_as(**words: What) -> Change:
+    """It is of another event of the same element: by what it should be, what it is."""
+
+    def change(drawn: Drawn) -> Drawn:
+        event = drawn.event
+        if event is None or event.what.name not in words:
+            return drawn
+        return replace(drawn, event=replace(event, what=words[event.what.name]))
+
+    return change
+
+
 def missing(_: Drawn) -> None:
     """It is not drawn."""
 
@@ -129,13 +144,13 @@ class Faulty(PaperTemplates):
             def side(name: str) -> Arcs:
                 return tuple((self._part(canvas, place), place) for place in arcs[name])
 
-            before = Drawn(side("consume"), side("produce"), side("read"), arcs["rank"])
+            before = Drawn(side("consume"), side("produce"), side("read"), arcs["rank"], arcs["event"])
             after = self.change(before)
             self.changed += after != before
             if after is not None:
                 for name_of_side in ("consume", "produce", "read"):
                     arcs[name_of_side] = [place for _, place in getattr(after, name_of_side)]
-                draw(name, **{**arcs, "rank": after.rank})
+                draw(name, **{**arcs, "rank": after.rank, "event": after.event})
 
         vars(canvas)["transition"] = transition
         try:
@@ -184,6 +199,8 @@ BY_ELEMENT: dict[str, dict[str, Fault]] = {
         "it has failed and is given back: a race is missing": ("hardware", "4", missing),
         "it returns and is not available": ("hardware", "EV_RD", forgets("available")),
         "shared, it fails and the first who is told takes it": ("hardware", "6", takes("failing")),
+        "it is out of service, and available as well": ("hardware", "3", keeps("available")),
+        "its repair is told as a failure": ("hardware", "EV_RD", happens_as(REPAIRED=What.OUT_OF_SERVICE)),
     },
     "software": {
         "it does not start its producer": ("software", "1", forgets("StartByRes")),
@@ -195,6 +212,7 @@ BY_ELEMENT: dict[str, dict[str, Fault]] = {
         "its producer starts again while it is held: a race is missing": ("software", "7", missing),
         "it answers whether its producer runs or not": ("software", "2", ignores("running")),
         "it refuses whether its producer does or not": ("software", "3", ignores("refusing")),
+        "it is given back, and its producer asked for still": ("software", "4", forgets("unused")),
     },
     "activities": {
         "it selects and does not ask": ("activity", r"sel\d+", forgets("take")),
@@ -210,12 +228,27 @@ BY_ELEMENT: dict[str, dict[str, Fault]] = {
         "it stops before anybody has decided: swapped ranks": ("activity", r"stop\d+", ranked(-9)),
         "it returns to what is not possible": ("activity", r"back\d+", ignores("service")),
         "a retry begins before what stops is idle": ("objective", "begin", keeps("idle")),
+        "it never tries its first alternative": ("activity", r"(sel|else)1", never_taken),
+        "it never returns to what is better": ("activity", r"back\d+", missing),
+        "it loses a resource and gives nothing back": ("activity", r"err\d+", forgets("release")),
     },
     "control": {
         "an objective succeeds and stops nothing": ("objective", "EV_OK", forgets("Stop")),
         "an objective fails and runs still": ("objective", "EV_FAIL", keeps("")),
         "a block never ends": ("parallel", "exit_.*", missing),
         "a block ends again and again": ("parallel", "exit_.*", keeps("ok")),
+        "success is told as failure, and failure as success": (
+            "objective",
+            r"EV_(OK|FAIL)\d*",
+            happens_as(SUCCESS=What.FAILURE, FAILURE=What.SUCCESS),
+        ),
+        "an objective succeeds whatever runs": (
+            "objective",
+            r"EV_OK\d*",
+            both(ignores("active"), ignores("running")),
+        ),
+        "the mission starts, and may start again": ("mission", "EV_START", keeps("begin")),
+        "what an objective has ended rests for ever": ("mission", "rested", missing),
     },
     "facts": {
         "an event changes nothing and ends what was": ("fact", "EV.*", forgets("false")),
@@ -236,6 +269,7 @@ BY_ELEMENT: dict[str, dict[str, Fault]] = {
         ),
         "a route looks at no fact": ("objective", r"EV_FAIL\d+", ignores("false")),
         "the route of a block looks at no fact": ("parallel", "exit_.*", ignores("left")),
+        "what begins changes facts after activities have looked": ("objective", r"start\d+", ranked(99)),
     },
     "late loss": {
         "its loss is seen though nobody looks": ("hardware", "EV_DETECTED_.*", ignores("active")),
@@ -249,15 +283,27 @@ BY_ELEMENT: dict[str, dict[str, Fault]] = {
         ),
         "it is gone and not misused": ("hardware", "9g", both(keeps("fine"), forgets("misused"))),
         "it is repaired and gone still": ("hardware", "EV_RD", both(keeps("gone"), forgets("well"))),
+        "a doubt is never dropped": ("hardware", "doubt_f", missing),
+        "it is noticed, and suspected still": (
+            "hardware",
+            r"EV_DETECTED_s\d+",
+            both(keeps("suspected"), forgets("trusted")),
+        ),
     },
     "crashes": {
         "it crashes while it does not run": ("hardware", r"EV_OOS\d+", ignores("active")),
         "what is lost never returns": ("hardware", "EV_RD", missing),
+        "it crashes, and runs on": ("hardware", r"EV_OOS\d+", forgets("error")),
     },
     "timeout": {
         "its time is never over": ("objective", r"EV_TIMEOUT\d*", missing),
         "its time is over and it runs on": ("objective", r"EV_TIMEOUT\d*", keeps("")),
         "its time is over and nothing stops": ("objective", r"EV_TIMEOUT\d*", forgets("Stop")),
+        "its time is over, and that is told as a failure": (
+            "objective",
+            r"EV_TIMEOUT\d*",
+            happens_as(TIMEOUT=What.FAILURE),
+        ),
     },
     "handlers, once": {
         "what happens once happens again": (
@@ -281,10 +327,13 @@ BY_ELEMENT: dict[str, dict[str, Fault]] = {
         "a block pauses and nothing stops": ("parallel", r"pause\d+", forgets("Stop")),
         "after a pause nothing goes on": ("parallel", "over.*", forgets("resume")),
         "a paused branch is not entered again": ("parallel", r"resume\d+", forgets("enter")),
+        "what runs during a pause never ends it": ("parallel", "over.*", missing),
+        "a block that pauses is never halted": ("parallel", r"paused\d+", missing),
     },
     "gates": {
         "what begins does not wait for what stops": ("objective", "begin", ignores("idle")),
         "a gate never opens": ("objective", "begin", missing),
+        "a gate opens before what stops has stopped: swapped ranks": ("objective", "begin", ranked(-99)),
     },
     "contention": {
         "it waits and cannot be stopped": ("activity", r"cancel\d+", missing),
@@ -332,6 +381,25 @@ class Warming(PaperTemplates):
             del vars(canvas)["transition"]
 
 
+class Held(PaperTemplates):
+    """Hardware whose private places have names of its own, which it maps to the states of hardware."""
+
+    hardware_states: ClassVar = {**STATES, "used": ("held",), "between": ("going_down",)}
+
+    def hardware(self, canvas: Canvas, resource: Hardware) -> None:
+        """The paper's, by other names."""
+        named, own = canvas.place_of, {"busy": "held", "failing": "going_down"}
+
+        def place_of(kind: str, element: str, *part: str) -> str:
+            return named(kind, element, *(own.get(word, word) for word in part))
+
+        vars(canvas)["place_of"] = place_of
+        try:
+            super().hardware(canvas, resource)
+        finally:
+            del vars(canvas)["place_of"]
+
+
 class Noted(PaperTemplates):
     """Software with a place of its own that says nothing."""
 
@@ -347,6 +415,7 @@ RIGHT: Mapping[str, Callable[[], TemplateSet]] = {
     "compact, nothing combined": lambda: CompactTemplates(at_once=0, combined=0),
     "hardware that warms up": Warming,
     "software with a place that nobody needs": Noted,
+    "hardware whose places have other names": Held,
 }
 """Sets of templates that are right."""
 

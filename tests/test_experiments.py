@@ -69,8 +69,7 @@ def test_counts_of_the_paper_are_those_of_today() -> None:
 
 def test_counts_of_growing_missions_in_the_paper_are_those_of_today() -> None:
     """Up to four parts, by the engine that keeps diagrams."""
-    table = PAPER.read_text().partition("<!-- measured: growth -->\n")[2].partition("<!-- end -->")[0]
-    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines()[2:]]
+    rows = rows_of("growth")
     told = [(family, int(n), int(markings), int(stable)) for family, n, _, markings, stable, *_ in rows]
     small = [row for row in told if row[1] <= 4]
     assert len(small) == 8
@@ -79,6 +78,51 @@ def test_counts_of_growing_missions_in_the_paper_are_those_of_today() -> None:
         f"for family, n, markings, stable in {small!r}:\n"
         "    found = find('symbolic', family, n)\n"
         "    assert (found['markings'], found['stable']) == (markings, stable), (family, n, found)\n"
+    )
+    found = python("-c", script)
+    assert found.returncode == 0, found.stderr
+
+
+def rows_of(table: str) -> list[list[str]]:
+    """The rows of a table of the paper, below its head."""
+    text = PAPER.read_text().partition(f"<!-- measured: {table} -->\n")[2].partition("<!-- end -->")[0]
+    return [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines()[2:]]
+
+
+def test_counts_beside_seconds_in_the_paper_are_those_of_today() -> None:
+    """What is counted of sections, causes, and what decides each event; of those that take seconds."""
+    sections = [(int(n), *counts) for n, *counts in (row[:5] for row in rows_of("sections")) if int(n) <= 100]
+    causes = [
+        (*name.split(" of "), *map(int, counts)) for name, *counts in (r[:4] for r in rows_of("causes"))
+    ]
+    small = {"courier", "drone", "ulysse", "ladder 10", "producers 4", "share 2", "drivers 2", "drivers 3"}
+    ways = {row[0]: [*map(int, row[1:8]), row[11].partition("; ")[2]] for row in rows_of("ways")}
+    chosen = {name: counts for name, counts in ways.items() if name in small}
+    assert (len(sections), len(causes), len(chosen)) == (2, 7, 8)
+    script = (
+        "import causes, orders\n"
+        "from composition import run_engine\n"
+        "from missions import Parameters, generate\n"
+        "from mcpn.answers.causes.find import find_causes\n"
+        "from mcpn.drawing.compose import compose\n"
+        f"for number, *counts in {sections!r}:\n"
+        "    found = run_engine('local', generate(Parameters(number, min(20, number), 30, per_section=4)))\n"
+        "    said = [str(found[key]) for key in ('types', 'most', 'local', 'stable')]\n"
+        "    assert said == counts, (number, said)\n"
+        "shapes = {'in a row': causes.in_a_row, 'in a chain': causes.in_a_chain}\n"
+        f"for shape, parts, hardware, cuts, paths in {causes!r}:\n"
+        "    of = compose(shapes[shape](int(parts), 3))\n"
+        "    found = find_causes(of, engine='local').mission\n"
+        "    told = len(of.mission.hardware), len(found.cut_sets), 3 ** int(parts)\n"
+        "    assert told == (hardware, cuts, paths), (shape, parts, told)\n"
+        f"chosen = {chosen!r}\n"
+        "for name, net in orders.nets():\n"
+        "    if name in chosen:\n"
+        "        found = orders.listed(net, 'enough')\n"
+        "        kept = str(found['kept']).partition('; ')[2]\n"
+        "        told = [found['states'], found['edges'], *found['decided'], kept]\n"
+        "        assert told == chosen.pop(name), (name, told)\n"
+        "assert not chosen, chosen\n"
     )
     found = python("-c", script)
     assert found.returncode == 0, found.stderr

@@ -51,7 +51,12 @@ ONE_MACHINE = {
         "a block never aborts",
         "a block is decided and never left",
         "a block pauses and nothing stops",
-        *BY_ELEMENT["gates"],
+        "what begins does not wait for what stops",
+        "a gate never opens",
+        "the mission starts, and may start again",
+        "success is told as failure, and failure as success",
+        "an objective succeeds whatever runs",
+        "what runs during a pause never ends it",
     ),
 }
 """Faults that one machine finds; what else is wrong with facts and control shows in whole missions."""

@@ -10,7 +10,7 @@ objectives graph; a ``product`` of an activity; the ``loss`` of hardware that an
 stands for its crash; a ``reader``, an activity with an alternative that requires the fact,
 or needs a supplier that does.
 
-Status has no agreed parts: what templates declare by a role (the values of facts) is known by the role.
+What templates call otherwise is known by the role that they declare (:data:`BY_ROLE`), as are facts.
 """
 
 from __future__ import annotations
@@ -118,7 +118,7 @@ def contract_of_arcs(of: Subject, parts: Contract = PARTS) -> None:
             if meaning is None:
                 continue  # a place that the templates have named themselves
             kind, element, *part = meaning
-            known = _known(parts.get(kind, {}), part[0] if part else "", found.roles.get(place))
+            known = _known(parts, kind, part[0] if part else "", found.roles.get(place))
             side, allowed = _sides(found, by, (kind, element), known)
             for letter in WORDS:
                 if place in arcs[letter] and letter not in allowed:
@@ -126,11 +126,27 @@ def contract_of_arcs(of: Subject, parts: Contract = PARTS) -> None:
                     raise Violation(f"{message}, which the {side} of {kind} {element} may not")
 
 
-def _known(parts: Mapping[str, Entry], part: str, role: Role | None) -> Entry | None:
-    """The row of a part: by its name, for numbered alternatives without the number, for facts by role."""
-    if role is not None and role[0] == "fact":
-        return parts.get("value")
-    return parts.get(part) or parts.get(part.rstrip("0123456789"))
+BY_ROLE: Mapping[RoleName, tuple[str, str]] = {
+    "fact": ("fact", "value"),
+    "oos": ("hardware", "OOS"),
+    "active": ("activity", "active"),
+    "refused": ("activity", "refusing"),
+}
+"""By role the row for places that templates have called otherwise: they are known by what they say."""
+
+
+def _known(parts: Contract, kind: str, part: str, role: Role | None) -> Entry | None:
+    """The row of a part: by its name, for numbered alternatives without the number, else by its role.
+
+    With a place of a name of its own the owner does what it likes; values of facts have no other name.
+    """
+    rows = parts.get(kind, {})
+    named = rows.get(part) or rows.get(part.rstrip("0123456789"))
+    if named is None and role is not None and role[0] in BY_ROLE:
+        of, row = BY_ROLE[role[0]]
+        said = rows.get(row) if of == kind else None
+        return said if of == "fact" else said and (said[0], {**said[1], "owner": "tpr"})
+    return named
 
 
 def _sides(

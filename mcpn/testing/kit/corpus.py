@@ -108,6 +108,40 @@ MISSIONS: dict[str, Mission] = {
         replace(objective("x", "a", "look", failure="y"), handlers=(Handler(event="leave", goto="y"),)),
         objective("y", "a"),
     ),
+    "found late by another": mission(
+        robot(
+            (replace(hw("h")[0], detected="late"),),
+            activity("p", ("h",), produces=("s",)),
+            activity("a", ("s",)),
+            activity("b", ("s",)),
+            replace(activity("look", ()), detects=("h",)),
+        ),
+        Parallel(name="all", blocks=(objective("u", "a"), objective("v", "b"), objective("w", "look"))),
+    ),
+    "kept": mission(
+        replace(
+            robot(
+                hw("h", "g"),
+                activity("p", ("h",), ("g",), produces=("s",)),
+                activity("a", ("s",)),
+                _requiring("b", ("s",), (), "lit"),
+            ),
+            facts=(Fact(name="lit", initial="true"),),
+        ),
+        Parallel(
+            name="both",
+            blocks=(
+                Recursive(
+                    name="r",
+                    blocks=(
+                        replace(objective("x", "a"), sets=(FactChange(fact="lit", to="false"),)),
+                        objective("y", "a"),
+                    ),
+                ),
+                objective("z", "b"),
+            ),
+        ),
+    ),
     "crashes": mission(
         robot(
             hw("h"),
@@ -174,6 +208,28 @@ MISSIONS: dict[str, Mission] = {
             name="both",
             handlers=(Handler(event="rain", pause="shelter", once=True),),
             blocks=(objective("u", "a"), objective("v", "b")),
+        ),
+        objective("shelter", "b"),
+    ),
+    "pauses in a branch": mission(
+        robot(hw("h"), activity("a", ("h",)), activity("b", ()), activity("c", ()), events=("rain", "stop")),
+        Parallel(
+            name="all",
+            handlers=(Handler(event="stop", pause="shelter"),),
+            blocks=(
+                Recursive(
+                    name="r",
+                    blocks=(
+                        Parallel(
+                            name="both",
+                            handlers=(Handler(event="rain", pause="inside"),),
+                            blocks=(objective("u", "a"), objective("v", "b")),
+                        ),
+                        objective("inside", "b"),
+                    ),
+                ),
+                objective("w", "c"),
+            ),
         ),
         objective("shelter", "b"),
     ),

@@ -12,8 +12,10 @@ True
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
+from itertools import chain
 from typing import Any
 
 from hypothesis import HealthCheck, Phase, given, settings
@@ -22,6 +24,8 @@ from hypothesis import strategies as st
 from mcpn.drawing.templates import PaperTemplates, TemplateSet
 from mcpn.errors import InputError, LimitError
 from mcpn.mission.model import Mission
+from mcpn.mission.renaming import renamed
+from mcpn.mission.robot import Activity
 from mcpn.mission.validate import find_errors
 from mcpn.testing import Shape, missions
 from mcpn.testing.data import data_sharing_missions
@@ -34,14 +38,36 @@ from mcpn.testing.shape import UNCONTENDED, as_xml
 
 
 def smaller_missions(mission: Mission) -> Iterator[Mission]:
-    """Valid missions with one element, or one attribute, less; those that leave out most first.
+    """Valid missions with one element, attribute or name less; those that leave out most first.
 
     Args:
         mission: A valid mission.
     """
-    for smaller in _smaller(mission):
+    produced = (_without(mission, software.name) for software in mission.software)
+    for smaller in chain(produced, _smaller(mission)):
         if not find_errors(smaller):
             yield smaller
+
+
+def _without(mission: Mission, software: str) -> Mission:
+    """A mission in which nobody produces some software, nor consumes it."""
+
+    def less(names: tuple[str, ...]) -> tuple[str, ...]:
+        return tuple(name for name in names if name != software)
+
+    def changed(activity: Activity) -> Activity:
+        ways = tuple(replace(way, consumes=less(way.consumes)) for way in activity.alternatives)
+        return replace(activity, produces=less(activity.produces), alternatives=ways)
+
+    robots = (
+        replace(
+            robot,
+            software=tuple(one for one in robot.software if one.name != software),
+            activities=tuple(map(changed, robot.activities)),
+        )
+        for robot in mission.robots
+    )
+    return replace(mission, robots=tuple(robots))
 
 
 def _smaller(element: Any) -> Iterator[Any]:
@@ -63,6 +89,9 @@ def _smaller(element: Any) -> Iterator[Any]:
             for number, inner in enumerate(value):
                 for less in _smaller(inner) if is_dataclass(inner) else ():
                     yield replace(element, **{field.name: (*value[:number], less, *value[number + 1 :])})
+    if isinstance(element, Activity) and [way.name for way in element.alternatives] != [element.name]:
+        for only in element.alternatives if len(element.alternatives) == 1 else ():
+            yield replace(element, alternatives=(replace(only, name=element.name),))
 
 
 # --- Runs properties on drawn missions; what breaks one is shrunk to the smallest mission that does -------
@@ -167,7 +196,8 @@ def broken(
         found = _smallest(strategy, share, templates, asked)
         if found is not None:
             return found
-    return next(of_the_corpus(templates, properties), None)
+    found = next(of_the_corpus(templates, properties), None)
+    return found and without_leftovers(found, templates, properties, MOST_OF_THE_CORPUS)
 
 
 def _smallest(
@@ -192,19 +222,42 @@ def _smallest(
         holds()
     except Violation:
         assert last is not None, "it has been noted before it was raised"
-        return without_leftovers(last, templates, properties)
+        return numbered_anew(without_leftovers(last, templates, properties), templates, properties)
     return None
 
 
 def without_leftovers(
-    found: BrokenProperty, templates: TemplateSet, properties: Mapping[str, Property]
+    found: BrokenProperty,
+    templates: TemplateSet,
+    properties: Mapping[str, Property],
+    most: int = MOST_MARKINGS,
 ) -> BrokenProperty:
     """The same on a mission without the elements that the violation does not need, as far as one finds."""
+    if found.property == "no_dead_transition":
+        return found  # asked of missions that need all that is drawn
     for smaller in smaller_missions(found.mission):
-        again = first_broken(smaller, templates, properties)
+        again = first_broken(smaller, templates, properties, most)
         if again is not None and again.property == found.property:
-            return without_leftovers(again, templates, properties)
+            return without_leftovers(again, templates, properties, most)
     return found
+
+
+def numbered_anew(
+    found: BrokenProperty, templates: TemplateSet, properties: Mapping[str, Property]
+) -> BrokenProperty:
+    """The same with elements numbered from 0 by kind, where what was left out leaves gaps."""
+    given: dict[tuple[str, str], str] = {}
+    count: Counter[tuple[str, str]] = Counter()
+
+    def rename(kind: str, name: str) -> str:
+        if (kind, name) not in given:
+            plain = name.rstrip("0123456789")
+            given[kind, name] = f"{plain}{count[kind, plain]}" if plain != name else name
+            count[kind, plain] += 1
+        return given[kind, name]
+
+    again = first_broken(renamed(found.mission, rename), templates, properties)
+    return again if again is not None and again.property == found.property else found
 
 
 def of_the_corpus(

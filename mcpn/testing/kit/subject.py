@@ -64,12 +64,14 @@ class Subject:
         max_states: The most markings that it may have.
 
     Attributes:
+        templates: The same.
         mission_net: Its net, with what places mean.
     """
 
     def __init__(
         self, mission: Mission, templates: TemplateSet | None = None, *, max_states: int = MOST_MARKINGS
     ) -> None:
+        self.templates = templates
         self.mission_net: MissionNet = compose(mission, templates)
         self._spaces = MissionSpaces(self.mission_net, templates=templates)
         self._choice = Choice("explicit", max_states=max_states)
@@ -78,7 +80,7 @@ class Subject:
     def known(cls, mission_net: MissionNet, markings: StateGraph) -> Subject:
         """A subject whose markings have been listed already."""
         of = cls.__new__(cls)
-        of.mission_net, of._spaces = mission_net, MissionSpaces(mission_net)
+        of.templates, of.mission_net, of._spaces = None, mission_net, MissionSpaces(mission_net)
         of._choice = Choice("explicit", max_states=MOST_MARKINGS)
         vars(of)["markings"] = markings
         return of
