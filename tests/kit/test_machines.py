@@ -18,7 +18,9 @@ ELSEWHERE = {
     "it answers whether its producer runs or not": "serving producers",
     "it refuses whether its producer does or not": "serving producers",
     "it stops before anybody has decided: swapped ranks": "serving producers",
+    "it is given back, and its producer asked for still": "serving producers",
     "it returns to what is not possible": "returns to better alternatives",
+    "it never returns to what is better": "returns to better alternatives",
 }
 """Faults that show where a template is of a form that no machine drives."""
 
@@ -36,7 +38,9 @@ ONE_MACHINE = {
         "an event leaves what was",
         "an event that changes facts never happens",
     ),
-    "late loss": (*BY_ELEMENT["late loss"],),
+    "late loss": (
+        *(name for name in BY_ELEMENT["late loss"] if name != "it is noticed, and suspected still"),
+    ),
     "crash": (*BY_ELEMENT["crashes"],),
     "control": (
         "an objective succeeds and stops nothing",
