@@ -491,6 +491,29 @@ def interrupted_missions(draw: st.DrawFn) -> Mission:
 
 
 @st.composite
+def spared_missions(draw: st.DrawFn) -> Mission:
+    """A row of objectives that fail only when all that they could use is lost, mostly beside another one.
+
+    Args:
+        draw: Given by hypothesis.
+    """
+    rates, durations = st.sampled_from([0.1, 0.3]), st.sampled_from([0.5, 1.0, 4.0])
+    names = [f"h{i}" for i in range(draw(st.integers(2, 3)))]
+    hardware = tuple(
+        Hardware(name=name, failure_rate=draw(rates), repair_rate=draw(st.sampled_from([None, None, 0.2])))
+        for name in names
+    )
+    used = [draw(st.lists(st.sampled_from(names), unique=True, max_size=3)) for _ in range(3)]
+    ways: list[list[tuple[str, ...]]] = [[(name,) for name in some] or [()] for some in used]
+    of = robot(hardware, *(activity(f"a{i}", *each) for i, each in enumerate(ways)))
+    blocks = tuple(
+        Objective(name=f"o{i}", activities=(f"a{draw(st.integers(0, 2))}",), duration=draw(durations))
+        for i in range(draw(st.integers(2, 4)))
+    )
+    return Mission(name="m", robots=(of,), blocks=blocks)
+
+
+@st.composite
 def any_missions(draw: st.DrawFn) -> Mission:
     """Missions of any shape, small, with rates.
 

@@ -27,7 +27,7 @@ from mcpn.mission.xml import read_mission
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.engines import Engine
 from mcpn.spaces.stable.alternatives import direct
-from tests.answers.dense import Dense, Numbers, any_missions, interrupted_missions
+from tests.answers.dense import Dense, Numbers, any_missions, interrupted_missions, spared_missions
 from tests.answers.exact import exact_ends, scaled
 from tests.draws import MOST_TRANSITIONS, campaign, fewer
 from tests.logic.asked import ENGINES
@@ -355,6 +355,12 @@ def test_what_goes_round_before_it_ends(factor: float, engine: Engine) -> None:
 @given(DRAWN)
 def test_numbers_are_those_of_a_dense_solve(mission: Mission) -> None:
     assume(judge(mission).partition(" ")[0] in ("no", "interruptions"))
+
+
+@fewer(0.3)
+@given(spared_missions(), st.sampled_from([1.0, 1e-6, 1e-12]))
+def test_what_fails_where_all_spares_are_lost_is_as_rare_as_that(mission: Mission, factor: float) -> None:
+    assert_exact(mission, (factor,))
 
 
 @pytest.mark.slow

@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 from hypothesis import Phase, assume, event, find, given, settings
 
+from mcpn.controller.generate import generate
+from mcpn.controller.minimise import minimise
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.templates import Canvas, PaperTemplates
 from mcpn.errors import ConfluenceError, DivergenceError, InputError, LimitError
@@ -31,6 +33,7 @@ from tests.drawing.promises import check_promises
 from tests.draws import fewer
 from tests.shares import returns_early
 from tests.small import activity, hw, robot
+from tests.small import mission as small_mission
 
 LIMIT = 40_000
 
@@ -423,6 +426,18 @@ def test_wide_parallel_blocks_are_left_one_by_one() -> None:
     # ended in one of two ways; besides the begin and the two ends; all with the hardware in service or not.
     running = sum((2 if k else 1) * 3 ** (8 - k) for k in range(9))
     assert graph.states == 2 * (running + 1 + 2)
+
+
+def test_the_order_of_many_children_changes_what_is_noted_and_not_what_they_do() -> None:
+    sizes, behaviours = set(), set()
+    for order in (range(7), range(6, -1, -1), (3, 6, 5, 2, 0, 4, 1)):
+        of = robot(hw("h"), *(activity(f"a{i}", ("h",) if i == 0 else ()) for i in order))
+        blocks = tuple(Objective(name=f"o{i}", activities=(f"a{i}",)) for i in order)
+        controller = generate(compose(small_mission(of, Parallel(name="p", blocks=blocks))), "flat")
+        sizes.add(controller.states)
+        behaviours.add(minimise(controller).states)
+    assert len(sizes) > 1
+    assert len(behaviours) == 1
 
 
 def test_a_caller_s_templates_replace_the_paper_s() -> None:
