@@ -10,10 +10,20 @@ from typing import Any
 
 from mcpn.mission.language.forms import language
 from mcpn.mission.language.references import EXITS
-from mcpn.mission.model import BlockElement, Each, FactRoute, Handler, Mission, Objective, Parallel, Protocol
+from mcpn.mission.model import (
+    BlockElement,
+    Each,
+    EntryGuard,
+    FactRoute,
+    Handler,
+    Mission,
+    Objective,
+    Parallel,
+    Protocol,
+)
 from mcpn.mission.xml import MAX_DEPTH
 
-_INSIDE = (Handler.TAG, FactRoute.TAG)
+_INSIDE = (Handler.TAG, FactRoute.TAG, EntryGuard.TAG)
 _SERIES = (Mission.TAG, Protocol.TAG, Objective.TAG, Each.TAG)
 _HELPERS = ("recover", "pause")
 """Attributes that name a sibling which is run for a block."""

@@ -57,6 +57,15 @@ class _FactChecks:
         for block in self.blocks:
             if block.handlers:
                 yield from self.handled(block.handlers)
+            for guard in block.guards:
+                who = f"a guard of {block.name} asks for"
+                yield from self.condition(guard.source, who, guard.when)
+                yield from self.both(guard.source, who, guard.when)
+                if not guard.when:
+                    yield Problem(guard.source, f"a guard of {block.name} asks for no fact")
+            if len(block.guards) > 1:
+                words = (text for guard in block.guards for text in guard.when)
+                yield from self.both(block.source, f"the guards of {block.name} ask for", words)
             for route in block.routes:
                 who = f"a route of {block.name} asks for"
                 yield from self.condition(route.source, who, route.when)
@@ -183,6 +192,10 @@ def fact_warnings(world: FactUsage, graph: ObjectivesGraph) -> Iterator[Problem]
                 if values[change.fact] == {change.to}:
                     said = f"objective {block.name} sets {change.fact} to {change.to}, which it always is"
                     yield Problem(change.source, said)
+            for guard in block.guards:
+                never = _never(world, values, guard.when)
+                if never:
+                    yield Problem(guard.source, f"{block.name} is never entered: {never}")
             for route in block.routes:
                 never = _never(world, values, route.when)
                 if never:

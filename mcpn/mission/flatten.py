@@ -14,9 +14,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 
 from mcpn.errors import InputError, Source
 from mcpn.mission.expansion.copies import Copies
+from mcpn.mission.expansion.guards import guarded
 from mcpn.mission.expansion.leads import Lead, Leads, by_facts
 from mcpn.mission.expansion.pauses import PAUSE, sheltered, suffix_at
 from mcpn.mission.expansion.recovery import entered, following, helping
@@ -138,7 +140,7 @@ class _Flattening:
         around: tuple[Handler, ...] = (),
     ) -> None:
         """Adds the sections of sibling blocks, under handlers that lead to them as well."""
-        routes = {block.name: Lead(self.entry(block, scope)) for block in blocks} | exits
+        routes = guarded(blocks, partial(self.entry, scope=scope), exits, self.facts)
         scope = self.handling(scope, around, routes, "")
         after, named = following(blocks), {block.name: block for block in blocks}
         aside = helping(blocks)

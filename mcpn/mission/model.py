@@ -108,6 +108,25 @@ class FactRoute(Described):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class EntryGuard(Described):
+    """What facts must be for the block around it to be entered, and what is entered in its place.
+
+    It is asked whenever a route or a handler leads to the block, not between its tries, rounds and runs. The
+    first of several that does not hold counts. The first block of a series has none, nor has a child of a
+    parallel block, nor a block that is run for another one.
+    """
+
+    TAG = "enter"
+    when: Annotated[When, "What facts must be, all of them: door=open !holding."]
+    otherwise: Annotated[
+        str,
+        ROUTE,
+        Called("else"),
+        "Where what leads to it leads else: a sibling, which may be guarded too, succeed, fail or abort.",
+    ]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class BlockElement(Element):
     """What every block carries, whatever its kind."""
 
@@ -149,6 +168,7 @@ class BlockElement(Element):
         "What is meant while nothing fails. entered: the mission comes to the block, and ends. endless: it "
         "may go on in the block for ever. optional: it may leave the block out.",
     ] = "entered"
+    guards: tuple[EntryGuard, ...] = ()
     routes: tuple[FactRoute, ...] = ()
     handlers: tuple[Handler, ...] = ()
 

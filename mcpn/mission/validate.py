@@ -15,6 +15,7 @@ from mcpn.mission.expansion.faults import (
     detection_errors,
     failure_errors,
 )
+from mcpn.mission.expansion.guards import guard_problems, of_branches
 from mcpn.mission.expansion.pauses import no_siblings, pause_problems
 from mcpn.mission.expansion.recovery import problems as recoveries
 from mcpn.mission.expansion.scope import clashes
@@ -295,6 +296,7 @@ class _Checks:
             yield from self.routing(siblings)
             yield from recoveries(siblings, around if siblings is blocks else ())
             yield from pause_problems(siblings, blocks)
+            yield from guard_problems(siblings)
         if isinstance(owner, Mission):
             yield from self.handlers(owner.name, owner.handlers, {block.name: None for block in blocks})
             yield from no_siblings(owner.name, owner.handlers, "put its blocks into an objective")
@@ -323,6 +325,9 @@ class _Checks:
             for exit_name, route in (*leads, *_timed_out(block)):
                 if route is not None:
                     yield from self.route(block.source, f"{exit_name} of {block.name}", route, names)
+            for guard in block.guards:
+                what = f"the guard of {block.name} when {' '.join(guard.when)}"
+                yield from self.route(guard.source, what, guard.otherwise, names)
             for each in block.routes:
                 what = f"the route of {block.name} when {' '.join(each.when)}"
                 yield from self.route(each.source, what, each.goto, names)
@@ -403,6 +408,7 @@ class _Checks:
             yield Problem(block.source, message)
         if not any(child.mandatory for child in block.blocks):
             yield Problem(block.source, f"parallel block {block.name} has no mandatory child")
+        yield from of_branches(block)
         for child in block.blocks:
             if isinstance(child, Parallel):
                 message = f"parallel block {block.name} holds the parallel block {child.name} directly"

@@ -7,6 +7,7 @@ from typing import Literal, TypeVar
 
 from hypothesis import strategies as st
 
+from mcpn.mission.expansion.guards import guard_problems
 from mcpn.mission.expansion.pauses import pause_problems
 from mcpn.mission.expansion.recovery import helping, problems
 from mcpn.mission.model import (
@@ -15,6 +16,7 @@ from mcpn.mission.model import (
     SUCCEED,
     Block,
     Each,
+    EntryGuard,
     FactRoute,
     Handler,
     Mission,
@@ -110,7 +112,19 @@ class MissionDrawing(RobotDrawing):
             blocks.append(block)
             taken += size
         routed = tuple(self.routed(block, i, blocks) for i, block in enumerate(blocks))
-        return self.led(self.pausing(self.recovering(routed))), taken
+        return self.guarded(self.led(self.pausing(self.recovering(routed)))), taken
+
+    def guarded(self, blocks: tuple[Block, ...]) -> tuple[Block, ...]:
+        """A series, perhaps with guards on blocks, where they may be."""
+        for place in range(1, len(blocks) if self.facts else 1):
+            if not self.rarely(self.shape.guards):
+                continue
+            targets = [SUCCEED, FAIL, *(b.name for b in blocks[0 if self.shape.loops else place + 1 :])]
+            guards = (EntryGuard(when=self.condition(), otherwise=self.draw(st.sampled_from(targets))),)
+            block = replace(blocks[place], guards=guards)
+            found = (*blocks[:place], block, *blocks[place + 1 :])
+            blocks = blocks if any((*guard_problems(found), *problems(found, ()))) else found
+        return blocks
 
     def recovering(self, blocks: tuple[Block, ...]) -> tuple[Block, ...]:
         """A series, perhaps with a block that recovers by another one, where it may."""

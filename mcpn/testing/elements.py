@@ -92,6 +92,10 @@ WORLD = missions(sections=5, hardware=2, producers=2, facts=2, events=1)
 """Facts that objectives and events change, and that routes and alternatives read."""
 WORLD_ABORTED = missions(sections=6, hardware=2, producers=1, branches=3, facts=2, aborts=4, early=3)
 WORLD_APART = missions(UNCONTENDED, sections=5, hardware=2, outputs=3, events=1, facts=2)
+GUARDED = missions(
+    sections=6, objectives=4, hardware=1, producers=1, alternatives=2, facts=2, events=1, guards=6, aborts=1
+)
+"""Blocks that are entered only where facts are so."""
 IN_ROUNDS = missions(
     sections=6, hardware=1, producers=0, activities=2, alternatives=1, events=1, interrupted=True
 )

@@ -45,6 +45,7 @@ class Shape:
         events: Most declared events; with some, blocks and the mission handle them.
         interrupted: Whether most blocks handle each event, most handlers happen once, and half of the blocks
             are done in rounds; else a third, a quarter and a quarter.
+        guards: How many of ten blocks behind the first of a series have a guard, where there are facts.
         facts: Most facts of the world; with some, objectives and events change them, routes and alternatives
             read them.
         shared_activities: Whether two objectives may start the same activity.
@@ -85,6 +86,7 @@ class Shape:
     led: int = 0
     events: int = 0
     interrupted: bool = False
+    guards: int = 0
     facts: int = 0
     shared_activities: bool = True
     disjoint_branches: bool = False

@@ -221,7 +221,7 @@ def test_halt_gives_the_mission_up(twice: MissionNet, against: list[str], tmp_pa
 def test_a_port_of_no_entry_is_an_error(twice: MissionNet, against: list[str], tmp_path: Path) -> None:
     body = 'try { tick(); } catch (const BT::RuntimeError &error) { std::cout << error.what() << "\\n"; }'
     found = played(twice, tmp_path, against, body, "<twice_mission events='leak'/>")
-    assert found[-1] == "port events must name an entry of the blackboard: {events}"
+    assert found[-1].endswith("port events must name an entry of the blackboard: {events}")
 
 
 def test_monitors_are_conditions(twice: MissionNet, against: list[str], tmp_path: Path) -> None:
@@ -257,7 +257,7 @@ def test_monitors_are_conditions(twice: MissionNet, against: list[str], tmp_path
     again = found.index("FAILURE") + 1
     assert found[found.index("halts") + 1 : again] == ["stop look", "release camera", "FAILURE"]
     assert found[again : again + 2] == ["FAILURE", "taken MISSION_EV_START"]
-    assert found[-1] == "1"
+    assert found[found.index("RUNNING", again) + 1] == "1"
 
 
 def test_names_that_are_keywords(tmp_path: Path, against: list[str]) -> None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from hypothesis import strategies as st
 
-from mcpn.mission.model import Block, FactRoute, Mission, Objective, Recursive
+from mcpn.mission.model import Block, EntryGuard, FactRoute, Mission, Objective, Recursive
 from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Fact, FactChange, Robot
 
 DOOR = st.sampled_from(["closed open", "closed ajar open", "closed ajar open stuck"]).map(
@@ -16,8 +16,11 @@ HELD = Fact(name="held")
 
 
 @st.composite
-def deciding(draw: st.DrawFn) -> Mission:
-    """Blocks in blocks, with routes of conditions at each depth; events change the facts at any moment."""
+def deciding(draw: st.DrawFn, guards: bool = False) -> Mission:
+    """Blocks in blocks, with routes of conditions at each depth; events change the facts at any moment.
+
+    With guards most blocks behind the first of a series have one or two.
+    """
     door = draw(DOOR)
     words = [*(f"door={value}" for value in door.values), "held", "!held"]
 
@@ -36,6 +39,12 @@ def deciding(draw: st.DrawFn) -> Mission:
         )
         return replace(block, routes=routes)
 
+    def guarded(targets: list[str]) -> tuple[EntryGuard, ...]:
+        """None, one, or one for each fact: no two that exclude each other."""
+        count = draw(st.integers(0, 2))
+        whens = [condition()] if count == 1 else [(draw(st.sampled_from(words[:-2])),), ("held",)][:count]
+        return tuple(EntryGuard(when=when, otherwise=draw(st.sampled_from(targets))) for when in whens)
+
     def series(depth: int, prefix: str) -> tuple[Block, ...]:
         names = [f"{prefix}{letter}" for letter in "ab"[: draw(st.integers(1, 2))] + "c" * (not prefix)]
         blocks: list[Block] = []
@@ -43,7 +52,10 @@ def deciding(draw: st.DrawFn) -> Mission:
             block: Block = Objective(name=name, activities=("go",))
             if depth and not index:
                 block = Recursive(name=name, blocks=series(depth - 1, name))
-            blocks.append(routed(block, ["succeed", "fail", *names[index + 1 :]]))
+            block = routed(block, ["succeed", "fail", *names[index + 1 :]])
+            if guards and index:
+                block = replace(block, guards=guarded(["succeed", "fail", *names[index + 1 :]]))
+            blocks.append(block)
         return tuple(blocks)
 
     changes = [(door.name, value) for value in door.values] + [("held", "true"), ("held", "false")]

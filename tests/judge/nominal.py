@@ -162,7 +162,10 @@ class Level:
         if isinstance(route, WrittenBlock):
             way.append(entry(route))
         elif node is not self.of and node.parent is not None and route in node.parent.children:
-            way.append(entry(node.parent.children[route]))
+            child = node.parent.children[route]
+            for guard in child.guards:
+                self.goto(node, guard.otherwise, aside, aside)
+            (aside if child.guards else way).append(entry(child))
         elif node is self.of or node.parent is None or node.parent.parent is None:
             self.ends[id(self.unit)].add(str(route))
         else:
@@ -202,6 +205,7 @@ def led_otherwise(node: WrittenBlock) -> bool:
         if of.written == node.written and key != node.written:
             return True
         targets |= {of.failure, of.abort, of.timed_out, *(route.goto for route in of.deciding)}
+        targets |= {guard.otherwise for guard in of.guards}
         targets |= {handler.goto for handler in of.handlers}
     return node.written in targets
 
@@ -227,6 +231,7 @@ def only_helps(unit: WrittenBlock) -> bool:
                 to for of in siblings.values() for to in (of.success, of.failure, of.abort, of.timed_out)
             }
             routes |= {route.goto for of in siblings.values() for route in of.deciding}
+            routes |= {guard.otherwise for of in siblings.values() for guard in of.guards}
             routes |= {handler.goto for of in siblings.values() for handler in of.handlers}
             routes |= {handler.goto for handler in node.parent.handlers if node.parent.parent is None}
             if node.written not in routes:

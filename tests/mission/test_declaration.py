@@ -243,6 +243,7 @@ REFERS = {
     "recover": "block",
     "pause": "block",
     "goto": "block",
+    "else": "block",
     "fact": "fact",
     "requires": "condition",
     "when": "condition",

@@ -233,7 +233,10 @@ def _helpers(mission: Mission) -> Iterator[Written]:
         for block in walk(blocks):
             late = block.timeout_goto if isinstance(block, Objective) else None
             events = (target for handler in block.handlers for target in (handler.goto, handler.pause))
-            chosen = (route.goto for route in block.routes)
+            chosen = (
+                *(guard.otherwise for guard in block.guards),
+                *(route.goto for route in block.routes),
+            )
             for target in (block.failure, block.abort, late, block.recover, *events, *chosen):
                 if target is not None:
                     yield text, target

@@ -101,6 +101,7 @@ def _routes(siblings: Sequence[Block]) -> dict[str, list[str]]:
     for block in siblings:
         routes = [block.success or after[block.name], block.failure, *own[block.name]]
         routes += [route.goto for route in block.routes]
+        routes += [guard.otherwise for guard in block.guards]
         if block.recover is not None:
             routes += own.get(block.recover, [])
         for handler in block.handlers:

@@ -133,7 +133,7 @@ def copies(block: Block, scope: Scope) -> Iterator[tuple[tuple[Block, ...], Scop
     most = max(block.times + 1 if block.recover is not None else 0, block.repeat or 0, block.retries + 1)
     if max(most, len(block.values) if isinstance(block, Each) else 0) > MAX_OBJECTIVES:
         raise limit_hit(f"more than {MAX_OBJECTIVES} objectives after expansion", block.source)
-    alone = replace(block, success=None, failure=None, abort=None, routes=(), handlers=())
+    alone = replace(block, success=None, failure=None, abort=None, guards=(), routes=(), handlers=())
     if isinstance(alone, Objective) and alone.timeout_goto is not None:
         alone = replace(alone, timeout_goto=TIMED_OUT)  # out of all copies, not to the next
     if block.recover is not None:

@@ -70,6 +70,8 @@ def conditions(mission: Mission) -> Iterator[str]:
             yield from alternative.requires
     for blocks in (mission.blocks, *(protocol.blocks for protocol in mission.protocols)):
         for block in walk(blocks):
+            for guard in block.guards:
+                yield from guard.when
             for route in block.routes:
                 yield from route.when
 

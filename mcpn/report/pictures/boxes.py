@@ -181,6 +181,8 @@ def facts_said(routes: Iterable[FactRoute]) -> Iterator[tuple[FactRoute, str]]:
 
 
 def _notes(block: Block, within: str) -> Iterator[str]:
+    for guard in block.guards:
+        yield f"entered when {' '.join(guard.when)}, else {guard.otherwise}"
     if within == "parallel" and not block.mandatory:
         yield "optional"
     if within == "parallel" and block.abort is not None:

@@ -18,6 +18,7 @@ from mcpn.mission.model import (
     SUCCEED,
     Block,
     Each,
+    EntryGuard,
     FactRoute,
     Handler,
     Mission,
@@ -60,6 +61,7 @@ class WrittenBlock:
         copy: Whether it is a copy of its parent: a round, a try, a run or a value of it.
         use: Whether what it holds is written in a protocol.
         sets: Facts that an elementary objective changes.
+        guards: What must be for it to be entered by a route, and where that leads else, in order.
         deciding: Its own routes that facts decide, in order.
         pauses: What is run while it pauses, by the written name of that and the objective, or parallel block,
             that is stopped.
@@ -85,6 +87,7 @@ class WrittenBlock:
     copy: bool = False
     use: bool = False
     sets: tuple[FactChange, ...] = ()
+    guards: tuple[EntryGuard, ...] = ()
     deciding: tuple[FactRoute, ...] = ()
     pauses: dict[tuple[str, str], WrittenBlock] = field(default_factory=dict)
     nominal: str = "entered"
@@ -187,7 +190,7 @@ class _Writing:
             node.success, node.failure = block.success or following, block.failure or FAIL
             node.abort = block.abort or ABORT
             node.timed_out = block.timeout_goto if isinstance(block, Objective) else None
-            node.deciding = block.routes
+            node.guards, node.deciding = block.guards, block.routes
             node.mandatory, node.handlers = block.mandatory, block.handlers
             parent.children[block.name] = node
             if block.recover is not None:

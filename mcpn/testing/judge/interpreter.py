@@ -312,6 +312,7 @@ class Interpreter:
         self, state: State, node: WrittenBlock, route: str | WrittenBlock, aborted: list[WrittenBlock]
     ) -> State:
         """A block is left by one of its routes; parallel blocks that this aborts are noted."""
+        route = self.admitted(state, node, route)
         if self.shelters.get(node.name) is node:
             if route is node.success:
                 return self.resumed(state, node)
@@ -328,6 +329,17 @@ class Interpreter:
             aborted.append(parent)  # the branches beside it are stopped
             return self.end(self.left(state, parent), parent, route, aborted)
         return self.enter(state, parent.children[route])
+
+    def admitted(self, state: State, node: WrittenBlock, route: str | WrittenBlock) -> str | WrittenBlock:
+        """Where a route from a block leads as guards are: past siblings that are not entered as facts are."""
+        parent = self.root if node is self.root else node.parent
+        assert parent is not None
+        while isinstance(route, str) and route in parent.children:
+            failing = (g for g in parent.children[route].guards if not so(state.facts, g.when))
+            if (guard := next(failing, None)) is None:
+                break
+            route = guard.otherwise
+        return route
 
     def branch_ends(
         self, state: State, branch: WrittenBlock, well: bool, aborted: list[WrittenBlock]
@@ -455,7 +467,9 @@ def _read_of_objectives(mission: Mission) -> Iterator[str]:
     whens = [a.requires for a in mission.activities]
     whens += [way.requires for a in mission.activities for way in a.alternatives]
     texts = (mission.blocks, *(protocol.blocks for protocol in mission.protocols))
-    whens += [route.when for blocks in texts for block in walk(blocks) for route in block.routes]
+    every = [block for blocks in texts for block in walk(blocks)]
+    whens += [guard.when for block in every for guard in block.guards]
+    whens += [route.when for block in every for route in block.routes]
     yield from (word.lstrip("!").partition("=")[0] for when in whens for word in when if "done(" in word)
 
 
