@@ -26,6 +26,17 @@ def ordinal(number: int) -> str:
     return f"{number}{ending}"
 
 
+def quoted(text: str, most: int = 80) -> str:
+    """A text of a file in quotes, of a long one the beginning and how long it is.
+
+    >>> quoted("3 m")
+    "'3 m'"
+    >>> quoted("-" * 100, 5)
+    "'-----' ... (100 characters)"
+    """
+    return repr(text) if len(text) <= most else f"{text[:most]!r} ... ({len(text)} characters)"
+
+
 def shortened(names: Sequence[str], most: int = 3) -> str:
     """The first few names of a list, and how many more there are.
 

@@ -62,7 +62,8 @@ def read_drivers(path: Path) -> Plan:
     except (ValueError, RecursionError) as error:  # ValueError also of a number with too many digits
         at = re.search(r"\(at line (\d+)", str(error))
         end = text.count("\n") + 1 if "end of document" in str(error) else None
-        raise InputError.at(Source(str(path), int(at[1]) if at else end), f"no TOML: {error}") from None
+        why, _, _ = str(error).partition("; use sys.")  # advice to who writes Python
+        raise InputError.at(Source(str(path), int(at[1]) if at else end), f"no TOML: {why}") from None
     reader = _DriversReader(lines)
     plan = reader.plan(path, said)
     if reader.problems:

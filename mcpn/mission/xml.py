@@ -22,6 +22,7 @@ from mcpn.mission.model import Block, Import, Mission, Parallel, Protocol, Recur
 from mcpn.mission.near import did_you_mean
 from mcpn.mission.robot import Robot
 from mcpn.mission.validate import find_errors
+from mcpn.sentences import quoted
 from mcpn.xmlio import parse_bytes
 
 _BLOCKS = tuple(dict.fromkeys(of.TAG for of in get_args(Block)))
@@ -92,7 +93,7 @@ def _misfits(among: Iterable[etree._Element]) -> Iterator[tuple[int, str]]:
                 found = f"found the attribute {name} on <{tag}>, expected one of {', '.join(known)}"
                 yield line, f"{found}{did_you_mean(name, known)}"
             elif not (of := rule.attributes[name].datatype).matches(value):
-                yield line, f"{name} of <{tag}> is {value!r}, expected {of.expected}"
+                yield line, f"{name} of <{tag}> is {quoted(value)}, expected {of.expected}"
         for name in sorted(rule.required - set(element.attrib)):
             yield line, f"<{tag}> has no attribute {name}, which is required"
 
