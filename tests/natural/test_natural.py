@@ -19,6 +19,11 @@ def checked(name: str) -> MissionCheck:
     return check(compose(read_mission(HERE / f"{name}.xml")))
 
 
+@pytest.mark.parametrize("name", ["greenhouse", "portboat"])
+def test_missions_of_many_elements_hold(name: str) -> None:
+    assert checked(name).passed
+
+
 @pytest.mark.parametrize("name", ["hospital", "sewer"])
 def test_shared_data_retries_and_events_hold_at_the_first_try(name: str) -> None:
     found = checked(name)
