@@ -23,7 +23,7 @@ from mcpn.drawing.templates.compact import CompactTemplates
 from mcpn.mission.flatten import ObjectivesGraph
 from mcpn.mission.robot import Activity, Hardware, Software
 from mcpn.nets.events import Event, What
-from mcpn.testing.kit.promises import STATES
+from mcpn.testing.kit.contract import STATES
 from mcpn.testing.kit.running import broken
 from mcpn.testing.kit.units import MACHINES, driven
 

@@ -22,9 +22,8 @@ from mcpn.mission.robot import Fact, Hardware
 from mcpn.mission.xml import read_mission
 from mcpn.testing.elements import LATE, LATE_APART
 from mcpn.testing.elements import MISSIONS as MISSIONS_OF_ANY_KIND
-from mcpn.testing.kit.contract import PARTS, WORDS, contract_of_arcs
+from mcpn.testing.kit.contract import PARTS, STATES, WORDS, contract_of_arcs
 from mcpn.testing.kit.corpus import MISSIONS
-from mcpn.testing.kit.promises import STATES
 from mcpn.testing.kit.properties import PROPERTIES, no_dead_transition, refused_for_a_reason
 from mcpn.testing.kit.running import (
     ALL,

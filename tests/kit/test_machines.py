@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from hypothesis.stateful import run_state_machine_as_test
 
-from experiments.template_faults import BY_ELEMENT, FAULTS, HARMLESS, Faulty
+from experiments.template_faults import BY_ELEMENT, FAULTS, HARMLESS, Faulty, Held
 from mcpn.drawing.templates import PaperTemplates, TemplateSet
 from mcpn.drawing.templates.compact import CompactTemplates
 from mcpn.testing.kit.subject import Violation
@@ -97,6 +97,12 @@ def test_other_faults_are_no_faults_here(name: str) -> None:
     fault = {**FAULTS, **HARMLESS}[name]
     for machine in DRIVEN[fault[0]]:
         assert driven(Faulty(*fault), profile="ci", only=machine, shrink=False) is None
+
+
+@pytest.mark.parametrize("name", ["hardware", "shared hardware", "crash", "late loss"])
+def test_hardware_of_other_names_is_driven_by_what_it_maps_them_to(name: str) -> None:
+    found = driven(Held(), profile="dev", only=name)
+    assert found is None, str(found)
 
 
 def test_what_is_found_is_short() -> None:

@@ -93,8 +93,26 @@ PARTS: Contract = {
 }
 """By kind of element and part of it: what a token says, and who may do what."""
 
+STATES: Mapping[str, tuple[str, ...]] = {
+    "available": ("free",),
+    "used": ("busy",),
+    "between": ("failing",),
+    "out of service": ("OOS",),
+}
+"""By state of hardware, the parts that say so; it is *between* two others on its way alone, never at rest.
+
+These are the parts of the paper's templates. A set whose hardware has other places maps them by an attribute
+``hardware_states``; what it does not map may be marked on the way between two states.
+"""
+
 CONTROL = frozenset({"objective", "parallel", "mission", "once"})
 WORDS = {"t": "takes from", "p": "puts into", "r": "reads"}
+
+
+def states_of(templates: TemplateSet | None) -> Mapping[str, tuple[str, ...]]:
+    """By state of hardware, the parts by which some templates say it."""
+    found: Mapping[str, tuple[str, ...]] = getattr(templates, "hardware_states", STATES)
+    return found
 
 
 def contract_of_arcs(of: Subject, parts: Contract = PARTS) -> None:

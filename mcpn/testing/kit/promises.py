@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from mcpn.answers.verdicts.modes import Situation, situation
@@ -12,19 +10,8 @@ from mcpn.drawing.templates.names import names_of
 from mcpn.report.words import situation_in_words
 from mcpn.runtime.tables import Inside
 from mcpn.spaces.markings.graph import Ints
+from mcpn.testing.kit.contract import states_of
 from mcpn.testing.kit.subject import Subject
-
-STATES: Mapping[str, tuple[str, ...]] = {
-    "available": ("free",),
-    "used": ("busy",),
-    "between": ("failing",),
-    "out of service": ("OOS",),
-}
-"""By state of hardware, the parts that say so; it is *between* two others on its way alone, never at rest.
-
-These are the parts of the paper's templates. A set whose hardware has other places maps them by an attribute
-``hardware_states``; what it does not map may be marked on the way between two states.
-"""
 
 INTERFACE = ("available", "take", "answer", "release", "error")
 
@@ -46,9 +33,9 @@ def invariants_of_units(of: Subject) -> None:
         of.require(said <= 1, f"the templates say that one of these is marked at a time: {places}")
     for hardware in found.mission.hardware:
         name = hardware.name
-        said = tokens(of, name, *(part for parts in states(of).values() for part in parts))
-        one(of, said, f"hardware {name} is not in one state: {', '.join(states(of))}")
-        out = tokens(of, name, *states(of)["out of service"])
+        said = tokens(of, name, *(part for parts in states_of(of.templates).values() for part in parts))
+        one(of, said, f"hardware {name} is not in one state: {', '.join(states_of(of.templates))}")
+        out = tokens(of, name, *states_of(of.templates)["out of service"])
         for owner in sharing.owners(name):
             said = tokens(of, name, *INTERFACE, owner=owner) + out
             one(of, said, f"the interface of hardware {name}{_of(owner)} does not hold one token")
@@ -68,12 +55,6 @@ def invariants_of_units(of: Subject) -> None:
                 of.require(said <= 1, f"software {name} is in several states")
 
 
-def states(of: Subject) -> Mapping[str, tuple[str, ...]]:
-    """By state of hardware, the parts by which the templates say it."""
-    found: Mapping[str, tuple[str, ...]] = getattr(of.templates, "hardware_states", STATES)
-    return found
-
-
 def one(of: Subject, said: Ints, message: str) -> None:
     """Sees that one place of several is marked at rest, and never more than one."""
     of.require((said == 1) | ((said == 0) & ~of.stable), message)
@@ -87,7 +68,9 @@ def promises_at_rest(of: Subject) -> None:
     """
     found = of.mission_net
     for hardware in found.mission.hardware:
-        lasting = [part for state, parts in states(of).items() if state != "between" for part in parts]
+        lasting = [
+            part for state, parts in states_of(of.templates).items() if state != "between" for part in parts
+        ]
         known = tokens(of, hardware.name, *lasting) == 1
         of.require(known | ~of.stable, f"{hardware.name} is neither available nor used nor out of service")
     for state in np.flatnonzero(of.stable).tolist():

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import invariant, precondition, rule
 
 from mcpn.nets.events import What
-from mcpn.testing.kit.contract import CHOICE, TemplateMachine, told
+from mcpn.testing.kit.contract import CHOICE, TemplateMachine, states_of, told
 
 
 class ResourceMachine(TemplateMachine):
@@ -70,12 +70,17 @@ class HardwareMachine(ResourceMachine):
 
     def may_ask(self) -> bool:
         """Whether a consumer may ask now."""
-        return self.any_has("available") and not self.has("failing") and not self.any_has("error")
+        return self.any_has("available") and not self.between and not self.any_has("error")
+
+    @property
+    def between(self) -> bool:
+        """Whether it is on its way from one state to another."""
+        return any(map(self.has, states_of(self.templates)["between"]))
 
     @invariant()
     def it_is_in_one_state(self) -> None:
         """One of free, busy, failing, out of service."""
-        said = sum(self.has(part) for part in ("free", "busy", "failing", "OOS"))
+        said = sum(self.has(part) for parts in states_of(self.templates).values() for part in parts)
         self.one(said, f"{self.element[1]} is in {said} states")
 
     @invariant()
@@ -92,7 +97,7 @@ class HardwareMachine(ResourceMachine):
         if self.at_rest:
             self.of.require(not self.any_has("take"), "a request is not answered")
             self.of.require(not self.any_has("release"), "a release is not answered")
-            self.of.require(not self.has("failing"), "it fails for ever")
+            self.of.require(not self.between, "it fails for ever")
             out = sorted(event.what.name for event in self.of.events)
             expected = [what.name for what in self.expected()]
             self.of.require(out == expected, f"{told(out)} may happen, expected {told(expected)}")
