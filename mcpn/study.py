@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
     from mcpn.answers.causes.find import Causes
     from mcpn.answers.found import FoundStates
+    from mcpn.answers.safety import SafetyAnswer
     from mcpn.answers.spaces import MissionSpaces
     from mcpn.answers.verdicts.mission import MissionCheck
     from mcpn.controller.generate import Form
@@ -304,6 +305,20 @@ class Study:
             engine=engine,
             max_states=max_states,
         )
+
+    def robot_safety(
+        self,
+        *,
+        dangerous: Sequence[str] = (),
+        stops: Sequence[str] = (),
+        engine: Asked = "auto",
+        max_states: int | None = None,
+    ) -> list[SafetyAnswer]:
+        """Asks the questions of a safety engineer; see :func:`mcpn.answers.safety.robot_safety`."""
+        from mcpn.answers.safety import robot_safety
+
+        of = self.mission_spaces("whether the robot is safe")
+        return robot_safety(of, dangerous=dangerous, stops=stops, engine=engine, max_states=max_states)
 
     def alternatives(self, *, engine: Asked = "auto", max_states: int | None = None) -> Space[Any]:
         """The alternatives graph of the mission: its stable states, and an edge for each event.

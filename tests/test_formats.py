@@ -48,6 +48,7 @@ PRINTED = {
     "ask mission.xml EF(failure) --on alternatives --engine local": "ask",
     "ask mission.pnml --examination ReachabilityDeadlock": "ask",
     "ask mission.xml": "words",
+    "ask courier/mission.xml --robot-safety": "robot-safety",
     "ask mission.xml --hoa F(success)": "automata",
     "ask courier/mission.xml": "words",
     "simulate mission.xml --random 9 --seed 3": "simulate",

@@ -14,7 +14,7 @@ from mcpn.drawing.compose import MissionNet
 from mcpn.mission.static.warnings import names_of_objectives
 from mcpn.nets.events import What
 from mcpn.sentences import shortened
-from mcpn.spaces.algebra import S, Space
+from mcpn.spaces.algebra import S, Space, Without
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,10 @@ def late_losses(mission_net: MissionNet, space: Space[S]) -> Iterator[LateLoss]:
     for name in late:
         oos, known = (list(mission_net.by_role[role, name]) for role in ("oos", "known"))
         others = [place for place in prospects.places("oos", prospects.hardware) if place not in oos]
-        lost = space.restricted(space.everything, oos, [*others, *known])
+        # Nothing else has failed on the way either: what a loss has done may outlast it.
+        beside = prospects.failing - prospects.carrying(What.OUT_OF_SERVICE, name)
+        alone = space.reached(space.initial, None, Without(prospects.everything, beside))
+        lost = space.restricted(alone, oos, [*others, *known])
         finding = prospects.carrying(What.DETECTED, name)
         unseen = lost - space.enabling(finding) if finding else lost
         unnoticed, in_time = list[str](), list[str]()

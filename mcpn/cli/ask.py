@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -27,6 +27,7 @@ from mcpn.cli.shared import (
 from mcpn.report.progress import progress_on_terminal
 
 if TYPE_CHECKING:
+    from mcpn.answers.safety import SafetyAnswer
     from mcpn.drawing.compose import MissionNet
     from mcpn.drawing.templates import TemplateSet
     from mcpn.logic.questions import Answer, Questions
@@ -62,6 +63,9 @@ EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", 
 )
 @click.option("--fair", multiple=True, help="'progress', or a formula that holds again and again on paths.")
 @engine_option("search")
+@click.option("--robot-safety", is_flag=True, help="Ask the questions of a safety engineer of a mission.")
+@click.option("--dangerous", multiple=True, metavar="ACTIVITY", help="What must not run after a --stop.")
+@click.option("--stop", "stops", multiple=True, metavar="EVENT", help="Stops the robot; may be repeated.")
 @click.option("--hoa", is_flag=True, help="Print the automaton of each FORMULA on paths, and answer none.")
 @click.option("--scn", type=FILE, help="Write the run of the one FORMULA as a firing sequence.")
 @jobs_option
@@ -78,6 +82,9 @@ def ask(
     graph: On | None,
     fair: tuple[str, ...],
     engine: Asked,
+    robot_safety: bool,
+    dangerous: tuple[str, ...],
+    stops: tuple[str, ...],
     hoa: bool,
     scn: Path | None,
     jobs: int,
@@ -95,12 +102,21 @@ def ask(
     """
     if scn and len(formulas) != 1:
         raise click.UsageError("--scn goes with one FORMULA")
+    if robot_safety and (formulas or properties or examinations or hoa or graph or fair):
+        raise click.UsageError("--robot-safety asks questions of its own: no FORMULA goes with it")
+    if (dangerous or stops) and not robot_safety:
+        raise click.UsageError("--dangerous and --stop go with --robot-safety")
     without_threads_of_numpy()
     from mcpn.logic.verdicts import answer_typed
     from mcpn.opening import open_study
     from mcpn.workers import workers_of
 
     study = open_study(file, import_root=import_root, templates=templates)
+    if robot_safety:
+        with progress_on_terminal(as_json), workers_of(jobs, scheduler):
+            found = study.robot_safety(dangerous=dangerous, stops=stops, engine=engine, max_states=max_states)
+        _tell_safety(found, study.mission_net, as_json)
+        return
     if not (formulas or properties or examinations):
         if study.is_net:
             raise click.UsageError("a FORMULA, --properties or --examination is needed to ask about a net")
@@ -131,6 +147,28 @@ def ask(
 
         print_answers(answers, study.net, None if study.is_net else study.mission_net)
     if not all(answer.holds for answer in answers):
+        sys.exit(EXIT_FAILED)
+
+
+def _tell_safety(found: Sequence[SafetyAnswer], mission_net: MissionNet, as_json: bool) -> None:
+    if as_json:
+        emit_json(
+            [
+                {
+                    "question": each.name,
+                    "sentence": each.sentence,
+                    "holds": each.holds,
+                    "why": list(each.why),
+                    "run": None if each.run is None else [str(event) for event in each.run.events],
+                }
+                for each in found
+            ]
+        )
+    else:
+        from mcpn.report.text import print_safety
+
+        print_safety(found, mission_net)
+    if any(each.holds is False for each in found):
         sys.exit(EXIT_FAILED)
 
 

@@ -19,6 +19,7 @@ from mcpn.report.words import (
 if TYPE_CHECKING:
     from mcpn.answers.likeness import Likeness
     from mcpn.answers.names import NamedWord, Vocabulary
+    from mcpn.answers.safety import SafetyAnswer
     from mcpn.answers.verdicts.mission import MissionCheck, Verdict
     from mcpn.composite.composite import CompositeSpace
     from mcpn.drawing.compose import MissionNet
@@ -317,6 +318,19 @@ def print_check(
     if strict and (warned := len(check.warnings)):
         several = "s" if warned > 1 else ""
         terminal.print(f"{warned} warning{several}, and none is allowed (--strict)", style="red")
+
+
+def print_safety(found: Sequence[SafetyAnswer], mission_net: MissionNet) -> None:
+    """Prints the answers to the questions of safety."""
+    terminal = Terminal()
+    terminal.print(f"mission {mission_net.mission.name}", style="bold")
+    for each in found:
+        mark, colour = {True: ("ok", "green"), False: ("FAIL", "red"), None: ("-", "dim")}[each.holds]
+        terminal.print(f"{mark:4} {each.sentence} ({each.name})", style=colour, indent=2, hang=5)
+        for line in each.why:
+            terminal.print(line, indent=7)
+        if each.run is not None:
+            print_steps(terminal, in_words(mission_net, each.run), indent=9)
 
 
 def _print_summary(terminal: Terminal, check: MissionCheck) -> None:

@@ -41,7 +41,8 @@ def searched(net: MissionNet) -> Told:
 
     for name in (h.name for h in net.mission.late if ("known", h.name) in net.by_role):
         (known,) = net.by_role["known", name]
-        lost = [m for m in everything if play.out(m) == {name} and not m[known]]
+        alone = play.reach([play.initial], [f"{other}_EV_OOS" for other in play.hardware if other != name])
+        lost = [m for m in alone if play.out(m) == {name} and not m[known]]
         detected = f"{name}_EV_DETECTED"
         unnoticed, in_time = list[str](), list[str]()
         for section in net.graph.walk():
@@ -88,3 +89,19 @@ def test_a_test_beside_the_work_finds_it_in_time(engine: Engine) -> None:
         Objective(name="idle", activities=("test",)),
     )
     assert found_of(compose(of), engine) == {"camera": (("alone",), ("watched",))}
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_what_another_loss_has_done_is_not_told_of_this_one(engine: Engine) -> None:
+    """An activity that was refused stays so when its wheels are back, whatever has become of a camera."""
+    (camera, wheels) = hw("camera", "wheels")
+    of = mission(
+        robot(
+            (replace(camera, detected="late"), wheels),
+            activity("look", ("camera",)),
+            activity("go", ("wheels",)),
+        ),
+        Objective(name="drive", activities=("go",), failure="drive"),
+        Objective(name="film", activities=("look",)),
+    )
+    assert found_of(compose(of), engine) == {"camera": (("film",), ())}

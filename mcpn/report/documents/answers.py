@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mcpn.answers.safety import ASKED
 from mcpn.report.documents.common import ANSWERED
 from mcpn.runtime.documents import REQUIREMENT, texts
 from mcpn.runtime.shapes import (
@@ -408,6 +409,24 @@ ASK = Document(
                     "The engine that answered.", "auto", "explicit", "symbolic", "search", "local", "pyeda"
                 ),
                 "why?": Nullable(String("Why it was chosen; null where it was named.")),
+            },
+        ),
+    ),
+)
+
+ROBOT_SAFETY = Document(
+    "robot-safety",
+    "mcpn ask MISSION --robot-safety --json",
+    ListOf(
+        "The questions of a safety engineer, answered.",
+        ObjectOf(
+            "One question.",
+            {
+                "question": OneOf("Its name.", *ASKED),
+                "sentence": String("What is asked, as a sentence that is to be true."),
+                "holds": Nullable(Boolean("Whether it is; null where it does not apply, or is not known.")),
+                "why": texts("What stands against it, or why there is no answer."),
+                "run": Nullable(texts("Events of a run that shows it.")),
             },
         ),
     ),

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from mcpn.answers.safety import single_losses as alone
 from mcpn.report.words import folded
 from mcpn.sentences import enumeration
 
@@ -48,9 +49,8 @@ def single_losses(findings: Findings) -> tuple[list[str], list[str]]:
     causes = findings.causes
     if causes is None:
         return [], []
-    goals = (causes.mission, causes.safety or causes.mission)
-    defeats, endangers = ([lost[0] for lost in goal.cut_sets if len(lost) == 1] for goal in goals)
-    return defeats, endangers if causes.safety is not None else []
+    defeats = [lost[0] for lost in causes.mission.cut_sets if len(lost) == 1]
+    return defeats, [] if causes.safety is None else alone(causes.safety)
 
 
 def _single_losses(findings: Findings) -> Iterator[Tick]:

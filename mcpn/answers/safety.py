@@ -1,0 +1,177 @@
+"""The questions of whoever signs for a robot's safety, each by a name.
+
+Nothing is decided here that ``check`` or ``causes`` do not decide: a question says which of their answers it
+means, what counts as an answer of yes, and what shows it where the answer is no.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from mcpn.errors import SemanticsError
+from mcpn.sentences import enumeration
+
+if TYPE_CHECKING:
+    from mcpn.answers.causes.find import GoalCauses
+    from mcpn.answers.spaces import MissionSpaces, MissionSubject
+    from mcpn.answers.verdicts.mission import MissionCheck
+    from mcpn.spaces.engines import Asked
+    from mcpn.spaces.run import Run
+
+ASKED = {
+    "ends_safely": "Whatever fails, the mission can still end; where it can abort, in success or a safe way.",
+    "events_answered": "The reaction to each event ends, and is always the same.",
+    "no_event_ignored": "No declared event is ignored while something runs.",
+    "dark_after_stop": "After a stop nothing dangerous runs.",
+    "no_single_loss_endangers": "No single loss of hardware, at whatever moment, leaves no safe end.",
+    "no_late_loss_endangers": "No objective goes on in vain after a loss that nobody notices.",
+    "no_abort_by_failure": "No abort is called safe though what should make the robot safe has failed.",
+    "succeeds_if_nothing_fails": "While nothing fails, the mission succeeds.",
+}
+"""By name what is asked, as a sentence that is to be true."""
+
+
+@dataclass(frozen=True)
+class SafetyAnswer:
+    """The answer to one question of safety.
+
+    Args:
+        name: One of :data:`ASKED`.
+        holds: Whether the sentence is true; ``None`` where it does not apply, or is not known.
+        why: What stands against it, or why there is no answer; a line each.
+        run: A run that shows it, where one does.
+    """
+
+    name: str
+    holds: bool | None
+    why: tuple[str, ...] = ()
+    run: Run | None = None
+
+    @property
+    def sentence(self) -> str:
+        """What is asked."""
+        return ASKED[self.name]
+
+
+def robot_safety(
+    of: MissionSubject,
+    *,
+    dangerous: Sequence[str] = (),
+    stops: Sequence[str] = (),
+    engine: Asked = "auto",
+    max_states: int | None = None,
+) -> list[SafetyAnswer]:
+    """Asks the questions of safety of a mission.
+
+    Args:
+        of: The mission's spaces, or its net.
+        dangerous: Activities that must not run after a stop.
+        stops: Events that stop the robot, by their names.
+        engine: Who answers; see :func:`mcpn.answers.verdicts.mission.check`.
+        max_states: Limit on states that are listed.
+
+    Returns:
+        The answers, in the order of :data:`ASKED`.
+
+    Raises:
+        InputError: A dangerous activity or a stop is none of the mission; found before anything is explored.
+        LimitError: A limit was hit.
+    """
+    from mcpn.answers.names import MissionNames
+    from mcpn.answers.spaces import spaces_of
+    from mcpn.answers.verdicts.mission import ENDS_SAFELY, check
+    from mcpn.logic.evaluate import Evaluation
+    from mcpn.logic.syntax import parse
+    from mcpn.logic.witness import explain
+
+    spaces = spaces_of(of)
+    names = MissionNames(spaces.mission)
+    formulas = {
+        (stop, activity): f"G (happens({stop}) -> X G !activity({activity}))"
+        for stop in stops
+        for activity in dangerous
+    }
+    meant = {pair: parse(text, names) for pair, text in formulas.items()}
+    for alone in (*(f"happens({stop})" for stop in stops), *(f"activity({each})" for each in dangerous)):
+        parse(alone, names)
+    checked = check(spaces, engine=engine, max_states=max_states)
+
+    def after_stop() -> SafetyAnswer:
+        if not meant:
+            said = (("an event that stops the robot", stops), ("a dangerous activity", dangerous))
+            lacks = enumeration([what for what, given in said if not given])
+            return SafetyAnswer("dark_after_stop", None, (f"does not apply: {lacks} must be named",))
+        if checked.alternatives is None:
+            return SafetyAnswer("dark_after_stop", None, ("the stable states are not known",))
+        evaluation, why, run = Evaluation(checked.alternatives), list[str](), None
+        for (stop, activity), formula in meant.items():
+            if not evaluation.holds(formula):
+                why.append(f"{activity} may run after {stop}")
+                run = run or explain(evaluation, formula, names).run
+        return SafetyAnswer("dark_after_stop", not why, tuple(why), run)
+
+    return [
+        _by_verdict("ends_safely", checked, ENDS_SAFELY, "can_always_finish"),
+        _by_verdict("events_answered", checked, "confluent"),
+        _listed("no_event_ignored", [each.sentence for each in checked.ignored]),
+        after_stop(),
+        _single_losses(spaces, engine, max_states),
+        _listed("no_late_loss_endangers", [line for each in checked.late for line in each.sentences]),
+        _no_abort_by_failure(checked),
+        _by_verdict("succeeds_if_nothing_fails", checked, "nominal_success"),
+    ]
+
+
+def single_losses(goal: GoalCauses) -> list[str]:
+    """Hardware whose loss alone defeats a goal, before the mission or at the worst moment."""
+    alone = (lost[0] for cut_sets in goal.moments.values() for lost in cut_sets if len(lost) == 1)
+    return sorted(dict.fromkeys(alone))
+
+
+def _single_losses(spaces: MissionSpaces, engine: Asked, max_states: int | None) -> SafetyAnswer:
+    from mcpn.answers.causes.find import find_causes
+
+    name = "no_single_loss_endangers"
+    if spaces.mission.abort is None:
+        return SafetyAnswer(name, None, ("does not apply: the mission cannot be aborted",))
+    try:
+        causes = find_causes(spaces, engine=engine, max_states=max_states)
+    except SemanticsError as error:
+        return SafetyAnswer(name, None, (f"not known: {error}",))
+    goal = causes.safety
+    assert goal is not None, "what can be aborted has causes of its safe ends"
+    if any(not lost for cut_sets in goal.moments.values() for lost in cut_sets):
+        return SafetyAnswer(name, False, ("there may be no safe end left even while nothing is lost",))
+    lost = single_losses(goal)
+    run = goal.find_run((lost[0],)) if lost else None
+    return SafetyAnswer(name, not lost, tuple(f"{each} alone" for each in lost), run)
+
+
+def _by_verdict(name: str, checked: MissionCheck, *verdicts: str) -> SafetyAnswer:
+    """The first of some verdicts that the mission has, where yes is yes."""
+    verdict = next(checked.verdicts[each] for each in verdicts if each in checked.verdicts)
+    if verdict.holds:
+        return SafetyAnswer(name, True)
+    why = verdict.explanation if verdict.holds is False else f"not known: {verdict.explanation}"
+    return SafetyAnswer(name, verdict.holds, (why,), verdict.runs_of_events[0] if verdict.runs else None)
+
+
+def _no_abort_by_failure(checked: MissionCheck) -> SafetyAnswer:
+    from mcpn.answers.verdicts.mission import UNSAFE_ABORT
+
+    name, verdict = "no_abort_by_failure", checked.verdicts.get(UNSAFE_ABORT)
+    if verdict is None:
+        return SafetyAnswer(name, None, ("does not apply: the mission cannot be aborted",))
+    if verdict.holds is None:
+        return SafetyAnswer(name, None, (f"not known: {verdict.explanation}",))
+    if not verdict.holds:
+        return SafetyAnswer(name, True)
+    run = verdict.runs_of_events[0] if verdict.runs else None
+    return SafetyAnswer(name, False, (verdict.explanation,), run)
+
+
+def _listed(name: str, found: Sequence[str]) -> SafetyAnswer:
+    """Yes where nothing was found."""
+    return SafetyAnswer(name, not found, tuple(found))

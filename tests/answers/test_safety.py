@@ -1,0 +1,132 @@
+"""The questions of a safety engineer: each is answered with no for its own reason, by every engine."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+
+from mcpn.answers.causes.find import find_causes
+from mcpn.answers.safety import ASKED, SafetyAnswer, robot_safety
+from mcpn.answers.verdicts.mission import check
+from mcpn.drawing.compose import compose
+from mcpn.errors import InputError, SemanticsError
+from mcpn.mission.model import Mission
+from mcpn.mission.xml import read_mission
+from mcpn.spaces.engines import Asked
+from mcpn.testing import missions
+from tests.commands import mcpn, output
+
+ROBOT = """<hardware name="lamp" faulty="false"/><hardware name="wheels"/>
+    <hardware name="camera" detected="late"/><event name="stop"/>
+    <activity name="shine" consumes="lamp"/><activity name="drive" consumes="wheels"/>
+    <activity name="look" consumes="camera"/><activity name="stand"/>"""
+BLOCKS = {
+    "ends_safely": """<on event="stop" goto="halt"/>
+        <objective name="go" activities="stand" success="succeed" failure="fail"/>
+        <objective name="halt" activities="stand" success="abort" failure="halt"/>""",
+    "no_event_ignored": """<objective name="go" activities="stand" failure="go"/>
+        <objective name="last" activities="stand" failure="last">
+        </objective>""",
+    "dark_after_stop": """<on event="stop" goto="halt"/>
+        <objective name="go" activities="stand" success="succeed" failure="go"/>
+        <objective name="halt" activities="shine" success="abort" failure="halt"/>""",
+    "no_single_loss_endangers": """<on event="stop" goto="home"/>
+        <objective name="go" activities="drive" success="succeed" failure="home"/>
+        <objective name="home" activities="drive" success="abort" failure="home"/>""",
+    "no_late_loss_endangers": """<on event="stop" goto="go"/>
+        <objective name="go" activities="look" success="succeed" failure="go"/>""",
+    "no_abort_by_failure": """<on event="stop" goto="halt"/>
+        <objective name="go" activities="stand" success="succeed" failure="halt"/>
+        <objective name="halt" activities="stand" success="abort" failure="abort"/>""",
+    "succeeds_if_nothing_fails": """<on event="stop" goto="go"/>
+        <objective name="go" activities="stand" success="go" failure="succeed"/>""",
+}
+"""By question, blocks of a mission in which it is answered with no."""
+
+
+def mission_of(blocks: str) -> str:
+    head = '<mission name="m" xmlns="urn:mcpn:mission:1">'
+    return f'{head}<robot name="r">{ROBOT}</robot>{blocks}</mission>'
+
+
+def asked(name: str, folder: Path, engine: Asked = "auto") -> dict[str, SafetyAnswer]:
+    path = folder / "m.xml"
+    path.write_text(mission_of(BLOCKS[name]))
+    found = robot_safety(compose(read_mission(path)), dangerous=["shine"], stops=["stop"], engine=engine)
+    assert [each.name for each in found] == list(ASKED)
+    return {each.name: each for each in found}
+
+
+@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize("name", BLOCKS)
+def test_each_question_is_answered_with_no_where_it_should_be(
+    name: str, engine: Asked, tmp_path: Path
+) -> None:
+    found = asked(name, tmp_path, engine)
+    assert found[name].holds is False
+    assert found[name].why
+    assert [other for other, answer in found.items() if answer.holds is False] == [name]
+
+
+def test_an_event_with_two_outcomes_is_not_answered(tmp_path: Path) -> None:
+    """Two activities want one lamp; the questions that need states say that they are open."""
+    path = tmp_path / "m.xml"
+    path.write_text(
+        '<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r"><hardware name="lamp"/>'
+        '<activity name="a" consumes="lamp"/><activity name="b" consumes="lamp"/></robot>'
+        '<objective name="go" activities="a b" success="abort"/></mission>'
+    )
+    found = {each.name: each for each in robot_safety(compose(read_mission(path)))}
+    assert found["events_answered"].holds is False
+    assert found["no_single_loss_endangers"].holds is None
+
+
+@given(missions(late=True, aborts=1, events=2))
+def test_they_say_what_check_and_causes_say(mission: Mission) -> None:
+    net = compose(mission)
+    found = {each.name: each.holds for each in robot_safety(net)}
+    checked = check(net)
+    safely = checked.verdicts.get("can_always_end_safely", checked.verdicts["can_always_finish"])
+    assert found["ends_safely"] == safely.holds
+    assert found["no_event_ignored"] == (not checked.ignored)
+    assert found["no_late_loss_endangers"] == (not checked.late)
+    assert found["succeeds_if_nothing_fails"] == checked.verdicts["nominal_success"].holds
+    try:
+        safety = find_causes(net).safety
+    except SemanticsError:
+        return
+    if safety is None:
+        assert found["no_single_loss_endangers"] is None
+    else:
+        small = [lost for sets in safety.moments.values() for lost in sets if len(lost) < 2]
+        assert found["no_single_loss_endangers"] == (not small)
+
+
+def test_names_are_looked_up_before_anything_is_explored(tmp_path: Path) -> None:
+    (tmp_path / "m.xml").write_text(
+        f'<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r">{ROBOT}</robot>'
+        f"{BLOCKS['ends_safely']}</mission>"
+    )
+    net = compose(read_mission(tmp_path / "m.xml"))
+    with pytest.raises(InputError, match="no activity is named blaze"):
+        robot_safety(net, dangerous=["blaze"])
+    with pytest.raises(InputError, match="halt_now"):
+        robot_safety(net, stops=["halt_now"])
+
+
+def test_the_command(tmp_path: Path) -> None:
+    (tmp_path / "m.xml").write_text(
+        f'<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r">{ROBOT}</robot>'
+        f"{BLOCKS['dark_after_stop']}</mission>"
+    )
+    options = ("--robot-safety", "--dangerous", "shine", "--stop", "stop")
+    told = mcpn("ask", tmp_path / "m.xml", *options)
+    assert told.returncode == 1
+    assert "shine may run after stop" in told.stdout
+    assert mcpn("ask", tmp_path / "m.xml", "--robot-safety").returncode == 0
+    without = output("ask", tmp_path / "m.xml", "--robot-safety")
+    assert {each["question"]: each["holds"] for each in without}["dark_after_stop"] is None
+    assert mcpn("ask", tmp_path / "m.xml", "--dangerous", "shine").returncode == 2
+    assert mcpn("ask", tmp_path / "m.xml", "--robot-safety", "EF success").returncode == 2
