@@ -407,6 +407,7 @@ STEP = ObjectOf(
         "actions?": texts("What it ordered, in this order."),
         **_SIGNED,
     },
+    others=True,  # a log of another program may say more
 )
 RESUMED = ObjectOf("A run goes on.", {"resumed": Integer("Behind this event."), **_SIGNED})
 JOURNAL = Document(

@@ -63,7 +63,9 @@ def read_snapshot(text: str, tables: Tables) -> Saved:
     if not isinstance(text, str):
         raise SnapshotError(f"expected a text, found {type(text).__name__}")
     document = parsed(text, SnapshotError)
-    if (document.get("format"), document.get("version")) != (SNAPSHOT, SNAPSHOT_VERSION):
+    if not {"format", "version"} <= document.keys():
+        raise SnapshotError("the snapshot is not whole: expected the keys format and version")
+    if (document["format"], document["version"]) != (SNAPSHOT, SNAPSHOT_VERSION):
         raise SnapshotError("no snapshot of a version that is known here")
     if document.get("controller") != tables.digest:
         raise SnapshotError("the snapshot is of another controller")

@@ -242,10 +242,12 @@ class ObjectOf(JsonShape):
         meaning: What it means.
         keys: What each value may be, by key. A key that ends in ``?`` may be missing; the mark is no part
             of it.
+        others: Whether there may be other keys, too, of which nothing is said.
     """
 
-    def __init__(self, meaning: str, keys: Mapping[str, JsonShape]) -> None:
+    def __init__(self, meaning: str, keys: Mapping[str, JsonShape], *, others: bool = False) -> None:
         super().__init__(meaning)
+        self.others = others
         self.keys = {key.removesuffix("?"): shape for key, shape in keys.items()}
         self.required = [key for key in keys if not key.endswith("?")]
 
@@ -255,13 +257,14 @@ class ObjectOf(JsonShape):
         for key in self.required:
             if key not in value:
                 raise Misfit(list(value), f"the key {key}")
-        for key in value:
+        for key in () if self.others else value:
             if key not in self.keys:
                 raise Misfit(key, f"one of the keys {', '.join(self.keys)}")
         key = ""
         try:
             for key, item in value.items():
-                self.keys[key]._check(item)
+                if key in self.keys:
+                    self.keys[key]._check(item)
         except Misfit as fault:
             raise fault.below(f".{key}") from None
 

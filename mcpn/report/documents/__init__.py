@@ -96,7 +96,7 @@ def _schema(shape: JsonShape, parts: dict[str, Any]) -> dict[str, Any]:
                 **found,
                 "properties": {key: _schema(of, parts) for key, of in shape.keys.items()},
                 "required": shape.required,
-                "additionalProperties": False,
+                **({} if shape.others else {"additionalProperties": False}),
             }
     return found
 
