@@ -105,7 +105,9 @@ def robot_safety(
             return SafetyAnswer("dark_after_stop", None, (f"does not apply: {lacks} must be named",))
         if checked.alternatives is None:
             return SafetyAnswer("dark_after_stop", None, ("the stable states are not known",))
-        evaluation, why, run = Evaluation(checked.alternatives), list[str](), None
+        evaluation, run = Evaluation(checked.alternatives), None
+        # What is ignored never happens in formulas, so that they would be met there.
+        why = [each.sentence for each in checked.ignored if each.event in stops]
         for (stop, activity), formula in meant.items():
             if not evaluation.holds(formula):
                 why.append(f"{activity} may run after {stop}")

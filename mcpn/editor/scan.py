@@ -224,6 +224,10 @@ class Scan:
         last = self.elements[number - 1] if number else None
         if last is None or (last.end <= offset and last.closed):
             return None
+        if last.end < offset:  # a tag without its end: another may begin behind it
+            begun = _scan(self.text, last.end, offset, last.parent)[0]
+            if begun and not begun[-1].closed:
+                return begun[-1]
         return _scan(self.text, last.begin, min(offset, last.end), last.parent)[0][0]
 
     def around(self, offset: int) -> ScannedElement | None:
