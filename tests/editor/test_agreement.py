@@ -130,7 +130,7 @@ def test_a_formula_is_told_as_by_check(drawn: tuple[str, list[str]], data: st.Da
     wrong = (
         text.replace(word, word.replace(name, f"{name}q"))
         if word in text
-        else text.replace(f'"{name}"', f'"{name}q"')
+        else text.replace(f'of="{name}"', f'of="{name}q"')  # where it is asked of, not where it is declared
     )
     expected, _ = checked(wrong)
     typed = answers(wrong, memory)
