@@ -448,6 +448,12 @@ AUTOMATA = Document(
     ),
 )
 
+NAMED = {
+    "name": String("The name; of rounds or tries the one that means all of them."),
+    "copies": texts("Each of them by itself; empty where there is only one."),
+    "description": Nullable(String("What the mission says of it.")),
+}
+"""What is said of each name that formulas may say."""
 WORDS = Document(
     "words",
     "mcpn ask MISSION --json",
@@ -457,82 +463,43 @@ WORDS = Document(
             "mission": String("Its name."),
             "objectives": ListOf(
                 "For objective(x) and pending(x).",
-                ObjectOf(
-                    "",
-                    {
-                        "name": String("The name; of rounds or tries the one that means all of them."),
-                        "copies": texts("Each of them by itself; empty where there is only one."),
-                        "description": Nullable(String("What the mission says of it.")),
-                    },
-                ),
+                ObjectOf("", NAMED),
             ),
             "blocks": ListOf(
                 "For block(x): those that hold objectives.",
-                ObjectOf(
-                    "",
-                    {
-                        "name": String("The name; of rounds or tries the one that means all of them."),
-                        "copies": texts("Each of them by itself; empty where there is only one."),
-                        "description": Nullable(String("What the mission says of it.")),
-                    },
-                ),
+                ObjectOf("", NAMED),
             ),
             "activities": ListOf(
                 "For activity(x), alternative(x)=y, waiting(x) and refused(x).",
                 ObjectOf(
                     "",
                     {
-                        "name": String("The name; of rounds or tries the one that means all of them."),
-                        "copies": texts("Each of them by itself; empty where there is only one."),
-                        "description": Nullable(String("What the mission says of it.")),
+                        **NAMED,
                         "alternatives": texts("Its alternatives, in the order of preference."),
                     },
                 ),
             ),
             "hardware": ListOf(
                 "For oos(x) and available(x).",
-                ObjectOf(
-                    "",
-                    {
-                        "name": String("The name; of rounds or tries the one that means all of them."),
-                        "copies": texts("Each of them by itself; empty where there is only one."),
-                        "description": Nullable(String("What the mission says of it.")),
-                    },
-                ),
+                ObjectOf("", NAMED),
             ),
             "software": ListOf(
                 "For available(x).",
-                ObjectOf(
-                    "",
-                    {
-                        "name": String("The name; of rounds or tries the one that means all of them."),
-                        "copies": texts("Each of them by itself; empty where there is only one."),
-                        "description": Nullable(String("What the mission says of it.")),
-                    },
-                ),
+                ObjectOf("", NAMED),
             ),
             "facts": ListOf(
                 "For fact(x)=v.",
                 ObjectOf(
                     "",
                     {
-                        "name": String("The name; of rounds or tries the one that means all of them."),
-                        "copies": texts("Each of them by itself; empty where there is only one."),
-                        "description": Nullable(String("What the mission says of it.")),
+                        **NAMED,
                         "values": texts("Its values."),
                     },
                 ),
             ),
             "events": ListOf(
                 "For happens(x) and event(x).",
-                ObjectOf(
-                    "",
-                    {
-                        "name": String("The name; of rounds or tries the one that means all of them."),
-                        "copies": texts("Each of them by itself; empty where there is only one."),
-                        "description": Nullable(String("What the mission says of it.")),
-                    },
-                ),
+                ObjectOf("", NAMED),
             ),
             "ends": texts("How the mission may end: words by themselves."),
         },

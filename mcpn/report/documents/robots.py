@@ -93,6 +93,15 @@ TESTS = Document(
     ),
 )
 
+ESTIMATED = {
+    "mean": Number("Its share of the runs, or its mean."),
+    "low": Number("The interval of the confidence that was asked for begins here."),
+    "high": Number("It ends here."),
+    "risk": Nullable(Number("The number of risk; null where there is none.")),
+    "agrees": Nullable(Boolean("Whether it lies in the interval.")),
+}
+"""What runs estimate, beside the number of risk."""
+ENDED = ObjectOf("Runs that ended so.", {"count": Integer("How many runs."), **ESTIMATED})
 BENCH = Document(
     "bench",
     "mcpn bench MISSION --json",
@@ -117,62 +126,15 @@ BENCH = Document(
             "outcomes": ObjectOf(
                 "How the runs ended.",
                 {
-                    "success": ObjectOf(
-                        "Runs that ended in success.",
-                        {
-                            "count": Integer("How many runs."),
-                            "mean": Number("Its share of the runs, or its mean."),
-                            "low": Number("The interval of the confidence that was asked for begins here."),
-                            "high": Number("It ends here."),
-                            "risk": Nullable(Number("The number of risk; null where there is none.")),
-                            "agrees": Nullable(Boolean("Whether it lies in the interval.")),
-                        },
-                    ),
-                    "failure": ObjectOf(
-                        "In failure.",
-                        {
-                            "count": Integer("How many runs."),
-                            "mean": Number("Its share of the runs, or its mean."),
-                            "low": Number("The interval of the confidence that was asked for begins here."),
-                            "high": Number("It ends here."),
-                            "risk": Nullable(Number("The number of risk; null where there is none.")),
-                            "agrees": Nullable(Boolean("Whether it lies in the interval.")),
-                        },
-                    ),
-                    "abort": ObjectOf(
-                        "In abort.",
-                        {
-                            "count": Integer("How many runs."),
-                            "mean": Number("Its share of the runs, or its mean."),
-                            "low": Number("The interval of the confidence that was asked for begins here."),
-                            "high": Number("It ends here."),
-                            "risk": Nullable(Number("The number of risk; null where there is none.")),
-                            "agrees": Nullable(Boolean("Whether it lies in the interval.")),
-                        },
-                    ),
-                    "unfinished": ObjectOf(
-                        "Runs in which nothing more could happen, or more than 10,000 events did.",
-                        {
-                            "count": Integer("How many runs."),
-                            "mean": Number("Its share of the runs, or its mean."),
-                            "low": Number("The interval of the confidence that was asked for begins here."),
-                            "high": Number("It ends here."),
-                            "risk": Nullable(Number("The number of risk; null where there is none.")),
-                            "agrees": Nullable(Boolean("Whether it lies in the interval.")),
-                        },
+                    "success": ENDED.meant("Runs that ended in success."),
+                    "failure": ENDED.meant("In failure."),
+                    "abort": ENDED.meant("In abort."),
+                    "unfinished": ENDED.meant(
+                        "Runs in which nothing more could happen, or more than 10,000 events did."
                     ),
                 },
             ),
-            "degraded_modes": ObjectOf(
-                "How often a run came into a degraded functioning mode.",
-                {
-                    "mean": Number("Its share of the runs, or its mean."),
-                    "low": Number("The interval of the confidence that was asked for begins here."),
-                    "high": Number("It ends here."),
-                    "risk": Nullable(Number("The number of risk; null where there is none.")),
-                    "agrees": Nullable(Boolean("Whether it lies in the interval.")),
-                },
-            ),
+            "degraded_modes": ObjectOf("How often a run came into a degraded functioning mode.", ESTIMATED),
             "hours": Nullable(
                 Number(
                     "Mean length of a run, in virtual time; null where objectives have no duration.", least=0
