@@ -71,11 +71,14 @@ def _needs_help(element: ScannedElement, elements: Iterable[ScannedElement]) -> 
 # --- Elements and attributes of a text with their places, also where the text is no XML yet ---------------
 
 _NAME = r"[A-Za-z_][\w.-]*"
+_PASSED = r"<!--.*?(?:-->|(\Z))|<\?.*?(?:\?>|(\Z))|<!\[CDATA\[.*?(?:\]\]>|(\Z))"
+"""Comments and what is no element, to their end or, as a group, to the end of the text."""
 TOKEN = re.compile(
-    r"<!--.*?(?:-->|\Z)|<\?.*?(?:\?>|\Z)|<!\[CDATA\[.*?(?:\]\]>|\Z)"
-    rf"|<(?P<close>/)?(?P<tag>{_NAME})?(?P<inside>(?:\"[^\"<]*\"|'[^'<]*'|[^<>\"']+)*)(?P<end>>)?",
+    rf"{_PASSED}|<(?P<close>/)?(?P<tag>{_NAME})?"
+    r"(?P<inside>(?:\"[^\"<]*\"|'[^'<]*'|[^<>\"']+)*)(?P<end>>)?",
     re.DOTALL,
 )
+_WITHOUT_TAGS = re.compile(_PASSED, re.DOTALL)
 _ATTRIBUTE = re.compile(
     rf"(?<![\w.-])(?P<name>{_NAME})\s*=\s*(?:\"(?P<double>[^\"]*)\"?|'(?P<single>[^']*)'?)"
 )
@@ -275,8 +278,7 @@ _MARKS = ("<!", "-->", "<?", "?>", "]]>")
 
 def _commented(text: str, offset: int) -> bool:
     """Whether a place stands in a comment, or in what is no element."""
-    pairs = (("<!--", "-->"), ("<?", "?>"), ("<![CDATA[", "]]>"))
-    return any(text.rfind(mark, 0, offset) > text.rfind(end, 0, offset) for mark, end in pairs)
+    return any(passed.lastindex for passed in _WITHOUT_TAGS.finditer(text, 0, offset))
 
 
 def _tags(text: str) -> list[tuple[str | None, str | None, bool, bool]]:

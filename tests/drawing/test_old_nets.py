@@ -48,7 +48,7 @@ def digest(net: PetriNet) -> str:
 
 
 @pytest.mark.parametrize(
-    ("path", "places", "transitions", "before"), map(str.split, BEFORE.strip().splitlines())
+    ("path", "places", "transitions", "before"), [line.split() for line in BEFORE.strip().splitlines()]
 )
 def test_its_net_is_as_it_was(path: str, places: str, transitions: str, before: str) -> None:
     net = compose(read_mission(ROOT / path)).net

@@ -202,8 +202,8 @@ class Product(Generic[S]):
         """By component of the automaton: where an accepted path may stay for ever, and the component."""
         for component in self.components:
             states = frozenset(component)
-            inside = [e for e in self.edges if e.source in states and e.target in states]
             begin = {q: within[q] for q in component if within.get(q)}
+            inside = [e for e in self.edges if e.source in begin and e.target in begin]
             yield (self._fair(begin, inside) if begin else {}), states
 
     def _fair(self, within: Sets[S], inside: Sequence[ProductEdge[S]]) -> Sets[S]:
@@ -216,7 +216,8 @@ class Product(Generic[S]):
         if not inside or len(marks) < self.automaton.marks:
             return {}
         (first, *more) = inside
-        if not self.meetings(inside) and not more and first.transitions is None:
+        loop = first.source == first.target and first.transitions is None
+        if loop and not more and not self.meetings(inside):
             along = first.states & within[first.source]
             resting = along & (self.resting - self.space.dead)
             staying = self.space.staying(along)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
 from hypothesis import assume, event, given
 from hypothesis import strategies as st
 
@@ -38,6 +39,8 @@ from tests.shares import returns_early
 MOST_NODES = 5_000
 """Of the tableau of one formula on one net."""
 
+EVERYWHERE, NOWHERE = ("<=", (0,), (0, "p")), ("<", (0, "p"), (0,))
+"""Of the place ``p``, by formulas of which only the markings tell it."""
 NETS = nets(max_places=4, max_transitions=5) | state_machines().map(lambda drawn: drawn[0])
 
 
@@ -101,6 +104,30 @@ def test_a_run_against_safety_ends_where_it_is_violated() -> None:
             assert (len(witness.steps), witness.decided, witness.cycle) == (length, True, None), text
         witness = explain(Evaluation(space), parse("F G a", Names(net)))
         assert (witness.decided, witness.cycle) == (False, 0)
+
+
+@pytest.mark.parametrize(
+    "written",
+    [
+        ("F", ("&", EVERYWHERE, ("X", EVERYWHERE))),
+        ("G", ("F", ("&", EVERYWHERE, ("X", EVERYWHERE)))),
+        ("G", ("|", ("&", NOWHERE, ("fires", "t")), ("X", NOWHERE))),
+        ("F", ("&", ("->", NOWHERE, ("fires", "t")), ("X", ("EG", ("EX", EVERYWHERE))))),
+        ("U", ("X", NOWHERE), ("&", ("X", EVERYWHERE), NOWHERE)),
+    ],
+    ids=tableau.text,
+)
+@pytest.mark.parametrize("fair", [False, True])
+def test_what_holds_everywhere_or_nowhere_leaves_edges_that_are_no_loop(written: Written, fair: bool) -> None:
+    builder = NetBuilder("one")
+    builder.place("p", initial=1)
+    builder.transition("t", consume=["p"], produce=["p"])
+    net = builder.build()
+    edges, justice = edges_of(net), [Justice(parse("p", Names(net)))] if fair else []
+    for every in (written, ("!", written)):
+        expected = tableau.satisfying(every, net, edges)
+        for space in spaces(net):
+            assert satisfy(Evaluation(space, justice), SomePath(normal(tableau.read(every, net)))) == expected
 
 
 @given(NETS, st.data())
