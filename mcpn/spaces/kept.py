@@ -41,9 +41,8 @@ class Spaces:
     """The state spaces of one net, each built when it is first asked for, and then kept.
 
     Also an error is kept: a limit that was hit, a net that is not safe, an event with two outcomes. What was
-    built within a limit on states serves every higher limit. Who
-    listens and which workers help (:mod:`mcpn.steps`, :mod:`mcpn.workers`) matters while a space is built; the
-    space does not depend on it.
+    built within a limit on states serves every higher limit. Who listens and which workers help
+    (:mod:`mcpn.steps`, :mod:`mcpn.workers`) matters while a space is built; the space does not depend on it.
 
     What questions must know of what the net means is asked here, too: which graph they speak of, what names
     stand for, which engine comes first. Here it means nothing but itself; for a mission's net,
