@@ -8,8 +8,9 @@ A scope is an interval, closed at its beginning and open at its end: before ``r`
 there is one; after ``q`` from the first ``q`` on; between ``q`` and ``r`` from each ``q`` that is no ``r`` to
 the next ``r``; after ``q`` until ``r`` the same, and for ever where no ``r`` follows.
 
-Where ``q`` says that an event comes about, it is true of the state that the event leaves. What comes after
-the event begins with the next state, the reaction (:func:`after_step`).
+Where a letter says that an event comes about, it is true of the state that the event leaves. What comes after
+``q`` begins with the next state then, the reaction (:func:`after_step`); the rest is said by
+:mod:`mcpn.answers.patterns.moments`.
 """
 
 from __future__ import annotations
@@ -21,13 +22,25 @@ from itertools import pairwise
 SCOPES = ("globally", "before", "after", "between", "after_until")
 
 
-def _bounded(most: int) -> dict[str, str]:
-    """Bounded existence by scope: ``p`` holds in at most ``most`` intervals."""
-    apart, ends = "G !p", "!p U r"
-    until = "(!p W r) | G p"
-    for _ in range(most):
-        apart = f"!p W (p W ({apart}))"
-        ends, until = (f"(!p & !r) U (r | ((p & !r) U (r | ({end}))))" for end in (ends, until))
+def bounded(most: int, *, of_events: bool = False, to_event: bool = False) -> dict[str, str]:
+    """Bounded existence by scope: ``p`` holds in at most ``most`` intervals.
+
+    Args:
+        most: How many.
+        of_events: ``p`` is an event: each time that it happens counts.
+        to_event: ``r`` is an event: the state that it leaves counts too.
+    """
+    if of_events:
+        apart, ends, until = "G !p", "!p U r", "!p W r"
+        for _ in range(most):
+            apart = f"!p W (p & X ({apart}))"
+            ends, until = f"!p U (r | (p & X ({ends})))", f"!p W (r | (p & X ({until})))"
+    else:
+        last = "(r & !p)" if to_event else "r"
+        apart, ends, until = "G !p", f"!p U {last}", f"(!p W {last}) | G p"
+        for _ in range(most):
+            apart = f"!p W (p W ({apart}))"
+            ends, until = (f"(!p & !r) U (r | ((p & !r) U (r | ({end}))))" for end in (ends, until))
     return {
         "globally": apart,
         "before": f"F r -> ({ends})",
@@ -55,7 +68,7 @@ PUBLISHED: Mapping[str, Mapping[str, str]] = {
         "between": "G (q & !r -> (!r W (p & !r)))",
         "after_until": "G (q & !r -> (!r U (p & !r)))",
     },
-    "bounded_existence": _bounded(2),
+    "bounded_existence": bounded(2),
     "universality": {
         "globally": "G p",
         "before": "F r -> (p U r)",
@@ -181,7 +194,7 @@ def used(pattern: str, scope: str, most: int = 2) -> str:
         most: Of bounded existence, how many stretches at most.
     """
     if pattern == "bounded_existence":
-        return _bounded(most)[scope]
+        return bounded(most)[scope]
     return MENDED.get(pattern, {}).get(scope) or PUBLISHED[pattern][scope]
 
 
@@ -281,10 +294,14 @@ REACTIONS: Mapping[str, str] = {
     "bound_delay": "G ({to} <-> X {gives})",
 }
 """By ``when`` of a reaction, the formula that is published."""
+REACTIONS_TO_EVENTS: Mapping[str, str] = {
+    "instantaneous": "G ({to} -> X {gives})",
+    "delayed": "G ({to} -> X F {gives})",
+    "bound": "!{gives} & G ({to} <-> X {gives})",
+}
+"""The same of an event and a state, where it is another: what an event gives holds of the reaction first."""
 PAST, FUTURE, GLOBAL, WAIT = "!{each} U {until}", "G ({after} -> G !{each})", "G !{each}", "{each} U {until}"
 """Avoidance up to a moment, from a moment, always; and waiting: as they are published."""
-AFTER_EVENT = "G ({after} -> X G !{each})"
-"""Avoidance from the reaction to an event on."""
 
 
 def movement(kind: str, order: str, of: Texts) -> str:

@@ -9,6 +9,7 @@ from typing import TypeVar
 
 from mcpn.answers.patterns import catalogue as robots
 from mcpn.answers.patterns.catalogue import after_step, used
+from mcpn.answers.patterns.moments import EVERY_EVENT, LASTING, OF_EVENTS, OF_STATES, At, on_states
 from mcpn.errors import InputError, LimitError
 from mcpn.logic.ltl.formulas import Happens, SomePath, normal
 from mcpn.logic.syntax import parse, show
@@ -87,10 +88,32 @@ class _PatternReader:
 
         return self._read(attribute, said)
 
-    def is_event(self, attribute: str) -> bool:
-        """Whether a formula of an attribute says that an event comes about, whatever else it says."""
+    def is_event(self, attribute: str, negated: bool = False) -> bool:
+        """Whether a formula of an attribute, or its negation, says that an event comes about."""
         text, names = getattr(self._pattern, attribute), self._names
-        return text is not None and _comes_about(self._read(attribute, lambda: parse(text, names)))
+        if text is None:
+            return False
+        formula = self._read(attribute, lambda: parse(text, names))
+        return _comes_about(~formula if negated else formula)
+
+    def _on_states(self, formula: str, letters: dict[str, str], lasting: str = "") -> str:
+        """A formula of letters, understood of moments where attributes are events; see :mod:`.moments`.
+
+        Args:
+            formula: As it is where all is said of states.
+            letters: By letter its attribute.
+            lasting: Letters that must be true all along.
+        """
+        events = {letter for letter, attribute in letters.items() if self.is_event(attribute)}
+        if not events:
+            return formula
+        if "q" in events:
+            formula = after_step(formula)
+        kinds: dict[str, At] = {
+            letter: OF_EVENTS if letter in events else LASTING if letter in lasting else OF_STATES
+            for letter in letters
+        }
+        return on_states(formula, kinds)
 
     def operand(self, attribute: str) -> str:
         """A formula of an attribute as it stands inside another."""
@@ -131,15 +154,34 @@ class _PatternReader:
                 scope = "after_until"
         most = of.most if isinstance(of, BoundedExistence) else 2
         name, more = _kind(of)
-        letters |= more
-        said = {letter: self.clause(a) for letter, a in letters.items() if getattr(of, a) is not None}
-        texts = {letter: self.operand(letters[letter]) for letter in said}
-        letters_only, sentence = used(name, scope, most), _SCOPES[scope]
-        if of.after is not None and self.is_event("after"):
-            letters_only, sentence = after_step(letters_only), _AFTER_EVENTS[scope]
-        formula = re.sub(r"\b[pqrstz]\b", lambda match: texts[match[0]], letters_only)
-        body = _BODIES[name].format(**said, times=_TIMES.get(most, f"{most} times"))
+        letters = {a: b for a, b in (letters | more).items() if getattr(of, b) is not None}
+        said = {letter: self.clause(attribute) for letter, attribute in letters.items()}
+        texts = {letter: self.operand(attribute) for letter, attribute in letters.items()}
+        if name == "bounded_existence":
+            formula = robots.bounded(
+                most, of_events=self.is_event("of"), to_event=self.is_event(letters.get("r", "before"))
+            )[scope]
+            formula = after_step(formula) if self.is_event("after") else formula
+        else:
+            formula = self._scoped_formula(used(name, scope), name, letters)
+        formula = re.sub(r"\b[pqrstz]\b", lambda match: texts[match[0]], formula)
+        sentence = (_AFTER_EVENTS if self.is_event("after") else _SCOPES)[scope]
+        body = _BODIES[self._body(name)].format(**said, times=_TIMES.get(most, f"{most} times"))
         return PatternText(formula, sentence.format(body=body, **said))
+
+    def _scoped_formula(self, formula: str, name: str, letters: dict[str, str]) -> str:
+        if name != "universality" or not (self.is_event("of") or self.is_event("of", negated=True)):
+            return self._on_states(formula, letters, "p" if name == "universality" else "")
+        # Of each event, or of none: the states between say nothing.
+        if self.is_event("after"):
+            formula = after_step(formula)
+        scope = {letter: OF_EVENTS if self.is_event(a) else OF_STATES for letter, a in letters.items()}
+        return on_states(formula, scope | {"p": EVERY_EVENT})
+
+    def _body(self, name: str) -> str:
+        """What precedes is an event, and what it precedes a state: that begins with the reaction."""
+        last = {"precedence": "by", "precedence_chain_2_1": "then"}.get(name)
+        return f"{name}_event" if last and self.is_event(last) and not self.is_event("of") else name
 
     # --- robotic missions ---
 
@@ -158,7 +200,7 @@ class _PatternReader:
         here = places[0] if len(places) == 1 else f"({' | '.join(places)})"
         match of:
             case Wait():
-                formula = robots.WAIT.format(each=here, until=self.operand("until"))
+                formula = self._placed(robots.WAIT, here, "until", lasting="p")
                 return PatternText(formula, f"the robot stays in {either} until {self.clause('until')}.")
             case RestrictedAvoidance():
                 said = next(a for a in ("at_most", "at_least", "exactly") if getattr(of, a) is not None)
@@ -168,19 +210,32 @@ class _PatternReader:
                 each = listed if len(places) == 1 else f"each of {listed}"
                 return PatternText(formula, f"the robot enters {each} {number}.")
         if of.until is not None:
-            formula = robots.PAST.format(each=here, until=self.operand("until"))
+            formula = self._placed(robots.PAST, here, "until")
             sentence = f"at some time {self.clause('until')}, and the robot does not come to {either} before."
             return PatternText(formula, sentence)
         if of.after is not None:
-            begins = robots.AFTER_EVENT if self.is_event("after") else robots.FUTURE
-            formula = begins.format(each=here, after=self.operand("after"))
+            formula = self._placed(robots.FUTURE, here, "after")
             return PatternText(formula, f"once {self.clause('after')}, the robot never comes to {either}.")
         return PatternText(robots.GLOBAL.format(each=here), f"the robot never comes to {either}.")
 
+    def _placed(self, formula: str, here: str, attribute: str, lasting: str = "") -> str:
+        """The formula that the robot is, or is not, at some places, with what begins or ends this."""
+        letter = {"after": "q", "until": "r"}[attribute]
+        of_letters = formula.format(each="p", **{attribute: letter})
+        if self.is_event(attribute):
+            of_letters = after_step(of_letters) if letter == "q" else of_letters
+            of_letters = on_states(of_letters, {"p": LASTING if lasting else OF_STATES, letter: OF_EVENTS})
+        texts = {"p": here, letter: self.operand(attribute)}
+        return re.sub(r"\b[pqr]\b", lambda match: texts[match[0]], of_letters)
+
     def reaction(self, of: Reaction) -> PatternText:
         to, gives = self.clause("to"), self.clause("gives")
-        formula = robots.REACTIONS[of.when].format(to=self.operand("to"), gives=self.operand("gives"))
-        return PatternText(formula, _REACTIONS[of.when].format(to=to, gives=gives))
+        formulas, sentences = robots.REACTIONS, _REACTIONS
+        if self.is_event("to") and not self.is_event("gives"):
+            formulas = {**formulas, **robots.REACTIONS_TO_EVENTS}
+            sentences = sentences | _REACTIONS_TO_EVENTS
+        formula = formulas[of.when].format(to=self.operand("to"), gives=self.operand("gives"))
+        return PatternText(formula, sentences[of.when].format(to=to, gives=gives))
 
 
 def _comes_about(formula: Formula) -> bool:
@@ -236,7 +291,9 @@ _BODIES = {
     "bounded_existence": "at most {times} it comes about that {p}",
     "universality": "it is always so that {p}",
     "precedence": "{p} only when {s}, or after that",
+    "precedence_event": "{p} only after {s}",
     "response": "whenever {p}, then or later {s}",
+    "precedence_chain_2_1_event": "{p} only after {t}, and before that {s}",
     "precedence_chain_2_1": "{p} only when {t}, or after that, and before that {s}",
     "precedence_chain_1_2": "{s} and later {t} only when first {p}",
     "response_chain_2_1": "whenever {s} and later {t}, then or later {p}",
@@ -256,6 +313,10 @@ _REACTIONS = {
     "delayed": "whenever {to}, then or later {gives}.",
     "bound": "whenever {to}, and only then, {gives}.",
     "bound_delay": "whenever {to}, and only then, after the next event {gives}.",
+}
+_REACTIONS_TO_EVENTS = {
+    "instantaneous": "whenever {to}, in the reaction {gives}.",
+    "bound": "in the reaction to it whenever {to}, and only then, {gives}.",
 }
 """The sentences of patterns, made of clauses."""
 

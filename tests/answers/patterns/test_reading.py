@@ -48,7 +48,7 @@ SENTENCES = {
     ),
     '<bounded_existence of="objective(see)"/>': "At most twice it comes about that see runs.",
     '<precedence of="objective(see)" by="happens(OBJ_come_EV_OK)"/>': (
-        "See runs only when the success of come comes about, or after that."
+        "See runs only after the success of come comes about."
     ),
     '<precedence of="objective(leave)" by="objective(come)" then="objective(see)"/>': (
         "Leave runs only when see runs, or after that, and before that come runs."
