@@ -12,12 +12,12 @@ from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+from mcpn.drawing.templates.interface import MEETINGS
 from mcpn.mission.language.forms import GROUPS, Field, form_of, inside, language, relax_ng
 from mcpn.mission.model import BlockElement
 from mcpn.mission.robot import Described, Element
 from mcpn.mission.xml import SCHEMA
 from mcpn.report.documents import FORMATS, json_schema
-from mcpn.testing.kit.contract import PARTS
 
 SHARED = {"common": (Element, Described), "routing": (BlockElement,)}
 """Attributes that several elements have, in tables of their own: by table, the classes that declare them."""
@@ -87,9 +87,9 @@ def format_table(name: str) -> str:
 def contract(kind: str) -> str:
     """Who may do what to the parts of a kind of element that others touch."""
     lines = [f"| part of {kind} | says | who may |", "|---|---|---|"]
-    for part, (meaning, allowed) in PARTS[kind].items():
-        who = ", ".join(f"{side} {letters}" for side, letters in allowed.items())
-        lines.append(f"| *{part}* | {meaning} | {who} |")
+    for part, meeting in MEETINGS[kind].items():
+        who = ", ".join(f"{side} {letters}" for side, letters in meeting.allowed.items())
+        lines.append(f"| *{part}* | {meeting.says} | {who} |")
     return "\n".join(lines)
 
 

@@ -6,10 +6,11 @@ Source: the paper, sections 6 and 7.1 (models "integrated and linked together").
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from mcpn.drawing.templates import Canvas, PaperTemplates, Role, TemplateSet
+from mcpn.drawing.templates.interface import Meeting
 from mcpn.mission.flatten import ObjectivesGraph, flatten
 from mcpn.mission.model import Mission
 from mcpn.mission.robot import Activity, Fact, Hardware, Software
@@ -29,6 +30,7 @@ class MissionNet(Drawn):
         usage: Its static analysis.
         net: Its Petri net.
         roles: By place index, in ascending order, what the place says when it is marked.
+        meetings: By place index, where templates meet besides the places that all sets agree on.
     """
 
     mission: Mission
@@ -36,6 +38,7 @@ class MissionNet(Drawn):
     usage: Usage
     net: PetriNet
     roles: Mapping[int, Role]
+    meetings: Mapping[int, Meeting] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         sizes = f"{len(self.net.places)} places, {len(self.net.transitions)} transitions"
@@ -205,7 +208,8 @@ def compose_parts(usage: Usage, parts: Parts, templates: TemplateSet | None = No
     templates.control(canvas, parts.graph)
     net = canvas.build()
     roles = dict(sorted((net.place_index[place], role) for place, role in canvas.roles.items()))
-    return MissionNet(usage.mission, parts.graph, usage, net, roles)
+    meetings = {net.place_index[place]: meeting for place, meeting in canvas.meetings.items()}
+    return MissionNet(usage.mission, parts.graph, usage, net, roles, meetings)
 
 
 def _named(software: tuple[Software, ...], activities: tuple[Activity, ...]) -> frozenset[tuple[str, str]]:

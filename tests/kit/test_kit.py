@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, get_args
 
 import pytest
 from hypothesis import given
@@ -14,15 +15,20 @@ from hypothesis import strategies as st
 
 from experiments.template_faults import FAULTS, HARMLESS, RIGHT, Faulty, Held
 from mcpn.drawing.templates import Canvas, PaperTemplates, TemplateSet
+from mcpn.drawing.templates.canvas import RoleName
 from mcpn.drawing.templates.compact import CompactTemplates
+from mcpn.drawing.templates.interface import HAPPENING, MEETINGS, SAYING
 from mcpn.drawing.templates.named import templates_named
 from mcpn.errors import InputError, LimitError
-from mcpn.mission.model import Mission, walk
-from mcpn.mission.robot import Fact, Hardware
+from mcpn.mission.language.forms import form_of, language
+from mcpn.mission.model import Approximation, Mission, Translated, walk
+from mcpn.mission.requirement import Requirement
+from mcpn.mission.robot import Activity, Described, Fact, Hardware
 from mcpn.mission.xml import read_mission
+from mcpn.nets.events import Event, What
 from mcpn.testing.elements import LATE, LATE_APART
 from mcpn.testing.elements import MISSIONS as MISSIONS_OF_ANY_KIND
-from mcpn.testing.kit.contract import PARTS, STATES, WORDS, contract_of_arcs
+from mcpn.testing.kit.contract import STATES, WORDS, contract_of_arcs, drawer, touches
 from mcpn.testing.kit.corpus import MISSIONS
 from mcpn.testing.kit.properties import PROPERTIES, no_dead_transition, refused_for_a_reason
 from mcpn.testing.kit.running import (
@@ -314,47 +320,183 @@ def test_the_contract_accepts_our_templates_whatever_a_mission_says(mission: Mis
             returns_early(type(error).__name__)
 
 
-def touched() -> set[tuple[str, str, str, str]]:
-    """What the paper's templates do, of what the contract allows: kind, part, side, letter."""
+Row = tuple[str, str, str, str]
+"""Kind, part, side, letter."""
+
+
+def rows_touched(missions: Iterable[Mission]) -> set[Row]:
+    """What the paper's templates do, of what is declared of their places."""
     found = set()
-    for kind, parts in PARTS.items():
-        for part, (_, allowed) in parts.items():
-            for side, letters in allowed.items():
-                for letter in letters:
-                    less = {**allowed, side: letters.replace(letter, "")}
-                    contract = {**PARTS, kind: {**parts, part: ("", less)}}
-                    for mission in (*MISSIONS.values(), read_mission(ULYSSE)):
-                        try:
-                            contract_of_arcs(Subject(mission), contract)
-                        except Violation:
-                            found.add((kind, part, side, letter))
-                            break
+    for mission in missions:
+        for touch in touches(Subject(mission)):
+            if touch.row is not None:
+                found.add((*touch.row, touch.side, touch.letter))
     return found
 
 
-def test_the_contract_allows_no_more_than_the_templates_do() -> None:
+def test_no_more_is_declared_than_the_templates_do() -> None:
     allowed = {
         (kind, part, side, letter)
-        for kind, parts in PARTS.items()
-        for part, (_, sides) in parts.items()
-        for side, letters in sides.items()
+        for kind, parts in MEETINGS.items()
+        for part, meeting in parts.items()
+        for side, letters in meeting.allowed.items()
         for letter in letters
     }
-    assert allowed - touched() == RARE
+    assert allowed - rows_touched((*MISSIONS.values(), read_mission(ULYSSE))) == RARE
 
 
-@pytest.mark.parametrize("kind", PARTS)
-def test_an_element_that_has_no_rows_is_told(kind: str) -> None:
-    """So a new element cannot be forgotten: none may touch its places until the contract says so."""
-    without = {other: parts for other, parts in PARTS.items() if other != kind}
+@pytest.mark.parametrize("kind", MEETINGS)
+def test_an_element_that_declares_no_places_is_told(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """So a new element cannot be forgotten: none may touch its places until they are declared."""
+    monkeypatch.delitem(MEETINGS, kind)
     told = []
     for mission in MISSIONS.values():
         try:
-            contract_of_arcs(Subject(mission), without)
+            contract_of_arcs(Subject(mission))
         except Violation as violation:
             told.append(violation.message)
     assert told
     assert all(re.search(rf"which the .* of {kind} \S+ may not$", message) for message in told)
+
+
+def test_what_places_say_is_declared_or_private() -> None:
+    """By role, so that a new one is thought of: who may touch a place that says so?"""
+    private = {
+        *("wait", "want", "known", "ready", "presumed"),  # of who draws it; others learn of it otherwise
+        *(
+            "objective",
+            "pending",
+            "done",
+            "success",
+            "failure",
+            "abort",
+            "exit",
+            "open",
+            "happened",
+        ),  # control
+        *("alive", "dead"),  # never drawn by templates: made of the net of a mission later
+        "fine",  # has the name that is declared
+    }
+    assert {*get_args(RoleName)} == {*SAYING} | private
+    assert not {*SAYING} & private
+    assert all(part in MEETINGS[kind] for kind, part in SAYING.values())
+
+
+def test_every_event_is_of_some_kind_of_element() -> None:
+    """By what it says; what is called by a name alone is of a set's own, and losses for good come later."""
+    assert {*What} - {*HAPPENING} == {What.NAMED, What.LOST}
+    drawn = {
+        (transition.event.what, drawer(transition.provenance)[0])
+        for mission in MISSIONS.values()
+        for transition in Subject(mission).net.transitions
+        if transition.event is not None and transition.provenance is not None
+    }
+    assert all(kind in HAPPENING[what] for what, kind in drawn)
+    assert {*HAPPENING} - {what for what, _ in drawn} == {What.EARLIER}  # in nets of parts alone
+
+
+def test_events_of_other_elements_break_the_contract() -> None:
+    class Meddling(PaperTemplates):
+        """An activity during which hardware may fail, without the hardware's template."""
+
+        def activity(self, canvas: Canvas, activity: Activity) -> None:
+            super().activity(canvas, activity)
+            running = canvas.place_of("activity", activity.name, "active1")
+            fails = Event(What.OUT_OF_SERVICE, "h")
+            canvas.of("activity", activity.name, None).transition("worn", [running], [running], event=fails)
+
+    told = "a_worn, of activity a, fires with h_EV_OOS, an event of another element"
+    with pytest.raises(Violation, match=told):
+        contract_of_arcs(Subject(MISSIONS["retried"], Meddling()))
+
+
+class Noticing(PaperTemplates):
+    """An activity that looks at a place of its hardware that this set alone has."""
+
+    def hardware(self, canvas: Canvas, resource: Hardware) -> None:
+        super().hardware(canvas, resource)
+        pen = canvas.of("hardware", resource.name, resource.source)
+        self.declared(canvas, canvas.place(f"hours of {resource.name}", provenance=pen.provenance))
+
+    def declared(self, canvas: Canvas, place: str) -> None:
+        """It is not declared that others look at it."""
+
+    def activity(self, canvas: Canvas, activity: Activity) -> None:
+        super().activity(canvas, activity)
+        read = [f"hours of {name}" for way in activity.alternatives for name in way.consumes]
+        canvas.of("activity", activity.name, None).transition("look", [], [], read=read)
+
+
+def test_a_set_declares_places_of_its_own_at_which_templates_meet() -> None:
+    told = "a_look, of activity a, reads hours of h, which the other side of hardware h may not"
+    with pytest.raises(Violation, match=told):
+        contract_of_arcs(Subject(MISSIONS["retried"], Noticing()))
+
+    class Declaring(Noticing):
+        letters = "r"
+
+        def declared(self, canvas: Canvas, place: str) -> None:
+            canvas.meet(place, "it has run for long", consumer=self.letters)
+
+    contract_of_arcs(Subject(MISSIONS["retried"], Declaring()))
+
+    class Other(Declaring):
+        letters = "t"
+
+    told = "a_look, of activity a, reads hours of h, which the consumer of hardware h may not"
+    with pytest.raises(Violation, match=told):
+        contract_of_arcs(Subject(MISSIONS["retried"], Other()))
+
+
+NOT_DRAWN: Mapping[str, set[str]] = {
+    "it is text": {"Described.description", "Described.source", "Parameter.value", "Parameter.unit"}
+    | {f"{of}.parameters" for of in ("Activity", "Alternative", "Objective", "Protocol", "Recursive", "Use")},
+    "it is a number": {
+        f"{of}.{number}"
+        for of, numbers in {
+            **dict.fromkeys(
+                ("Hardware", "Fault", "Activity", "Alternative"), ("failure_rate", "repair_rate")
+            ),
+            "Objective": ("duration", "failure_probability"),
+            "DeclaredEvent": ("rate",),
+        }.items()
+        for number in numbers
+    }
+    | {"Activity.detection_rate", "Hardware.demand_probability"},
+    "it is asked of the net": {"BlockElement.nominal", "DeclaredEvent.required", "Mission.requirements"}
+    | {"Protocol.requirements"},
+    "it is of files": {"Import.href", "Protocols.name", "Protocols.protocols", "Mission.translated"},
+}
+"""What the language has and no net shows, by the reason."""
+
+
+def test_every_element_of_the_language_is_in_the_corpus() -> None:
+    """With each attribute that a net may show, not at its default: so a new one is thought of."""
+    missed = {
+        f"{field.owner.__name__}.{field.name}"
+        for tag in language().values()
+        for form in tag.forms
+        if not issubclass(form, (Requirement, Translated, Approximation)) and form.__module__ in DRAWN
+        for field in form_of(form).fields
+    }
+    for mission in MISSIONS.values():
+        missed -= {*said(mission)}
+    assert missed == set().union(*NOT_DRAWN.values())
+
+
+DRAWN = ("mcpn.mission.model", "mcpn.mission.robot")
+"""Modules that declare elements; patterns of requirements have one of their own."""
+
+
+def said(element: Described) -> Iterator[str]:
+    """The attributes and contents of an element that are not the default, and of those inside."""
+    for field in form_of(type(element)).fields:
+        value = getattr(element, field.name)
+        if value not in (field.default, None, ()):
+            yield f"{field.owner.__name__}.{field.name}"
+        for inner in value if isinstance(value, tuple) else ():
+            if isinstance(inner, Described):
+                yield from said(inner)
 
 
 RARE = {

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property, partial
 from typing import Literal, TypeAlias
 
+from mcpn.drawing.templates.interface import Meeting
 from mcpn.drawing.templates.names import names_of
 from mcpn.errors import Source
 from mcpn.mission.flatten import ObjectivesGraph, ParallelSection
@@ -182,6 +183,7 @@ class Canvas(NetBuilder):
         self.names = names_of(usage)
         self.ranks = Ranks(usage)
         self.roles: dict[str, Role] = {}
+        self.meetings: dict[str, Meeting] = {}
         self.most_combined = MAX_COMBINED
         late = {h.name for h in usage.mission.late}
         sections = usage.graph.walk() if late else ()
@@ -246,6 +248,17 @@ class Canvas(NetBuilder):
     def role(self, place: str, role: Role) -> str:
         """Notes what the place says when it is marked, and returns the place."""
         self.roles[place] = role
+        return place
+
+    def meet(self, place: str, says: str, **allowed: str) -> str:
+        """Declares that templates meet at a place of this set's own, and returns the place.
+
+        Args:
+            place: The place.
+            says: What a token in it says.
+            **allowed: By side, what it may do (:class:`mcpn.drawing.templates.interface.Meeting`).
+        """
+        self.meetings[place] = Meeting(says, allowed)
         return place
 
     def place_of(self, kind: str, element: str, *part: str) -> str:

@@ -1,30 +1,24 @@
-"""The written contract of templates: which places they meet at, and who may mark what.
+"""The contract of templates: each touches places of others only as these declare.
 
-Templates meet at places of agreed parts. Each part has an *owner*, the template that draws it, and others may
-touch it only as :data:`PARTS` says: who *takes* its token, *puts* one, or *reads* it. All other places are
-private. So a template can be replaced by another one that keeps the contract, and a proof of one side needs
-to know nothing of the other but this.
-
-Sides: the ``resource`` itself; its ``consumer``, an activity; its ``producer``, an activity; ``control``, the
-objectives graph; a ``product`` of an activity; the ``loss`` of hardware that an activity detects, or of what
-stands for its crash; a ``reader``, an activity with an alternative that requires the fact,
-or needs a supplier that does.
-
-What templates call otherwise is known by the role that they declare (:data:`BY_ROLE`), as are facts.
+Templates meet at places that they declare (:mod:`mcpn.drawing.templates.interface`): who *takes* a token of
+them, *puts* one, or *reads* it. All other places are private to the element that draws them, also those that
+a set of templates has named itself. So a template can be replaced by another one that keeps the contract, and
+a proof of one side needs to know nothing of the other but this.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
-from typing import ClassVar, TypeAlias
+from collections.abc import Iterable, Iterator, Mapping
+from typing import ClassVar, NamedTuple
 
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, precondition, rule
 
 from mcpn.drawing.compose import MissionNet, compose
-from mcpn.drawing.templates import Role, TemplateSet
+from mcpn.drawing.templates import TemplateSet
 from mcpn.drawing.templates.canvas import RoleName
+from mcpn.drawing.templates.interface import CONTROL, HAPPENING, MEETINGS, SAYING, Meeting
 from mcpn.drawing.templates.names import names_of
 from mcpn.mission.model import Mission
 from mcpn.mission.static.usage import Usage
@@ -32,66 +26,6 @@ from mcpn.mission.world.conditions import word
 from mcpn.nets.events import Event
 from mcpn.nets.petri import Provenance, Transition
 from mcpn.testing.kit.subject import Subject, Violation
-
-Allowed: TypeAlias = Mapping[str, str]
-"""By side, what it may do to a place: letters of ``take``, ``put`` and ``read``, as ``tpr``."""
-
-Entry: TypeAlias = tuple[str, Allowed]
-"""What a token says, and who may do what."""
-
-Contract: TypeAlias = Mapping[str, Mapping[str, Entry]]
-
-PARTS: Contract = {
-    "hardware": {
-        "available": ("nobody uses it, or asks for it", {"owner": "tp", "consumer": "t"}),
-        "take": ("it is asked for", {"owner": "t", "consumer": "p"}),
-        "answer": ("it is held, and works", {"owner": "tp", "consumer": "tpr"}),
-        "error": ("it is held, and has failed", {"owner": "p", "consumer": "tr"}),
-        "release": ("it is given back", {"owner": "t", "consumer": "p"}),
-        "OOS": ("it is out of service", {"owner": "tp", "consumer": "r"}),
-        "free": ("it is in service (exclusive: and not in use)", {"owner": "tpr", "consumer": "r"}),
-        "service": ("it is in service, for who may return", {"owner": "tp", "consumer": "r", "watcher": "r"}),
-        "fine": ("detected late: it is not in use though it is gone", {"owner": "tpr", "control": "r"}),
-        "doubted": ("detected late: an objective has failed that may use it", {"owner": "t", "control": "p"}),
-        "undoubted": ("detected late: there is no such doubt", {"owner": "pr", "control": "t"}),
-    },
-    "software": {
-        "available": ("the consumer neither holds it nor asks", {"owner": "p", "consumer": "tp"}),
-        "take": ("it is asked for", {"owner": "t", "consumer": "p"}),
-        "answer": ("it is held, and produced", {"owner": "tp", "consumer": "tpr"}),
-        "error": ("it is refused, or is no longer produced", {"owner": "p", "consumer": "tr"}),
-        "release": ("it is given back", {"owner": "t", "consumer": "p"}),
-        "waiting": ("its producer is to answer", {"owner": "tp", "consumer": "t", "producer": "r"}),
-        "free": ("its producer may stop", {"owner": "tp", "consumer": "p", "producer": "r"}),
-        "unused": ("no request is open", {"owner": "tp", "consumer": "p", "producer": "r"}),
-        "activation": ("its producer runs now", {"owner": "t", "producer": "p"}),
-        "deactivation": ("its producer has stopped, or refuses", {"owner": "tp", "producer": "p"}),
-    },
-    "activity": {
-        "Start": ("it is started, or evaluates again", {"owner": "tp", "control": "p"}),
-        "Stop": ("an objective stops it", {"owner": "t", "control": "p"}),
-        "StartByRes": ("a request starts it, or it evaluates again", {"owner": "tp", "product": "p"}),
-        "error": ("no alternative is possible", {"owner": "tp"}),
-        "refusing": ("the same of a producer that serves", {"owner": "tp", "product": "r"}),
-        "running": ("some alternative runs", {"owner": "tp", "control": "r", "product": "r"}),
-        "active1": (
-            "its first alternative runs",
-            {"owner": "tp", "control": "r", "product": "r", "loss": "r"},
-        ),
-        "active": ("another alternative runs", {"owner": "tp", "loss": "r"}),
-        "idle": ("it is not started, nor stopping", {"owner": "tp", "control": "t"}),
-    },
-    "fact": {
-        "value": (
-            "the fact has this value",
-            {"owner": "tpr", "control": "tpr", "reader": "r", "event": "tpr"},
-        )
-    },
-    "mission": {
-        "resting": ("an objective has ended in this reaction", {"control": "tp", "activity": "r"}),
-    },
-}
-"""By kind of element and part of it: what a token says, and who may do what."""
 
 STATES: Mapping[str, tuple[str, ...]] = {
     "available": ("free",),
@@ -105,7 +39,6 @@ These are the parts of the paper's templates. A set whose hardware has other pla
 ``hardware_states``; what it does not map may be marked on the way between two states.
 """
 
-CONTROL = frozenset({"objective", "parallel", "mission", "once"})
 WORDS = {"t": "takes from", "p": "puts into", "r": "reads"}
 
 
@@ -115,66 +48,107 @@ def states_of(templates: TemplateSet | None) -> Mapping[str, tuple[str, ...]]:
     return found
 
 
-def contract_of_arcs(of: Subject, parts: Contract = PARTS) -> None:
-    """Each transition touches the places of other templates only as the contract allows.
+class Touch(NamedTuple):
+    """An arc of a transition that one template draws, at a place that another may have drawn.
 
     Args:
-        of: What has been composed.
-        parts: The contract.
-
-    Raises:
-        Violation: One does more.
+        transition: The transition.
+        by: Whose template draws it.
+        letter: What it does there, one of :data:`WORDS`.
+        place: The place.
+        kind: The kind of the element that the place is of.
+        element: The element.
+        row: Kind and part under which the place is declared; ``None`` where it is private, or this set's own.
+        side: As whom the transition's template touches it.
+        allowed: What that side may do.
     """
+
+    transition: str
+    by: Provenance
+    letter: str
+    place: str
+    kind: str
+    element: str
+    row: tuple[str, str] | None
+    side: str
+    allowed: str
+
+
+def touches(of: Subject) -> Iterator[Touch]:
+    """Every arc of a mission's net, with what the declarations say of it."""
     names, found = names_of(of.mission_net.usage), of.mission_net
     for transition in of.net.transitions:
         by = transition.provenance
         assert by is not None, "composition notes who drew a transition"
-        arcs = {"t": dict(transition.consume), "p": dict(transition.produce), "r": dict(transition.read)}
-        for place in sorted({p for places in arcs.values() for p in places}):
-            name = of.net.places[place].name
-            meaning = names.meaning(name)
-            if meaning is None:
-                continue  # a place that the templates have named themselves
-            kind, element, *part = meaning
-            known = _known(parts, kind, part[0] if part else "", found.roles.get(place))
-            side, allowed = _sides(found, by, (kind, element), known)
-            for letter in WORDS:
-                if place in arcs[letter] and letter not in allowed:
-                    message = f"{transition.name}, of {by}, {WORDS[letter]} {name}"
-                    raise Violation(f"{message}, which the {side} of {kind} {element} may not")
+        for letter, arcs in zip(
+            WORDS, (transition.consume, transition.produce, transition.read), strict=True
+        ):
+            for index, _ in arcs:
+                place = of.net.places[index]
+                drawn = None if place.provenance is None else drawer(place.provenance)
+                meaning = names.meaning(place.name) or drawn
+                if meaning is None:
+                    continue  # nobody's
+                kind, element, *part = meaning
+                row, meeting = _declared(found, index, kind, part[0] if part else "")
+                side, allowed = _sides(found, by, (kind, element), meeting)
+                yield Touch(transition.name, by, letter, place.name, kind, element, row, side, allowed)
 
 
-BY_ROLE: Mapping[RoleName, tuple[str, str]] = {
-    "fact": ("fact", "value"),
-    "oos": ("hardware", "OOS"),
-    "active": ("activity", "active"),
-    "refused": ("activity", "refusing"),
-}
-"""By role the row for places that templates have called otherwise: they are known by what they say."""
+def contract_of_arcs(of: Subject) -> None:
+    """Each transition touches the places of other templates only as these declare, and has events of its own.
+
+    Args:
+        of: What has been composed.
+
+    Raises:
+        Violation: One does more.
+    """
+    for t in touches(of):
+        if t.letter not in t.allowed:
+            message = f"{t.transition}, of {t.by}, {WORDS[t.letter]} {t.place}"
+            raise Violation(f"{message}, which the {t.side} of {t.kind} {t.element} may not")
+    for transition in of.net.transitions:
+        event, by = transition.event, transition.provenance
+        kinds = HAPPENING.get(event.what) if event is not None else None
+        if event is None or by is None or kinds is None:
+            continue
+        kind, name = drawer(by)
+        if kind not in kinds or (kind == "hardware" and name != event.element):
+            raise Violation(f"{transition.name}, of {by}, fires with {event}, an event of another element")
 
 
-def _known(parts: Contract, kind: str, part: str, role: Role | None) -> Entry | None:
-    """The row of a part: by its name, for numbered alternatives without the number, else by its role.
+def _declared(
+    found: MissionNet, place: int, kind: str, part: str
+) -> tuple[tuple[str, str] | None, Meeting | None]:
+    """What is declared of a place, and where: by its set, by its part's name, or by what it says.
 
     With a place of a name of its own the owner does what it likes; values of facts have no other name.
     """
-    rows = parts.get(kind, {})
-    named = rows.get(part) or rows.get(part.rstrip("0123456789"))
-    if named is None and role is not None and role[0] in BY_ROLE:
-        of, row = BY_ROLE[role[0]]
-        said = rows.get(row) if of == kind else None
-        return said if of == "fact" else said and (said[0], {**said[1], "owner": "tpr"})
-    return named
+    if place in found.meetings:
+        own = found.meetings[place]
+        return None, Meeting(own.says, {"owner": "tpr", **own.allowed})
+    rows, role = MEETINGS.get(kind, {}), found.roles.get(place)
+    for name in (part, part.rstrip("0123456789")):
+        if name in rows:
+            return (kind, name), rows[name]
+    if role is not None and role[0] in SAYING:
+        of, name = SAYING[role[0]]
+        said = MEETINGS.get(of, {}).get(name)
+        if of == kind and said is not None:
+            own = said if of == "fact" else Meeting(said.says, {**said.allowed, "owner": "tpr"})
+            return (of, name), own
+    return None, None
 
 
 def _sides(
-    found: MissionNet, by: Provenance, touched: tuple[str, str], place: Entry | None
+    found: MissionNet, by: Provenance, touched: tuple[str, str], meeting: Meeting | None
 ) -> tuple[str, str]:
     """As whom an element touches a place of another, and what it may do there."""
     kind, element = touched
     drawer_kind, name = drawer(by)
     own = touched == (drawer_kind, name) or (kind in CONTROL and by.kind in CONTROL)
-    if place is None:
+    if meeting is None:
         return ("owner", "tpr") if own else ("other side", "")
     side, usage = "other side", found.usage
     if own and kind != "mission":
@@ -197,7 +171,7 @@ def _sides(
         side = "consumer"
     elif drawer_kind == "activity" and kind == "hardware":
         side = "watcher"  # a supplier needs it for an alternative that the activity may return to
-    return side, place[1].get(side, "")
+    return side, meeting.allowed.get(side, "")
 
 
 def _required(usage: Usage, name: str) -> set[str]:

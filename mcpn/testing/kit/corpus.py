@@ -4,8 +4,19 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from mcpn.mission.model import FactRoute, Handler, Mission, Objective, Parallel, Recursive
-from mcpn.mission.robot import Activity, DeclaredEvent, Fact, FactChange, Fault
+from mcpn.mission.model import (
+    Each,
+    EntryGuard,
+    FactRoute,
+    Handler,
+    Mission,
+    Objective,
+    Parallel,
+    Protocol,
+    Recursive,
+    Use,
+)
+from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Fact, FactChange, Fault, Software
 from mcpn.testing.shape import activity, hw, mission, robot
 
 
@@ -266,6 +277,60 @@ MISSIONS: dict[str, Mission] = {
                 replace(objective("y", "b"), handlers=(Handler(event="stop", goto="succeed"),)),
             ),
         ),
+    ),
+    "guarded and recovered": mission(
+        replace(
+            robot(
+                hw("h"),
+                activity("a", ("h",)),
+                activity("b", ()),
+                replace(activity("c", ()), requires=("lit",)),
+                events=("dusk",),
+            ),
+            facts=(Fact(name="lit", initial="true"),),
+            events=(DeclaredEvent(name="dusk", sets=(FactChange(fact="lit", to="false"),)),),
+        ),
+        objective("x", "b", failure="y"),
+        replace(objective("y", "a"), guards=(EntryGuard(when=("lit",), otherwise="z"),)),
+        replace(objective("z", "c", failure="fail"), recover="back_off", times=2, success="succeed"),
+        objective("back_off", "b"),
+    ),
+    "done in rounds": replace(
+        mission(
+            robot(hw("h"), activity("a", ("h",)), activity("b", ()), events=("home",)),
+            Each(name="site", values=("n", "s"), parameter="where", blocks=(objective("x", "a"),)),
+            replace(Use(name="u", protocol="twice"), retries=1),
+            objective("back", "b"),
+        ),
+        protocols=(Protocol(name="twice", blocks=(replace(objective("y", "b"), repeat=2),)),),
+        handlers=(Handler(event="home", goto="back", once=True),),
+    ),
+    "lost for good": mission(
+        replace(
+            robot(
+                (*hw("h"), *hw("g", faulty=False)),
+                Activity(
+                    name="a",
+                    alternatives=(
+                        Alternative(name="by_h", consumes=("h",), faulty=True, recovers=False),
+                        Alternative(name="by_g", consumes=("g",), faulty=True),
+                    ),
+                ),
+                activity("b", ()),
+            ),
+            faults=(Fault(name="water", affects=("h",), repairable=False),),
+        ),
+        Parallel(name="both", blocks=(objective("x", "a"), replace(objective("y", "b"), mandatory=False))),
+    ),
+    "reserved": mission(
+        replace(
+            robot(
+                hw("h"), activity("p", ("h",), produces=("s",)), activity("a", ("s",)), activity("b", ("s",))
+            ),
+            software=(Software(name="s", exclusive=True),),
+        ),
+        objective("x", "a"),
+        objective("y", "b"),
     ),
 }
 """A producer that does not serve; one that does; an activity that gives back and asks again in one reaction;
