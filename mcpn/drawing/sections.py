@@ -284,7 +284,7 @@ class LocalPart:
                     (self._shape(shelter.graph, number, task), self._events(shelter, {}))
                     for shelter in section.shelters
                 )
-                inside = (branches, section.needed, section.hasty, shelters)
+                inside = (branches, section.needed, section.hasty, section.failing, shelters)
             outcomes = (section.led(outcome) for outcome, _ in section.outcomes)
             routes = (tuple(positions.get(route, route) for route in led) for led in outcomes)
             events = self._events(section, positions)

@@ -311,7 +311,7 @@ class _Flattening:
         elif isinstance(block, Parallel):
             children, inner = self.inside(block, scope)
             branches = tuple(self.branch(child, inner) for child in children)
-            name = scope.name(block)
+            name, (needed, hasty, failing) = scope.name(block), block.decided
             sections.append(
                 ParallelSection(
                     name,
@@ -322,9 +322,10 @@ class _Flattening:
                     block.description,
                     scope.interruptions,
                     leads.abort.target if any(branch.graph.aborts for branch in branches) else None,
-                    None if block.success_when == "all" else int(block.success_when.replace("any", "1")),
-                    block.failure_when == "any",
+                    needed,
+                    hasty,
                     leads.cases,
+                    failing=failing,
                 )
             )
         elif isinstance(block, Recursive | Use):

@@ -124,6 +124,7 @@ class ParallelSection(Routes):
         needed: How many branches must succeed, mandatory or not, and no more are awaited; ``None`` where all
             are awaited, and every mandatory one must.
         hasty: Whether it fails as soon as a mandatory branch has failed.
+        failing: How many failed branches, mandatory or not, fail it at once; ``None`` where none need to.
         cases: With its outcome, where that leads instead if facts are so; the first that fits counts.
         shelters: What runs while it pauses.
         away: Outcomes of these by which it does not go on, each with where that leads.
@@ -142,6 +143,7 @@ class ParallelSection(Routes):
     cases: tuple[tuple[str, FactCase], ...] = ()
     shelters: tuple[Shelter, ...] = ()
     away: tuple[tuple[str, str], ...] = ()
+    failing: int | None = None
 
     @property
     def graphs(self) -> Iterator[ObjectivesGraph]:
@@ -158,14 +160,16 @@ class ParallelSection(Routes):
     def deciding(self) -> Iterator[tuple[str, Branch]]:
         """Outcomes that may be decided while branches still run, each with the branches that may do so.
 
-        Where a number of successes is needed, the branch that completes it may be any from that number on, in
-        document order.
+        Where a number of successes or failures decides, the branch that completes it may be any from that
+        number on, in document order.
         """
         yield from (("abort", branch) for branch in self.branches if branch.graph.aborts)
         if self.needed is not None and self.needed < len(self.branches):
             yield from (("success", branch) for branch in self.branches[self.needed - 1 :])
-        if self.hasty and len(self.branches) > 1:
-            yield from (("failure", branch) for branch in self.branches if branch.mandatory)
+        for number, branch in enumerate(self.branches, 1):
+            enough = self.failing is not None and self.failing <= number and self.failing < len(self.branches)
+            if enough or (self.hasty and branch.mandatory and len(self.branches) > 1):
+                yield "failure", branch
 
     @property
     def early(self) -> bool:
@@ -177,6 +181,8 @@ class ParallelSection(Routes):
         names = {branch.name for branch in well}
         if self.needed is not None:
             return len(names) >= self.needed
+        if self.failing is not None and len(self.branches) - len(names) >= self.failing:
+            return False
         return all(branch.name in names for branch in self.branches if branch.mandatory)
 
     @property

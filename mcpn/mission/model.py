@@ -24,12 +24,12 @@ from mcpn.mission.expansion.faults import Crash, as_crashes, as_hardware, consum
 from mcpn.mission.language.datatypes import (
     COUNT,
     FAITH,
+    IMPOSSIBLE,
     NAME,
     NOMINAL,
     OUTCOME,
     QUORUM,
     ROUTE,
-    WHOLE,
     Activities,
     Called,
     Children,
@@ -215,10 +215,29 @@ class Parallel(BlockElement):
     ] = "all"
     failure_when: Annotated[
         str,
-        WHOLE,
-        "any: as soon as a mandatory child has failed the block fails, and those that still run are stopped.",
+        QUORUM,
+        "any: as soon as a mandatory child has failed the block fails, and those that still run are stopped. "
+        "A number: as soon as so many children, mandatory or not, have failed. Success that is decided at the "
+        "same moment counts first.",
     ] = "all"
+    impossible: Annotated[
+        str,
+        IMPOSSIBLE,
+        "fails: as soon as too many children have failed for success_when, or with all a mandatory one, the "
+        "block fails. waits: it awaits the others.",
+    ] = "waits"
     blocks: Annotated[tuple[Block, ...], Children(without=("parallel",))]
+
+    @property
+    def decided(self) -> tuple[int | None, bool, int | None]:
+        """The successes that decide it, whether one mandatory failure does, and the failures that do."""
+        needed = None if self.success_when == "all" else int(self.success_when.replace("any", "1"))
+        failing = int(self.failure_when) if self.failure_when.isdigit() else None
+        if self.impossible == "fails" and needed is not None:
+            doomed = len(self.blocks) - needed + 1
+            failing = doomed if failing is None else min(failing, doomed)
+        hasty = self.failure_when == "any" or (self.impossible == "fails" and needed is None)
+        return needed, hasty, failing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -402,10 +402,11 @@ class _Checks:
                 yield Problem(parameter.source, f"{message} {protocol.name} does not have: {remedy}")
 
     def parallel(self, block: Parallel) -> Iterator[Problem]:
-        if block.success_when.isdigit() and int(block.success_when) > len(block.blocks):
-            children = f"{len(block.blocks)} children" if len(block.blocks) != 1 else "1 child"
-            message = f"success_when of {block.name} is {block.success_when}, though it has {children}"
-            yield Problem(block.source, message)
+        for attribute in ("success_when", "failure_when"):
+            if (count := getattr(block, attribute)).isdigit() and int(count) > len(block.blocks):
+                children = f"{len(block.blocks)} children" if len(block.blocks) != 1 else "1 child"
+                message = f"{attribute} of {block.name} is {count}, though it has {children}"
+                yield Problem(block.source, message)
         if not any(child.mandatory for child in block.blocks):
             yield Problem(block.source, f"parallel block {block.name} has no mandatory child")
         yield from of_branches(block)

@@ -230,9 +230,10 @@ class MissionDrawing(RobotDrawing):
             blocks, size = self.children(depth - 1, islands, budget)
             counts = ["any", *map(str, range(1, len(blocks) + 1))]
             needed = self.draw(st.sampled_from(counts)) if self.rarely(self.shape.early) else "all"
-            hasty = "any" if self.rarely(self.shape.early) else "all"
-            block = Parallel(name=self.name("par"), blocks=blocks, success_when=needed, failure_when=hasty)
-            return block, size
+            most = self.draw(st.sampled_from(["any", *counts])) if self.rarely(self.shape.early) else "all"
+            impossible = "fails" if self.rarely(self.shape.early) and self.chance() else "waits"
+            block = Parallel(name=self.name("par"), blocks=blocks, success_when=needed, failure_when=most)
+            return replace(block, impossible=impossible), size
         return self.objective(islands), 1
 
     def usable(self, islands: list[Island], budget: int) -> list[tuple[Protocol, int]]:

@@ -357,8 +357,15 @@ class Words:
             return f"its failure is a success of {branch.name}"
         if branch.mandatory and (block.needed is None or block.hasty):
             return f"its failure fails {block.name}"
+        if block.failing == 1:
+            return f"its failure fails {block.name}"
+        spared = len(block.branches) - (block.needed or 0)
+        alike = block.failing is None or block.failing > spared  # by success that cannot be reached any more
+        failures = "" if alike else f"{block.failing} failures fail {block.name}"
+        if block.needed is None:
+            return failures or f"{block.name} does not need it"
         counted = f"{block.name} needs {block.needed} of {len(block.branches)}"
-        return f"{block.name} does not need it" if block.needed is None else counted
+        return f"{counted}, {failures}" if failures else counted
 
     def of(self, hardware: str, before: Marking, after: Marking) -> dict[str, str]:
         """By column, for one failure."""

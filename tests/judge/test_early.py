@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -52,6 +53,24 @@ LED_ON = both(
 INNER = Parallel(name="inner", blocks=(one("a"), one("b")), success_when="any")
 NESTED = both(Recursive(name="r", blocks=(INNER, one("d"))), one("c"), success_when="any")
 ABORTS = both(on_leak("a", "succeed"), on_leak("b", "abort"), one("c"), success_when="any", abort="g")
+FAILS_TWO = both(
+    one("a"), *(Objective(name=n, activities=(n,), mandatory=False) for n in "bc"), failure_when="2"
+)
+SECOND_FAILS = both(
+    on_leak("a", "succeed"), on_leak("b", "fail"), one("c"), failure_when="2", impossible="fails"
+)
+DOOMED = both(*THREE, success_when="2", impossible="fails")
+DOOMED_ALL = both(
+    one("a"), Objective(name="b", activities=("b",), mandatory=False), one("c"), impossible="fails"
+)
+BOTH_COUNTS = both(
+    on_leak("a", "fail"), on_leak("b", "fail"), on_leak("c", "succeed"), success_when="any", failure_when="2"
+)
+ALL_AT_ONCE = both(
+    on_leak("a", "succeed"),
+    *(replace(on_leak(n, "fail"), mandatory=False) for n in "bc"),
+    failure_when="2",
+)
 AGAIN = mission(ROBOT, Parallel(name="both", blocks=THREE, success_when="any", success="both"))
 
 
@@ -78,6 +97,12 @@ MISSIONS = {
     "nested": NESTED,
     "aborts": ABORTS,
     "again": AGAIN,
+    "two fail": FAILS_TWO,
+    "a second fails": SECOND_FAILS,
+    "doomed": DOOMED,
+    "doomed with all": DOOMED_ALL,
+    "both counts": BOTH_COUNTS,
+    "all at once": ALL_AT_ONCE,
 }
 
 
@@ -117,6 +142,20 @@ LEAK = (DECLARED, "leak")
         (BOTH_EARLY, [LEAK], {"g"}),
         (INNER_OVER, [LEAK], {"f"}),
         (AGAIN, [OK["b"]], {"a", "b", "c"}),
+        (FAILS_TWO, [BAD["b"]], {"a", "c"}),
+        (FAILS_TWO, [BAD["b"], BAD["c"]], {"g"}),
+        (FAILS_TWO, [BAD["a"], OK["c"]], {"b"}),
+        (FAILS_TWO, [BAD["a"], BAD["c"]], {"g"}),
+        (FAILS_TWO, [BAD["b"], OK["a"], BAD["c"]], {"g"}),
+        (FAILS_TWO, [BAD["b"], OK["a"], OK["c"]], {"f"}),
+        (SECOND_FAILS, [LEAK], {"g"}),
+        (DOOMED, [BAD["a"]], {"b", "c"}),
+        (DOOMED, [BAD["a"], BAD["c"]], {"g"}),
+        (DOOMED, [BAD["a"], OK["c"], OK["b"]], {"f"}),
+        (DOOMED_ALL, [BAD["b"]], {"a", "c"}),
+        (DOOMED_ALL, [BAD["c"]], {"g"}),
+        (BOTH_COUNTS, [LEAK], {"f"}),
+        (ALL_AT_ONCE, [LEAK], {"g"}),
     ],
 )
 def test_what_an_early_end_leads_to(of: Mission, events: list[Happening], running: set[str]) -> None:

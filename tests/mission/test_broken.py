@@ -180,7 +180,21 @@ BROKEN: dict[str, tuple[str, int, str]] = {
         8,
         "success_when of p is 2, though it has 1 child",
     ),
-    "failure_when of two": (body(f"<parallel name='p' failure_when='2'>{OK}</parallel>"), 8, "any or all"),
+    "failure_when of more than there are": (
+        body(f"<parallel name='p' failure_when='2'>{OK}</parallel>"),
+        8,
+        "failure_when of p is 2, though it has 1 child",
+    ),
+    "failure_when of none": (
+        body(f"<parallel name='p' failure_when='0'>{OK}</parallel>"),
+        8,
+        "failure_when of p is 0, expected any, all or a whole number above 0",
+    ),
+    "impossible that is no word": (
+        body(f"<parallel name='p' impossible='stops'>{OK}</parallel>"),
+        8,
+        "waits or fails",
+    ),
     "success_when of an objective": (
         body("<objective name='x' activities='go' success_when='any'/>"),
         8,

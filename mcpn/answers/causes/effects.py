@@ -186,9 +186,14 @@ def route(section: ElementarySection, around: Around) -> str:
         return f"its failure aborts {block.name}"
     if section.failure == SUCCEED:
         return f"its failure is a success of {branch.name}"
-    if block.needed is not None and not (block.hasty and branch.mandatory):
-        return f"{block.name} needs {block.needed} of {len(block.branches)}"
-    return f"its failure fails {block.name}" if branch.mandatory else f"{block.name} does not need it"
+    if block.failing == 1 or (branch.mandatory and (block.needed is None or block.hasty)):
+        return f"its failure fails {block.name}"
+    counts = []
+    if block.needed is not None:
+        counts.append(f"{block.name} needs {block.needed} of {len(block.branches)}")
+    if block.failing is not None and block.failing <= len(block.branches) - (block.needed or 0):
+        counts.append(f"{block.failing} failures fail {block.name}")
+    return ", ".join(counts) or f"{block.name} does not need it"
 
 
 _ENDS = {SUCCEED: "success", FAIL: "failure", ABORT: "abort"}

@@ -177,6 +177,10 @@ class Routing:
             well, badly = (sum(exit_ in exits for _, exits in ends) for exit_ in (SUCCEED, FAIL))
             happen["success"] = well >= section.needed
             happen["failure"] = badly > len(ends) - section.needed or (section.hasty and happen["failure"])
+        if section.failing is not None:
+            badly, doomed = sum(FAIL in e for _, e in ends), sum(SUCCEED not in e for _, e in ends)
+            happen["failure"] |= badly >= section.failing
+            happen["success"] &= section.needed is not None or doomed < section.failing
         for exit_, _ in section.away:
             leading = [*_meanwhile(section, exit_)]
             happen[exit_] = not leading or any(map(self._is_taken, leading))

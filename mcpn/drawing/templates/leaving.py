@@ -25,7 +25,7 @@ Led: TypeAlias = Callable[[str], Iterable[Lead]]
 """Says where an outcome leads."""
 
 MAX_DECIDING = 10_000
-"""Combinations of branches whose success decides that of their block, each with a transition."""
+"""Combinations of branches whose ends decide that of their block, each with a transition."""
 
 _DECIDED = {
     "success": ("succeeding", "succeed", "succeeded"),
@@ -83,10 +83,12 @@ class Leaving:
         late = halted or len(section.branches) <= MAX_COMBINED
         begin = 0 if late else len(section.branches) - 1
         ended = [*(self.of_branch(b, "ended") for b in section.branches), *running]
-        if section.needed is None:
-            self._one_by_one(pen, led, begin, ended)
+        if section.needed is not None:
+            self._counted(pen, led, begin, ended, (True, section.needed))
+        elif section.failing is not None:
+            self._counted(pen, led, begin, ended, (False, section.failing))
         else:
-            self._counted(pen, led, begin, ended, section.needed)
+            self._one_by_one(pen, led, begin, ended)
 
     def _combined(self, pen: Pen, running: list[str], led: Led) -> None:
         """One transition per combination of outcomes; success if every mandatory child succeeded (4.2)."""
@@ -125,21 +127,31 @@ class Leaving:
                     outcome = "success" if after is well[-1] else "failure"
                     self._leave(pen, f"{name}_{number}", taken, led(outcome))
 
-    def _counted(self, pen: Pen, led: Led, begin: int, all_ended: list[str], needed: int) -> None:
-        """The outcome of a block in which some number of children must succeed: they are counted up to it."""
-        last = len(self.section.branches)
+    def _counted(self, pen: Pen, led: Led, begin: int, all_ended: list[str], goal: tuple[bool, int]) -> None:
+        """The outcome of a block that successes decide, or failures, by their number: they are counted up to it.
+
+        Where failures are counted the failure of a mandatory child stands for as many as fail the block.
+        """
+        well, most = goal
+        last, word = len(self.section.branches), "ok" if well else "fail"
         after: dict[tuple[int, int], list[str]] = {(0, 0): []}
+        counts = [0]
         for i, branch in enumerate(self.section.branches, 1):
-            for well in range(min(i, needed) + 1):
-                after[i, well] = [] if i == last else [pen.place(f"ok{well}of{i}")]
+            weight = most if branch.mandatory and not well else 1
+            reached = sorted({min(n + more, most) for n in counts for more in (0, weight)})
+            for count in reached:
+                after[i, count] = [] if i == last else [pen.place(f"{word}{count}of{i}")]
             ended = all_ended if i == begin + 1 else []
-            for well, ok in product(range(min(i - 1, needed) + 1), (True, False)):
-                taken = [*after[i - 1, well], self.done(branch, ok), *ended]
-                part, counted = f"note{i}_{well}_{int(not ok)}", min(well + ok, needed)
+            for count, ok in product(counts, (True, False)):
+                taken = [*after[i - 1, count], self.done(branch, ok), *ended]
+                part = f"note{i}_{count}_{int(not ok)}"
+                counted = min(count + weight * (ok is well), most)
                 if i < last:
                     pen.transition(part, taken, after[i, counted], rank=self._rank)
                 else:
-                    self._leave(pen, part, taken, led("failure" if counted < needed else "success"))
+                    reaches = "success" if (counted == most) is well else "failure"
+                    self._leave(pen, part, taken, led(reaches))
+            counts = reached
 
     @property
     def _rank(self) -> int:
@@ -169,20 +181,28 @@ class Leaving:
     ) -> None:
         """Branches that decide the end halt the others; of several at a time the first ones count."""
         section, (place, decides) = self.section, drawn
-        needed = section.needed if outcome == "success" and section.needed else 1
-        if (count := comb(len(section.branches), needed)) > MAX_DECIDING:
-            message = f"parallel block {section.name}: {count} ways in which {needed} branches succeed"
+        counted = {"success": section.needed, "failure": section.failing}.get(outcome)
+        if counted and (count := comb(len(section.branches), counted)) > MAX_DECIDING:
+            verb = {"success": "succeed", "failure": "fail"}[outcome]
+            message = f"parallel block {section.name}: {count} ways in which {counted} branches {verb}"
             raise LimitError(f"{message}, the limit is {MAX_DECIDING}")
         for branch in last:
-            before = section.branches[: section.branches.index(branch)]
             rank = self.canvas.ranks.deciding(section.name, outcome, branch.name)
-            for ended in combinations(before, needed - 1):
+            for ended in self._before(branch, outcome, counted):
                 those = (*ended, branch)
                 put = [place, *(self.of_branch(b, "halted") for b in those)]
                 put += [self.of_branch(b, "halt") for b in section.branches if b not in those]
                 taken = [place for b in those for place in self._ended(b, outcome)]
                 name = (decides, *(b.name for b in those))
                 pen.transition(name, [*taken, running], put, rank=rank)
+
+    def _before(self, branch: Branch, outcome: str, counted: int | None) -> Iterable[tuple[Branch, ...]]:
+        """The branches before one that decide the end with it: each combination that may."""
+        hasty = outcome == "failure" and self.section.hasty
+        if counted is None or (hasty and branch.mandatory):
+            return [()]
+        before = self.section.branches[: self.section.branches.index(branch)]
+        return combinations((b for b in before if not (hasty and b.mandatory)), counted - 1)
 
     def _ended(self, branch: Branch, outcome: str) -> tuple[str, ...]:
         """The places that are marked when a branch has ended so."""

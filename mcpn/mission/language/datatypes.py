@@ -237,7 +237,7 @@ def _one_of(name: str, *choices: str) -> Datatype:
     )
 
 
-WHOLE = _one_of("whole", "any", "all")
+IMPOSSIBLE = _one_of("impossible", "waits", "fails")
 QUORUM = Datatype(
     "quorum",
     "any, all or a number",

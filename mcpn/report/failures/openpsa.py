@@ -229,7 +229,11 @@ class Losses:
             unwell = [self._ending(branch, (SUCCEED,)) for branch in section.branches]
             return self._at_least(len(unwell) - section.needed + 1, unwell)
         ways = ((SUCCEED,) if branch.mandatory else (SUCCEED, FAIL) for branch in section.branches)
-        return reduce(or_, map(self._ending, section.branches, ways), self.never)
+        found = reduce(or_, map(self._ending, section.branches, ways), self.never)
+        if section.failing is None:
+            return found
+        unwell = [self._ending(branch, (SUCCEED,)) for branch in section.branches]
+        return found | self._at_least(section.failing, unwell)
 
     def _failing(self, section: Section) -> Zdd:
         """The losses after which a section cannot fail; an elementary objective can always fail."""
@@ -241,8 +245,12 @@ class Losses:
         hasty = reduce(and_, mandatory, self.always)
         if section.needed is not None:
             late = unended | self._at_least(section.needed, failing)
-            return late & hasty if section.hasty else late
-        return hasty if section.hasty else unended | hasty
+            found = late & hasty if section.hasty else late
+        else:
+            found = hasty if section.hasty else unended | hasty
+        if section.failing is not None:
+            found = found & self._at_least(len(failing) - section.failing + 1, failing)
+        return found
 
     def _at_least(self, number: int, conditions: Iterable[Zdd]) -> Zdd:
         """The losses under which at least ``number`` of some conditions hold (a voting gate)."""

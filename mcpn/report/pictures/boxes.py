@@ -194,7 +194,9 @@ def _notes(block: Block, within: str) -> Iterator[str]:
         if block.success_when != "all":
             yield f"until {'one' if block.success_when == 'any' else block.success_when} succeeded"
         if block.failure_when != "all":
-            yield "until one failed"
+            yield f"until {'one' if block.failure_when == 'any' else block.failure_when} failed"
+        if block.impossible == "fails":
+            yield "until it cannot succeed"
     elif isinstance(block, Each):
         yield f"for each of {len(block.values)}: {' '.join(block.values)}"
     if block.repeat is not None:

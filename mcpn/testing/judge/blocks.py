@@ -48,6 +48,8 @@ class WrittenBlock:
         mandatory: Whether a parallel block needs its success.
         needed: How many children of a parallel block must succeed, if so many decide that it does.
         hasty: Whether a parallel block fails as soon as a mandatory child does.
+        failing: How many failed children fail a parallel block, if so many do.
+        doomed: Whether a parallel block fails as soon as it cannot succeed any more.
         success: Where success leads: the written name of a sibling, ``succeed`` or ``fail``.
         failure: Where failure leads.
         abort: Where it leads that something in it aborts.
@@ -74,6 +76,8 @@ class WrittenBlock:
     mandatory: bool = True
     needed: int | None = None
     hasty: bool = False
+    failing: int | None = None
+    doomed: bool = False
     success: str | WrittenBlock = SUCCEED
     failure: str | WrittenBlock = FAIL
     abort: str = ABORT
@@ -263,6 +267,9 @@ class _Writing:
             node.parallel, node.hasty = True, block.failure_when == "any"
             if block.success_when != "all":
                 node.needed = 1 if block.success_when == "any" else int(block.success_when)
+            if block.failure_when.isdigit():
+                node.failing = int(block.failure_when)
+            node.doomed = block.impossible == "fails"
             self.series(node, block.blocks, scope.inside(block))
         elif isinstance(block, Recursive):
             self.series(node, block.blocks, scope.inside(block, block.parameters))

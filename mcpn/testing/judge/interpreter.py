@@ -7,7 +7,7 @@ and agree on an answer are still found wrong.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -351,6 +351,8 @@ class Interpreter:
         if any(sibling.name not in ended for sibling in siblings):
             return replace(state, ended=frozenset(ended.items()))
         well = all(ended[sibling.name] or not sibling.mandatory for sibling in siblings)
+        if (most := branch.parent.failing) is not None and sum(not ended[s.name] for s in siblings) >= most:
+            well = False
         if (needed := branch.parent.needed) is not None:
             well = sum(ended[sibling.name] for sibling in siblings) >= needed
         others = frozenset(e for e in ended.items() if self.branches[e[0]].parent is not branch.parent)
@@ -372,7 +374,8 @@ class Interpreter:
                 well = sum(ended.get(child.name, False) for child in children)
                 if block.parallel and block.needed is not None and well >= block.needed:
                     return block, SUCCEED
-                if block.hasty and any(ended.get(c.name) is False and c.mandatory for c in children):
+                failed = [child for child in children if ended.get(child.name) is False]
+                if block.parallel and fails(block, failed):
                     return block, FAIL
             level = [child for block in level for child in block.children.values()]
         return None
@@ -444,6 +447,16 @@ class Interpreter:
         (way,) = (way for way in of.alternatives if way.name == alternative)
         declared = {p.name: p.value for p in (*of.parameters, *way.parameters)}
         return {**declared, **(self.objectives[objective].parameters if objective else {})}
+
+
+def fails(block: WrittenBlock, failed: Sequence[WrittenBlock]) -> bool:
+    """Whether a parallel block fails at once as some of its children have failed."""
+    required = any(child.mandatory for child in failed)
+    if (block.hasty and required) or (block.failing is not None and len(failed) >= block.failing):
+        return True
+    if not block.doomed:
+        return False
+    return required if block.needed is None else len(block.children) - len(failed) < block.needed
 
 
 def changed(state: State, facts: Mapping[str, str]) -> State:

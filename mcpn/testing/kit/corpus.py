@@ -200,6 +200,7 @@ MISSIONS: dict[str, Mission] = {
         Parallel(
             name="over",
             abort="succeed",
+            failure_when="2",
             blocks=(
                 Recursive(name="r", blocks=(objective("m", "a", failure="abort"),)),
                 objective("n", "b"),
