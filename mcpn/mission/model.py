@@ -217,8 +217,8 @@ class Parallel(BlockElement):
         str,
         QUORUM,
         "any: as soon as a mandatory child has failed the block fails, and those that still run are stopped. "
-        "A number: as soon as so many children, mandatory or not, have failed. Success that is decided at the "
-        "same moment counts first.",
+        "A number: as soon as so many children, mandatory or not, have failed; success that is decided at "
+        "the same moment counts first.",
     ] = "all"
     impossible: Annotated[
         str,

@@ -201,6 +201,7 @@ MISSIONS: dict[str, Mission] = {
             name="over",
             abort="succeed",
             failure_when="2",
+            impossible="fails",
             blocks=(
                 Recursive(name="r", blocks=(objective("m", "a", failure="abort"),)),
                 objective("n", "b"),
