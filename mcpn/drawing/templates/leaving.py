@@ -128,7 +128,7 @@ class Leaving:
                     self._leave(pen, f"{name}_{number}", taken, led(outcome))
 
     def _counted(self, pen: Pen, led: Led, begin: int, all_ended: list[str], goal: tuple[bool, int]) -> None:
-        """The outcome of a block that a number of successes, or of failures, decides: they are counted up to it.
+        """The outcome of a block that so many successes, or failures, decide: they are counted up to that.
 
         Where failures are counted the failure of a mandatory child stands for as many as fail the block.
         """
