@@ -43,6 +43,7 @@ class Doing(Enum):
     PROVING = "proving that each event has one outcome"
     PROVING_JUNCTION = "proving the way from section {section} to {successor} confluent"
     PROVING_SECTION = "proving section {section} confluent"
+    READING = "reading {question}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from lxml import etree
@@ -55,8 +57,56 @@ def parse_whole(text: str) -> etree._ElementTree:
     return _parsed(Path("text"), text.encode(), "utf-8", whole=True).getroottree()
 
 
-def _parsed(path: Path, data: bytes, encoding: str | None, *, whole: bool) -> etree._Element:
+def stream_xml(
+    path: Path, limit: int, far: Callable[[int, int], None] = lambda read, size: None
+) -> Iterator[tuple[str, etree._Element]]:
+    """The elements of an XML file as they begin and end, so that no tree of a large file is kept.
+
+    Args:
+        path: The file.
+        limit: How many bytes it may have.
+        far: Told now and then how many bytes of how many have been read.
+
+    Yields:
+        ``start`` or ``end``, and the element, which has all that stands in it at its end alone. Who takes the
+        end of an element may clear it.
+
+    Raises:
+        InputError: As :func:`parse_xml`, when the place is come to.
+    """
     # huge_tree stays off: libxml2 then refuses elements nested more than 256 deep.
+    parser = etree.XMLPullParser(
+        events=("start", "end"),
+        resolve_entities=False,
+        no_network=True,
+        load_dtd=False,
+        huge_tree=False,
+        remove_comments=True,
+        remove_pis=True,
+    )
+    data, first = read_bounded(path, limit), True
+    for begin in range(0, len(data) + 1, _CHUNK):
+        if begin and not begin % _TOLD:
+            far(begin, len(data))
+        with _located(path, parser):
+            parser.feed(data[begin : begin + _CHUNK])
+            if begin + _CHUNK > len(data):
+                parser.close()
+        for event, element in parser.read_events():
+            assert isinstance(element, etree._Element)
+            if first:
+                _refuse_dtd(path, element)
+                first = False
+            yield str(event), element
+
+
+_CHUNK = 1 << 16
+"""Bytes that are read before the elements in them are given."""
+_TOLD = 1 << 22
+"""Bytes after which is told how far reading is."""
+
+
+def _parsed(path: Path, data: bytes, encoding: str | None, *, whole: bool) -> etree._Element:
     parser = etree.XMLParser(
         encoding=encoding,
         resolve_entities=False,
@@ -66,14 +116,27 @@ def _parsed(path: Path, data: bytes, encoding: str | None, *, whole: bool) -> et
         remove_comments=not whole,
         remove_pis=not whole,
     )
-    try:
+    with _located(path):
         root = etree.fromstring(data, parser)
+    _refuse_dtd(path, root)
+    return root
+
+
+@contextmanager
+def _located(path: Path, fed: etree.XMLPullParser | None = None) -> Iterator[None]:
+    """Tells errors of the parser with the file and the line; of one that is fed its log may say more."""
+    try:
+        yield
     except etree.XMLSyntaxError as error:
-        line = error.lineno or 1
-        raise InputError.at(Source(str(path), line), f"not well-formed XML: {error.msg}") from error
+        line, said = error.lineno, error.msg
+        if not line and fed is not None:
+            line, said = next(((e.line, e.message) for e in fed.feed_error_log), (1, said))
+        raise InputError.at(Source(str(path), line or 1), f"not well-formed XML: {said}") from error
     except (ValueError, LookupError) as error:
         raise InputError.at(Source(str(path), 1), f"not well-formed XML: {error}") from error
-    if root.getroottree().docinfo.internalDTD is not None:
+
+
+def _refuse_dtd(path: Path, element: etree._Element) -> None:
+    if element.getroottree().docinfo.internalDTD is not None:
         found = "a document type declaration (DTD) is not allowed"
         raise InputError.at(Source(str(path), 1), f"{found}: files are untrusted")
-    return root

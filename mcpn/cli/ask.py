@@ -111,7 +111,8 @@ def ask(
     from mcpn.opening import open_study
     from mcpn.workers import workers_of
 
-    study = open_study(file, import_root=import_root, templates=templates)
+    with progress_on_terminal(as_json):
+        study = open_study(file, import_root=import_root, templates=templates)
     if robot_safety:
         with progress_on_terminal(as_json), workers_of(jobs, scheduler):
             found = study.robot_safety(dangerous=dangerous, stops=stops, engine=engine, max_states=max_states)

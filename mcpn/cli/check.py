@@ -64,7 +64,8 @@ def check(
     from mcpn.opening import open_study
 
     started = time.perf_counter()
-    study = open_study(file, import_root=import_root, templates=templates)
+    with progress_on_terminal(as_json):
+        study = open_study(file, import_root=import_root, templates=templates)
     if structure or study.is_net:
         from mcpn.report.nets import net_object, print_net, print_structure, structure_object
 
@@ -72,7 +73,8 @@ def check(
             arcs = study.structure()
             emit_json(structure_object(arcs)) if as_json else print_structure(arcs)
         else:
-            does = study.behaviour(max_states=max_states)
+            with progress_on_terminal(as_json):
+                does = study.behaviour(max_states=max_states)
             emit_json(net_object(does)) if as_json else print_net(does)
         return
     from mcpn.workers import workers_of

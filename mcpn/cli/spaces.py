@@ -70,7 +70,8 @@ def states(
     chosen = order is not None or save_order is not None or seed is not None
     if chosen and (engine not in ("auto", "symbolic") or graph == "alternatives"):
         raise click.UsageError("--order, --seed and --save-order are of the symbolic engine, on markings")
-    study = open_study(file, import_root=import_root, templates=templates)
+    with progress_on_terminal(as_json):
+        study = open_study(file, import_root=import_root, templates=templates)
     if chosen:
         found = _in_order(study.spaces, order, seed, save_order)
         emit_counts(asdict(found) | {"why": None}, as_json)

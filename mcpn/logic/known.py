@@ -154,16 +154,25 @@ class _ByRuns(Explanation):
         self._fire(run)
 
     def _fire(self, run: Sequence[int]) -> None:
-        """Appends the edges of a run: firings, or events each with the internal firings behind it."""
-        net, marking = self.known.net, self.known.net.initial
-        events: list[tuple[list[int], Marking]] = []
+        """Appends the edges of a run: firings, or events each with the internal firings behind it.
+
+        Of its markings the last is kept alone, where the explanation goes on: a run may be as long as the net
+        has places.
+        """
+        from mcpn.spaces.search.searches import replay
+
+        net = self.known.net
+        events: list[list[int]] = []
         for t in run:
-            marking = net.fire(marking, t)
             if not self.witness.settles or not net.transitions[t].internal:
-                events.append(([t], marking))
+                events.append([t])
             elif events:
-                events[-1] = [*events[-1][0], t], marking
-        self.witness.steps += (Edge(fired[0], after, tuple(fired[1:])) for fired, after in events)
+                events[-1].append(t)
+        if events:
+            ends = (*(None for _ in events[1:]), replay(net, run))
+            self.witness.steps += (
+                Edge(t, end, tuple(rest)) for (t, *rest), end in zip(events, ends, strict=True)
+            )
 
     def step(self, operand: Formula) -> None:
         net, here = self.known.net, self.witness.end

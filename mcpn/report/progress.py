@@ -49,6 +49,8 @@ class UnderWay:
         now = time.monotonic()
         spent = f"{duration(now - self.since)} of {duration(now - self.started)}"
         lines = [f"while {self.step} ({spent})"]
+        if self.step.doing is Doing.READING:
+            return lines
         if self.step.doing is Doing.FINDING_CLASH:
             lines.append("the warnings above name what several activities want at the same time: begin there")
         elif self.step.section is not None:

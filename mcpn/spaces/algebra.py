@@ -52,7 +52,8 @@ class Edge:
 
     Args:
         transition: The transition of the event, or of the firing on a markings graph.
-        target: The state after it, a member as :meth:`States.pick` gives it.
+        target: The state after it, a member as :meth:`States.pick` gives it; ``None`` inside a run that
+            a search has found, of which the end alone is kept.
         internal: The internal transitions fired after the event until the target is stable, where the space
             knows them; empty on markings graphs.
     """

@@ -15,6 +15,7 @@ from mcpn.errors import InputError
 from mcpn.nets.formats import read_net, save_net
 from mcpn.nets.formats.pnml import NAMESPACE, write_pnml
 from mcpn.nets.petri import NetBuilder, PetriNet
+from mcpn.steps import WorkStep, heard_by
 from tests.nets.nets import odd_nets
 
 NCNAMES = st.from_regex(r"[A-Za-z_][-A-Za-z0-9_.]{0,5}", fullmatch=True)
@@ -78,9 +79,10 @@ def test_other_tools_see_a_read_arc_as_two(tmp_path: Path) -> None:
 
 
 def body(inside: str) -> str:
-    return f'<pnml xmlns="{NAMESPACE}">\n<net id="n" type="{NAMESPACE[:-4]}ptnet">\n{inside}\n</net></pnml>'
+    return f'<pnml xmlns="{NAMESPACE}">\n<net id="n" type="{KIND}">\n{inside}\n</net></pnml>'
 
 
+KIND = f"{NAMESPACE[:-4]}ptnet"
 BASE = '<place id="p"/><transition id="t"/>'
 
 
@@ -134,6 +136,45 @@ def test_lines_are_told_even_far_down(tmp_path: Path) -> None:
     # Beyond line 65,535 libxml2 takes an element's line from the text beside it, hence the next line here.
     with pytest.raises(InputError, match=r"n\.pnml:10000[34]: "):
         read(body("\n" * 100_000 + '<place id="p"/><place id="p"/>'), tmp_path)
+
+
+class Heard:
+    def __init__(self) -> None:
+        self.steps: list[str] = []
+
+    def begins(self, step: WorkStep) -> None:
+        self.steps.append(str(step))
+
+    def comes_to(self, states: int, edges: int) -> None:
+        raise AssertionError("nothing is explored")
+
+
+def test_a_large_file_tells_how_far_it_is_read(tmp_path: Path) -> None:
+    heard = Heard()
+    with heard_by(heard):
+        net = read(body(" " * (9 << 20) + BASE), tmp_path)
+    assert [place.name for place in net.places] == ["p"]
+    assert heard.steps == ["reading n.pnml (4 of 9 MiB)", "reading n.pnml (8 of 9 MiB)"]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("<pnml/>", "found none"),
+        (f'<pnml><net id="a" type="{KIND}"/><net id="b" type="{KIND}"/></pnml>', "found a second"),
+        (f'<pnml><net id="a" type="{KIND}"><page id="p"><net id="b"/></page></net></pnml>', "found <net>"),
+    ],
+)
+def test_a_file_has_one_net(text: str, message: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=f"n.pnml:1: .*{message}"):
+        read(text, tmp_path)
+
+
+def test_what_other_tools_say_beside_the_net_is_passed_over(tmp_path: Path) -> None:
+    other = "<toolspecific tool='x'><place id='q'/><net id='m'/></toolspecific>"
+    text = body(f'{BASE}{other}<page id="g">{other}<place id="r"/></page>')
+    net = read(text.replace("<net", f"{other}<net", 1), tmp_path)
+    assert [place.name for place in net.places] == ["p", "r"]
 
 
 BROKEN = {
