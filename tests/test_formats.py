@@ -56,6 +56,7 @@ PRINTED = {
     "simulate dead.net --random 9": "simulate-tokens",
     "bench mission.xml --runs 20 --duration 1 --against python --traces one": "bench",
     "tests courier/mission.xml -o one": "tests",
+    "tests nav/mission.xml --btcpp m.json --tree tree.xml": "mocks-told",
     "controller mission.xml -o one": "controller",
     "controller mission.xml -o one --form modular": "controller",
     "monitor mission.xml -o one": "monitor",
@@ -79,6 +80,7 @@ WRITTEN = {
     "controller mission.xml -o one --form modular": ("one/controller.json", "controller-rules"),
     "controller courier/mission.xml -o one --form modular": ("one/controller.json", "controller-rules"),
     "monitor mission.xml -o one": ("one/monitors.json", "monitors"),
+    "tests nav/mission.xml --btcpp m.json --tree tree.xml": ("m.json", "mocks"),
 }
 """By command line: the file that it writes, and its format."""
 
@@ -94,6 +96,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     shutil.copytree(ROOT / "experiments" / "courier", tmp_path / "courier")
     (tmp_path / "robot.log").write_text("MISSION_EV_START\nOBJ_coral_head.manual_moving_EV_OK\n")
     (tmp_path / "unbounded.net").write_text(UNBOUNDED)
+    leaves = "<ReactiveSequence><IsX/><Sequence><go/><act/></Sequence></ReactiveSequence>"
+    tree = f'<root BTCPP_format="4"><BehaviorTree ID="M">{leaves}</BehaviorTree></root>'
+    (tmp_path / "tree.xml").write_text(tree)
     (tmp_path / "unsafe.net").write_text("net n\npl p (1)\npl q (1)\ntr t p -> q\n")
     (tmp_path / "dead.net").write_text("net n\npl p (1)\npl q (0)\ntr t p -> q\n")
     return tmp_path
@@ -108,6 +113,8 @@ def test_what_is_printed_is_of_its_format(line: str) -> None:
     arguments = line.split()
     if "mission.pnml" in arguments:
         mcpn("convert", "mission.xml", "mission.pnml")
+    if "nav/mission.xml" in arguments:
+        mcpn("init", "nav", "--from", "tree.xml", "--faulty-leaves")
     found = mcpn(*arguments, "--json")
     assert found.returncode in (0, 1), found.stderr
     validate(json.loads(found.stdout), PRINTED[line])
@@ -115,6 +122,8 @@ def test_what_is_printed_is_of_its_format(line: str) -> None:
 
 @pytest.mark.parametrize("line", WRITTEN)
 def test_what_is_written_is_of_its_format(line: str, folder: Path) -> None:
+    if "nav/mission.xml" in line:
+        mcpn("init", "nav", "--from", "tree.xml", "--faulty-leaves")
     assert mcpn(*line.split()).returncode == 0
     file, name = WRITTEN[line]
     validate(json.loads((folder / file).read_text()), name)

@@ -103,6 +103,7 @@ def keep_running(at: Translator, node: TreeNode, context: Context) -> Result:
         name = at.names.fresh(node.name or node.id)
         at.note(node, name, Kind.EXACT, "it runs until it is halted")
         idle = Objective(name=name, activities=(at.activity("idle", context),), success=name, failure=name)
+        at.silent.add(name)
         return Part(Recursive(name=at.names.fresh(f"{name}_loop"), blocks=(idle,)))
     return _endless(at, node, context, result, False, exact=True, why="")
 

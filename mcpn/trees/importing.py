@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from lxml import etree
@@ -24,7 +25,7 @@ from mcpn.trees.ledger import Kind, Ledger, in_order, in_words
 from mcpn.trees.nav2 import NAV2
 from mcpn.trees.nodes import Forest
 from mcpn.trees.reactive import REACTIVE
-from mcpn.trees.translator import Context, Translator, series_of
+from mcpn.trees.translator import BlockOrigin, Context, Translator, series_of
 
 RULES = {**CONTROLS, **REACTIVE, **DECORATING, **NAV2}
 """How control nodes and decorators are translated, by registered name."""
@@ -37,11 +38,18 @@ class Imported:
     Args:
         mission: The mission with its robot and its protocols.
         ledger: What each node became.
-        leaves: By objective of the mission and of its protocols, as it is written, the node of the tree.
+        forest: The trees.
+        origins: By block of the mission and of its protocols, as it is written, what it stands for.
+        heard: By declared event, the block of the leaf that answers otherwise then, and whether well.
+        silent: Objectives whose end no leaf decides, and whose outcome makes no difference.
     """
 
     mission: Mission
     ledger: Ledger
+    forest: Forest
+    origins: Mapping[str, BlockOrigin]
+    heard: Mapping[str, tuple[str, bool]]
+    silent: frozenset[str]
 
 
 def translate(forest: Forest, name: str, file: str, *, faulty: bool = False) -> Imported:
@@ -87,7 +95,7 @@ def translate(forest: Forest, name: str, file: str, *, faulty: bool = False) -> 
         protocols=tuple(_used(at)),
         blocks=series_of(result),
     )
-    return Imported(valid(mission), ledger)
+    return Imported(valid(mission), ledger, forest, at.origins, at.heard, frozenset(at.silent))
 
 
 def _translated(ledger: Ledger) -> Translated:

@@ -165,6 +165,7 @@ def _going_on(
     blocks: list[Block] = []
     if waits:
         wait = at.names.fresh(f"{again.block.name}_wait")
+        at.silent.add(wait)
         blocks.append(
             Objective(
                 name=wait,
@@ -185,7 +186,10 @@ def _twice(at: Translator, piece: Part, context: Context) -> tuple[Part, Part]:
     """Two blocks for one piece: an objective written twice, or two uses of a protocol."""
     block = piece.block
     if isinstance(block, Objective) and not block.handlers and not block.routes:
-        return piece, replace(piece, block=replace(block, name=at.names.fresh(f"{block.name}_again")))
+        again = at.names.fresh(f"{block.name}_again")
+        if block.name in at.origins:
+            at.origins[again] = at.origins[block.name]
+        return piece, replace(piece, block=replace(block, name=again))
     protocol = at.protocol(f" {block.name}", piece, block.name)
     one = Use(name=block.name, protocol=protocol.name)
     other = Use(name=at.names.fresh(f"{block.name}_again"), protocol=protocol.name)

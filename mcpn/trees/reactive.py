@@ -84,6 +84,8 @@ def _guarded(
             behind.append(reset)
             goto = reset.name
         handlers.append(Handler(event=at.event(event, why), goto=goto))
+        if not slow[place]:
+            at.heard[handlers[-1].event] = (named, event.endswith("succeeds"))
     return replace(piece, block=handled(piece.block, handlers, at.instants)), behind
 
 
@@ -104,6 +106,7 @@ def while_do_else(at: Translator, node: TreeNode, context: Context) -> Result:
             what = "succeeds" if asked.good is (place == 1) else "fails"
             why = f"{asked.block.name} {what} while {each.block.name} runs"
             event = at.event(f"{asked.block.name}_{what}", why)
+            at.heard[event] = (asked.block.name, what == "succeeds")
             goto = beside.block.name if isinstance(beside, Part) else SUCCEED if beside else FAIL
             each = replace(each, block=handled(each.block, [Handler(event=event, goto=goto)], at.instants))
         branches.append(each)

@@ -117,6 +117,22 @@ class Context:
         return replace(self, lane=(*self.lane, (block, number)))
 
 
+Chain = tuple[TreeNode, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class BlockOrigin:
+    """What a block stands for.
+
+    Args:
+        chain: The nodes that use trees around the leaf, the outermost first, in the text of the block.
+        leaf: The leaf; ``None`` for a block that uses a protocol.
+    """
+
+    chain: Chain = ()
+    leaf: TreeNode | None = None
+
+
 Rule = Callable[["Translator", TreeNode, Context], Result]
 """How a kind of node is translated."""
 
@@ -150,6 +166,14 @@ class Translator:
     instants: set[str] = field(default_factory=set)
     """Objectives that stand for no time in the tree, and whose end is decided as they begin."""
     parallels: int = 0
+    chain: Chain = ()
+    """The uses of trees around the node that is translated, in the text that it is written in."""
+    origins: dict[str, BlockOrigin] = field(default_factory=dict)
+    """By block, as it is written, the leaf that it stands for, or the use of a tree."""
+    heard: dict[str, tuple[str, bool]] = field(default_factory=dict)
+    """By event, the block of the leaf that answers otherwise then, and whether that is success."""
+    silent: set[str] = field(default_factory=set)
+    """Objectives whose end no leaf decides, and whose outcome makes no difference."""
     parameters: dict[str, set[str]] = field(default_factory=dict)
     """By tree, the ports that any use of it gives."""
 
@@ -195,6 +219,7 @@ class Translator:
         objective = Objective(
             name=name, activities=(self.activity(node.id, context, leaf=True),), parameters=parameters(node)
         )
+        self.origins[name] = BlockOrigin(self.chain, node)
         self.note(
             node, name, Kind.EXACT, "" if self.sure(node) else "taken for a condition because of its name"
         )
@@ -204,6 +229,10 @@ class Translator:
         """An objective that ends some day, and well."""
         name = self.names.fresh(node.name or f"{node.id}_wait")
         self.note(node, name, kind, f"waits for {awaited}")
+        if node.id == "Sleep":
+            self.origins[name] = BlockOrigin(self.chain, node)
+        else:
+            self.silent.add(name)
         made = Objective(
             name=name, activities=(self.activity("wait", context),), description=f"Awaits {awaited}"
         )
@@ -214,6 +243,7 @@ class Translator:
         activity = self.activity("idle", context)
         said = f"{'Succeeds' if ends else 'Fails'} {when}"
         made = Objective(name=self.names.fresh(wish), activities=(activity,), description=said)
+        self.silent.add(made.name)
         return Part(made, good=ends, bad=ends)
 
     def activity(self, what: str, context: Context, *, leaf: bool = False) -> str:
@@ -254,32 +284,42 @@ class Translator:
         ]
         first = targets[values[0]]
         made = self.choice(wish, context, f"Goes on where {fact} says")
+        self.silent.add(made.name)
         return replace(made, success=first, failure=first, routes=tuple(routes))
 
     def setting(self, wish: str, context: Context, change: FactChange, goto: str) -> Objective:
         """An objective that does nothing but set a fact, and leads on."""
         made = self.choice(wish, context, f"Notes {change.fact}={change.to}")
         self.instants.add(made.name)
+        self.silent.add(made.name)
         return replace(made, sets=(replace(change, on="start"),), success=goto, failure=goto)
 
     def subtree(self, node: TreeNode, tree: Tree, context: Context) -> Result:
         """A subtree: a use of a protocol, or what it holds, where branches or memories must not be shared."""
         stateful = any(n.id in STATEFUL for t in self.below(tree) for n in t.root.walk())
         if context.lane or stateful or context.halted:
-            result = self.piece(tree.root, context)
+            result = self.inside(tree, (*self.chain, node), context)
             self.note(node, f"tree {tree.id}, written out", Kind.EXACT)
             return result
         if tree.id not in self.protocols:
-            result = self.piece(tree.root, replace(context, again=True))
+            result = self.inside(tree, (), replace(context, again=True))
             if isinstance(result, bool):
                 self.note(node, "succeeds at once" if result else "fails at once", Kind.EXACT)
                 return result
             self.protocol(tree.id, result, tree.id)
         known = self.protocols[tree.id]
         name = self.names.fresh(node.name or tree.id)
+        self.origins[name] = BlockOrigin((*self.chain, node))
         given = tuple(p for p in parameters(node) if p.name in {k.name for k in known.parameters})
         self.note(node, f"{name}, a use of protocol {known.name}", Kind.EXACT)
         return Part(Use(name=name, protocol=known.name, parameters=given), skips=tree.id in self.skipping)
+
+    def inside(self, tree: Tree, chain: Chain, context: Context) -> Result:
+        """What a tree becomes behind some nodes that use trees."""
+        around, self.chain = self.chain, chain
+        result = self.piece(tree.root, context)
+        self.chain = around
+        return result
 
     def protocol(self, key: str, piece: Part, wish: str) -> Protocol:
         """Makes a protocol of a piece."""

@@ -272,14 +272,27 @@ def _print(told: dict[str, Any]) -> None:
 
 @click.command()
 @click.argument("mission", type=FILE)
-@click.option("-o", "--output", type=FILE, required=True, help="Directory to write the tests to.")
+@click.option("-o", "--output", type=FILE, help="Directory to write the tests to.")
+@click.option(
+    "--btcpp",
+    type=FILE,
+    metavar="FILE",
+    help="Write runs to failure and minimal sets as substitution rules of BehaviorTree.CPP, with --tree.",
+)
+@click.option("--tree", type=FILE, help="With --btcpp: the behaviour tree that the mission was made of.")
+@click.option("--main", metavar="ID", help="With --btcpp: the tree to execute, as for init.")
+@click.option("--nodes", type=FILE, multiple=True, help="With --btcpp: a TreeNodesModel, as for init.")
 @limit_option
 @import_option
 @templates_option
 @json_option
 def tests(
     mission: Path,
-    output: Path,
+    output: Path | None,
+    btcpp: Path | None,
+    tree: Path | None,
+    main: str | None,
+    nodes: tuple[Path, ...],
     max_states: int | None,
     import_root: Path | None,
     templates: TemplateSet | None,
@@ -289,11 +302,24 @@ def tests(
 
     They are for a robot's own code: test_controller.py for pytest, events.txt and expected.txt for a program
     that reads lines, as the example of the C target does.
+
+    With --btcpp they are for the tree that a mission was made of (mcpn init --from): what its leaves answer
+    on a run on which nothing fails and on runs to failure, and leaves that always fail.
     """
+    from mcpn.opening import open_study
+
+    if (btcpp is None) != (tree is None) or (btcpp is None and (main is not None or nodes)):
+        raise click.UsageError("--btcpp and --tree need each other, --main and --nodes need both")
+    if (output is None) == (btcpp is None):
+        raise click.UsageError("expected either -o or --btcpp")
+    if btcpp is not None and tree is not None:
+        study = open_study(mission, import_root=import_root, templates=templates)
+        _mocks(study, btcpp, tree, main, nodes, max_states, as_json)
+        return
+    assert output is not None
     from mcpn.bench.sequences import files, sequences
     from mcpn.controller.targets.json import FILE_NAME, document, write_json
     from mcpn.files import write_folder
-    from mcpn.opening import open_study
     from mcpn.runtime.tables import Tables
 
     study = open_study(mission, import_root=import_root, templates=templates)
@@ -317,3 +343,36 @@ def tests(
     )
     for path in texts:
         click.echo(str(output / path))
+
+
+def _mocks(
+    study: Study,
+    output: Path,
+    tree: Path,
+    main: str | None,
+    nodes: tuple[Path, ...],
+    max_states: int | None,
+    as_json: bool,
+) -> None:
+    """Writes tests of the tree that a mission was made of."""
+    import json
+
+    from mcpn.bench.mocks import document, mocks
+    from mcpn.files import write_atomically
+    from mcpn.trees.importing import translate
+    from mcpn.trees.reading import read_forest
+
+    mission_net = study.mission_net
+    imported = translate(read_forest(tree, nodes, main), mission_net.mission.name, tree.name)
+    checked = study.verdicts(max_states=max_states)
+    found = mocks(imported, mission_net, checked, study.causes(max_states=max_states))
+    written = document(found, mission_net.mission.name, tree.name)
+    write_atomically(output, json.dumps(written, indent=1) + "\n")
+    if as_json:
+        told = {key: written[key] for key in ("mission", "tree", "left_out")}
+        emit_json({**told, "scenarios": len(found.scenarios), "files": [str(output)]})
+        return
+    click.echo(f"{len(found.scenarios):,} tests of {tree.name}")
+    for name, why in found.left_out:
+        click.echo(f"  left out: {name}: {why}")
+    click.echo(str(output))

@@ -1,0 +1,107 @@
+"""The nodes of a tree as BehaviorTree.CPP makes them: subtrees written out, each node with its path.
+
+A substitution rule of the library is for the nodes whose name or registered name it says, or whose path
+matches it. The path of a node is its name behind the names of the subtrees around it; a node without a name
+of its own has its registered name and a number, in the order in which nodes are made.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from mcpn.errors import InputError
+from mcpn.trees.nodes import Forest, TreeNode
+from mcpn.trees.reading import MAX_NODES, SCRIPTS, tree_of
+
+Place = tuple[int, ...]
+"""A node by what leads to it: the nodes that use trees around it, the outermost first, and itself."""
+ASKING = ("ReactiveSequence", "ReactiveFallback", "WhileDoElse", "PipelineSequence")
+"""Nodes that tick earlier children again while a later one runs."""
+
+NOT_RESETTING = ("WhileDoElse", "PipelineSequence")
+"""Those of them that do not reset a child that has answered before they tick it again."""
+
+
+@dataclass(frozen=True, slots=True)
+class Instance:
+    """A leaf of the tree as it is executed.
+
+    Args:
+        node: The node, as it is written.
+        place: Where it is.
+        path: Its path in the library.
+        asked: Whether it is ticked again after it has answered, while something behind it runs.
+        kept: Whether the library keeps its answer then: a node that is not reset is not asked anew.
+    """
+
+    node: TreeNode
+    place: Place
+    path: str
+    asked: bool
+    kept: bool
+
+
+def place_of(chain: tuple[TreeNode, ...], leaf: TreeNode) -> Place:
+    """The place of a leaf behind nodes that use trees."""
+    return tuple(id(node) for node in (*chain, leaf))
+
+
+def instances(forest: Forest) -> list[Instance]:
+    """The leaves of the tree that is executed, in the order of the library; none that always answer the same.
+
+    Raises:
+        InputError: With its subtrees written out it has too many nodes.
+    """
+    return list(_Expansion(forest).leaves(forest.main.root, (), "", False, False))
+
+
+class _Expansion:
+    def __init__(self, forest: Forest) -> None:
+        self.forest = forest
+        self.made = 0
+
+    def leaves(
+        self, node: TreeNode, around: Place, prefix: str, asked: bool, kept: bool
+    ) -> Iterator[Instance]:
+        self.made += 1
+        if self.made > MAX_NODES:
+            raise InputError.at(
+                node.source, f"with subtrees written out there are more than {MAX_NODES} nodes"
+            )
+        path = prefix + (node.name if node.name not in (None, node.id) else f"{node.id}::{self.made}")
+        place = (*around, id(node))
+        if (tree := tree_of(self.forest, node)) is not None:
+            inner = f"{prefix}{node.name or f'{node.id}::{self.made}'}/"
+            yield from self.leaves(tree.root, place, inner, asked, kept)
+        elif not node.children and node.id not in (*SCRIPTS, "AlwaysFailure"):
+            yield Instance(node, place, path, asked, kept)
+        for number, child in enumerate(node.children):
+            earlier = number + 1 < len(node.children) if node.id != "WhileDoElse" else number == 0
+            again = node.id in ASKING and earlier
+            stays = again and node.id in NOT_RESETTING
+            yield from self.leaves(child, around, prefix, asked or again, stays)
+
+
+def filters(forest: Forest, found: list[Instance]) -> dict[str, str]:
+    """By path, the filter of a substitution rule that is for this node alone; none where there is none.
+
+    A path without a number may be the name of another node, too: its first letter is left open then, which no
+    name is.
+    """
+    paths = Counter(each.path for each in found)
+    names = Counter(n.name for each in found if (n := each.node).name)
+    ids = {node.id for tree in forest.trees.values() for node in tree.root.walk()}
+    chosen = {}
+    for path, count in paths.items():
+        if count > 1 or "*" in path or "?" in path:
+            continue
+        if (names[path] > 1 or path in ids) and "::" not in path:
+            opened = f"?{path[1:]}"
+            if any(other != path and other[1:] == path[1:] and other for other in paths):
+                continue
+            chosen[path] = opened
+        else:
+            chosen[path] = path
+    return chosen
