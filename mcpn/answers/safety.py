@@ -7,7 +7,7 @@ means, what counts as an answer of yes, and what shows it where the answer is no
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from mcpn.errors import SemanticsError
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 
 ASKED = {
     "ends_safely": "Whatever fails, the mission can still end; where it can abort, in success or a safe way.",
-    "events_answered": "The reaction to each event ends, and is always the same.",
+    "events_answered": "Every handled event is answered in one reaction, which ends and is always the same.",
     "no_event_ignored": "No declared event is ignored while something runs.",
     "dark_after_stop": "After a stop nothing dangerous runs.",
     "no_single_loss_endangers": "No single loss of hardware, at whatever moment, leaves no safe end.",
-    "no_late_loss_endangers": "No objective goes on in vain after a loss that nobody notices.",
+    "no_late_loss_endangers": "No loss noticed late lets an objective go on in vain, or leaves no safe end.",
     "no_abort_by_failure": "No abort is called safe though what should make the robot safe has failed.",
     "succeeds_if_nothing_fails": "While nothing fails, the mission succeeds.",
 }
@@ -42,17 +42,29 @@ class SafetyAnswer:
         holds: Whether the sentence is true; ``None`` where it does not apply, or is not known.
         why: What stands against it, or why there is no answer; a line each.
         run: A run that shows it, where one does.
+        applies: Whether it says something of this mission.
+        notes: What the answer says and what it leaves open; a line each.
     """
 
     name: str
     holds: bool | None
     why: tuple[str, ...] = ()
     run: Run | None = None
+    applies: bool = True
+    notes: tuple[str, ...] = ()
 
     @property
     def sentence(self) -> str:
         """What is asked."""
         return ASKED[self.name]
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it is answered with no, or should have an answer and has none."""
+        return self.applies and not self.holds
+
+    def _with(self, notes: tuple[str, ...]) -> SafetyAnswer:
+        return replace(self, notes=(*self.notes, *notes))
 
 
 def robot_safety(
@@ -102,9 +114,9 @@ def robot_safety(
         if not meant:
             said = (("an event that stops the robot", stops), ("a dangerous activity", dangerous))
             lacks = enumeration([what for what, given in said if not given])
-            return SafetyAnswer("dark_after_stop", None, (f"does not apply: {lacks} must be named",))
+            return _does_not_apply("dark_after_stop", f"{lacks} must be named")
         if checked.alternatives is None:
-            return SafetyAnswer("dark_after_stop", None, ("the stable states are not known",))
+            return SafetyAnswer("dark_after_stop", None, ("not known: the stable states are not",))
         evaluation, run = Evaluation(checked.alternatives), None
         # What is ignored never happens in formulas, so that they would be met there.
         why = [each.sentence for each in checked.ignored if each.event in stops]
@@ -114,13 +126,17 @@ def robot_safety(
                 run = run or explain(evaluation, formula, names).run
         return SafetyAnswer("dark_after_stop", not why, tuple(why), run)
 
+    cannot_abort = ("that it ends, in success or failure, is all that is proved: it cannot be aborted",)
+    lost_alone, single = _single_losses(spaces, engine, max_states)
     return [
-        _by_verdict("ends_safely", checked, ENDS_SAFELY, "can_always_finish"),
-        _by_verdict("events_answered", checked, "confluent"),
+        _by_verdict("ends_safely", checked, ENDS_SAFELY, "can_always_finish")._with(
+            () if spaces.mission.abort is not None else cannot_abort
+        ),
+        _by_verdict("events_answered", checked, "confluent")._with(_where_handled(checked)),
         _listed("no_event_ignored", [each.sentence for each in checked.ignored]),
         after_stop(),
-        _single_losses(spaces, engine, max_states),
-        _listed("no_late_loss_endangers", [line for each in checked.late for line in each.sentences]),
+        single,
+        _late_losses(checked, lost_alone),
         _no_abort_by_failure(checked),
         _by_verdict("succeeds_if_nothing_fails", checked, "nominal_success"),
     ]
@@ -132,23 +148,58 @@ def single_losses(goal: GoalCauses) -> list[str]:
     return sorted(dict.fromkeys(alone))
 
 
-def _single_losses(spaces: MissionSpaces, engine: Asked, max_states: int | None) -> SafetyAnswer:
+def _single_losses(
+    spaces: MissionSpaces, engine: Asked, max_states: int | None
+) -> tuple[list[str] | None, SafetyAnswer]:
+    """Hardware whose loss alone leaves no safe end, where that is known, and the answer on it."""
     from mcpn.answers.causes.find import find_causes
 
     name = "no_single_loss_endangers"
-    if spaces.mission.abort is None:
-        return SafetyAnswer(name, None, ("does not apply: the mission cannot be aborted",))
     try:
         causes = find_causes(spaces, engine=engine, max_states=max_states)
     except SemanticsError as error:
-        return SafetyAnswer(name, None, (f"not known: {error}",))
-    goal = causes.safety
-    assert goal is not None, "what can be aborted has causes of its safe ends"
+        return None, SafetyAnswer(name, None, (f"not known: {error}",))
+    goal, notes = causes.safety, list[str]()
+    if goal is None:
+        goal = causes.mission
+        notes.append("the mission cannot be aborted: its only safe end is success")
     if any(not lost for cut_sets in goal.moments.values() for lost in cut_sets):
-        return SafetyAnswer(name, False, ("there may be no safe end left even while nothing is lost",))
+        said = "there may be no safe end left even while nothing is lost"
+        return single_losses(goal), SafetyAnswer(name, False, (said,), notes=tuple(notes))
     lost = single_losses(goal)
     run = goal.find_run((lost[0],)) if lost else None
-    return SafetyAnswer(name, not lost, tuple(f"{each} alone" for each in lost), run)
+    why = tuple(f"{each} alone{_moments(goal, each)}" for each in lost)
+    return lost, SafetyAnswer(name, not lost, why, run, notes=tuple(notes))
+
+
+def _moments(goal: GoalCauses, hardware: str) -> str:
+    """When a loss that does no harm before the mission does it; empty where it does it then too."""
+    return "" if (hardware,) in goal.cut_sets else ", at the worst moment"
+
+
+def _late_losses(checked: MissionCheck, alone: Sequence[str] | None) -> SafetyAnswer:
+    """What goes on in vain after a loss that is noticed late, and such losses that leave no safe end."""
+    name, late = "no_late_loss_endangers", [each.name for each in checked.mission_net.mission.late]
+    if not late:
+        return _does_not_apply(name, "all losses are noticed at once")
+    why = [line for each in checked.late for line in each.sentences]
+    why += [f"the loss of {each} alone leaves no safe end" for each in late if each in (alone or ())]
+    if alone is None and not why:
+        return SafetyAnswer(name, None, ("not known: what single losses do is not",))
+    return _listed(name, why)
+
+
+def _where_handled(checked: MissionCheck) -> tuple[str, ...]:
+    """Of which events an answer on handled events speaks."""
+    ignored = {each.event: each for each in checked.ignored}
+    every = [event.name for event in checked.mission_net.mission.events if not event.sets]
+    always = [name for name in every if name not in ignored]
+    lines = [f"{enumeration(always)}: handled whatever runs"] if always else []
+    return (*lines, *(f"not of {name} while {ignored[name].words}: it is ignored there" for name in ignored))
+
+
+def _does_not_apply(name: str, why: str) -> SafetyAnswer:
+    return SafetyAnswer(name, None, (f"does not apply: {why}",), applies=False)
 
 
 def _by_verdict(name: str, checked: MissionCheck, *verdicts: str) -> SafetyAnswer:
@@ -165,7 +216,7 @@ def _no_abort_by_failure(checked: MissionCheck) -> SafetyAnswer:
 
     name, verdict = "no_abort_by_failure", checked.verdicts.get(UNSAFE_ABORT)
     if verdict is None:
-        return SafetyAnswer(name, None, ("does not apply: the mission cannot be aborted",))
+        return _does_not_apply(name, "the mission cannot be aborted")
     if verdict.holds is None:
         return SafetyAnswer(name, None, (f"not known: {verdict.explanation}",))
     if not verdict.holds:

@@ -159,7 +159,9 @@ def _tell_safety(found: Sequence[SafetyAnswer], mission_net: MissionNet, as_json
                     "question": each.name,
                     "sentence": each.sentence,
                     "holds": each.holds,
+                    "applies": each.applies,
                     "why": list(each.why),
+                    "notes": list(each.notes),
                     "run": None if each.run is None else [str(event) for event in each.run.events],
                 }
                 for each in found
@@ -169,7 +171,7 @@ def _tell_safety(found: Sequence[SafetyAnswer], mission_net: MissionNet, as_json
         from mcpn.report.text import print_safety
 
         print_safety(found, mission_net)
-    if any(each.holds is False for each in found):
+    if any(each.is_open for each in found):
         sys.exit(EXIT_FAILED)
 
 

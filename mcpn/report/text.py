@@ -325,9 +325,10 @@ def print_safety(found: Sequence[SafetyAnswer], mission_net: MissionNet) -> None
     terminal = Terminal()
     terminal.print(f"mission {mission_net.mission.name}", style="bold")
     for each in found:
-        mark, colour = {True: ("ok", "green"), False: ("FAIL", "red"), None: ("-", "dim")}[each.holds]
+        unknown = ("?", "yellow") if each.applies else ("-", "dim")
+        mark, colour = {True: ("ok", "green"), False: ("FAIL", "red"), None: unknown}[each.holds]
         terminal.print(f"{mark:4} {each.sentence} ({each.name})", style=colour, indent=2, hang=5)
-        for line in each.why:
+        for line in (*each.why, *each.notes):
             terminal.print(line, indent=7)
         if each.run is not None:
             print_steps(terminal, in_words(mission_net, each.run), indent=9)

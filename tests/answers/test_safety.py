@@ -18,6 +18,8 @@ from mcpn.spaces.engines import Asked
 from mcpn.testing import missions
 from tests.commands import mcpn, output
 
+ROOT = Path(__file__).parents[2]
+
 ROBOT = """<hardware name="lamp" faulty="false"/><hardware name="wheels"/>
     <hardware name="camera" detected="late"/><event name="stop"/>
     <activity name="shine" consumes="lamp"/><activity name="drive" consumes="wheels"/>
@@ -44,6 +46,11 @@ BLOCKS = {
         <objective name="go" activities="stand" success="go" failure="succeed"/>""",
 }
 """By question, blocks of a mission in which it is answered with no."""
+ALSO = {
+    "no_event_ignored": ["dark_after_stop"],  # the stop is what is ignored
+    "no_late_loss_endangers": ["no_single_loss_endangers"],  # it cannot abort, and the camera is lost alone
+}
+"""By question, which others the same mission answers with no."""
 
 
 def mission_of(blocks: str) -> str:
@@ -67,9 +74,8 @@ def test_each_question_is_answered_with_no_where_it_should_be(
     found = asked(name, tmp_path, engine)
     assert found[name].holds is False
     assert found[name].why
-    also = ["dark_after_stop"] if name == "no_event_ignored" else []  # the stop is what is ignored
     failing = {other for other, answer in found.items() if answer.holds is False}
-    assert failing == {name, *also}
+    assert failing == {name, *ALSO.get(name, ())}
 
 
 def test_a_stop_that_is_ignored_stops_nothing(tmp_path: Path) -> None:
@@ -91,7 +97,74 @@ def test_an_event_with_two_outcomes_is_not_answered(tmp_path: Path) -> None:
     )
     found = {each.name: each for each in robot_safety(compose(read_mission(path)))}
     assert found["events_answered"].holds is False
-    assert found["no_single_loss_endangers"].holds is None
+    single = found["no_single_loss_endangers"]
+    assert (single.holds, single.applies, single.is_open) == (None, True, True)
+    assert single.why[0].startswith("not known: ")
+
+
+def test_of_which_events_the_answer_speaks(tmp_path: Path) -> None:
+    path = tmp_path / "m.xml"
+    path.write_text(
+        '<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r"><event name="stop"/>'
+        '<event name="leak"/><activity name="a"/></robot><on event="stop" goto="home"/>'
+        '<objective name="go" activities="a"><on event="leak" goto="home"/></objective>'
+        '<objective name="home" activities="a"/></mission>'
+    )
+    found = {each.name: each for each in robot_safety(compose(read_mission(path)))}
+    answered = found["events_answered"]
+    assert answered.holds
+    assert answered.notes == (
+        "stop: handled whatever runs",
+        "not of leak while home runs: it is ignored there",
+    )
+
+
+def test_a_mission_that_cannot_abort_is_safe_where_it_succeeds(tmp_path: Path) -> None:
+    """``lamp`` is needed from the start; ``wheels`` only once the robot is called back."""
+    path = tmp_path / "m.xml"
+    path.write_text(
+        '<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r"><hardware name="lamp"/>'
+        '<hardware name="wheels" detected="late"/><hardware name="spare"/><event name="called"/>'
+        '<activity name="shine" consumes="lamp"/><activity name="drive" consumes="wheels"/>'
+        '<activity name="stand"/></robot>'
+        '<objective name="go" activities="stand" failure="go"><on event="called" goto="back"/></objective>'
+        '<objective name="look" activities="shine" success="succeed" failure="fail"/>'
+        '<objective name="back" activities="drive" success="look" failure="fail"/></mission>'
+    )
+    found = {each.name: each for each in robot_safety(compose(read_mission(path)))}
+    single = found["no_single_loss_endangers"]
+    assert single.why == ("lamp alone", "wheels alone, at the worst moment")
+    assert single.notes == ("the mission cannot be aborted: its only safe end is success",)
+    assert single.run is not None
+    assert "the loss of wheels alone leaves no safe end" in found["no_late_loss_endangers"].why
+    assert found["ends_safely"].notes
+
+
+WORKED = {
+    "experiments/courier/mission.xml": (
+        {"no_event_ignored", "no_single_loss_endangers"},
+        ["drawer_lock", "radio", "wheels"],
+    ),
+    "experiments/drone/mission.xml": ({"no_event_ignored"}, []),
+    "experiments/glider/mission.xml": (
+        {"no_event_ignored", "no_single_loss_endangers"},
+        ["satellite_radio"],
+    ),
+    "experiments/rover/mission.xml": ({"no_event_ignored"}, []),
+    "experiments/ulysse/mission.xml": ({"no_single_loss_endangers"}, ["thruster_actuator"]),
+    "tests/natural/auv.xml": ({"no_event_ignored", "no_late_loss_endangers"}, []),
+    "tests/natural/guard.xml": ({"no_event_ignored"}, []),
+}
+"""By worked mission the questions that it answers with no, and what leaves no safe end alone."""
+
+
+@pytest.mark.parametrize("file", WORKED)
+def test_worked_missions(file: str) -> None:
+    """Each no was read: what is meant by the mission stands in its text."""
+    found = {each.name: each for each in robot_safety(compose(read_mission(ROOT / file)))}
+    failing, alone = WORKED[file]
+    assert {name for name, answer in found.items() if answer.is_open} == failing
+    assert [line.split()[0] for line in found["no_single_loss_endangers"].why] == alone
 
 
 @given(missions(late=True, aborts=1, events=2))
@@ -102,17 +175,18 @@ def test_they_say_what_check_and_causes_say(mission: Mission) -> None:
     safely = checked.verdicts.get("can_always_end_safely", checked.verdicts["can_always_finish"])
     assert found["ends_safely"] == safely.holds
     assert found["no_event_ignored"] == (not checked.ignored)
-    assert found["no_late_loss_endangers"] == (not checked.late)
+    late = found["no_late_loss_endangers"]
     assert found["succeeds_if_nothing_fails"] == checked.verdicts["nominal_success"].holds
+    hardware = {each.name for each in mission.late}
     try:
-        safety = find_causes(net).safety
+        causes = find_causes(net)
     except SemanticsError:
+        assert late is (None if hardware and not checked.late else False if hardware else None)
         return
-    if safety is None:
-        assert found["no_single_loss_endangers"] is None
-    else:
-        small = [lost for sets in safety.moments.values() for lost in sets if len(lost) < 2]
-        assert found["no_single_loss_endangers"] == (not small)
+    sets = [lost for of in (causes.safety or causes.mission).moments.values() for lost in of]
+    assert found["no_single_loss_endangers"] == (not [lost for lost in sets if len(lost) < 2])
+    endangering = [lost for lost in sets if len(lost) == 1 and lost[0] in hardware]
+    assert late is (None if not hardware else not (checked.late or endangering))
 
 
 def test_names_are_looked_up_before_anything_is_explored(tmp_path: Path) -> None:
@@ -136,8 +210,9 @@ def test_the_command(tmp_path: Path) -> None:
     told = mcpn("ask", tmp_path / "m.xml", *options)
     assert told.returncode == 1
     assert "shine may run after stop" in told.stdout
-    assert mcpn("ask", tmp_path / "m.xml", "--robot-safety").returncode == 0
+    assert mcpn("ask", tmp_path / "m.xml", "--robot-safety").returncode == 0  # what does not apply is no no
     without = output("ask", tmp_path / "m.xml", "--robot-safety")
     assert {each["question"]: each["holds"] for each in without}["dark_after_stop"] is None
+    assert {each["question"]: each["applies"] for each in without}["dark_after_stop"] is False
     assert mcpn("ask", tmp_path / "m.xml", "--dangerous", "shine").returncode == 2
     assert mcpn("ask", tmp_path / "m.xml", "--robot-safety", "EF success").returncode == 2

@@ -44,22 +44,40 @@ def preflight(findings: Findings) -> Iterator[Tick]:
     )
 
 
-def single_losses(findings: Findings) -> tuple[list[str], list[str]]:
-    """Hardware whose loss alone leaves no success, and hardware whose loss alone leaves no safe end."""
+@dataclass(frozen=True)
+class SingleLosses:
+    """Hardware whose loss alone does harm.
+
+    Args:
+        defeats: What is lost before the start leaves no success.
+        later: What does so only where it is lost at the worst moment.
+        endangers: What leaves no safe end, at whatever moment it is lost.
+    """
+
+    defeats: Sequence[str] = ()
+    later: Sequence[str] = ()
+    endangers: Sequence[str] = ()
+
+
+def single_losses(findings: Findings) -> SingleLosses:
+    """Hardware whose loss alone does harm, by what it does."""
     causes = findings.causes
     if causes is None:
-        return [], []
+        return SingleLosses()
     defeats = [lost[0] for lost in causes.mission.cut_sets if len(lost) == 1]
-    return defeats, [] if causes.safety is None else alone(causes.safety)
+    later = [name for name in alone(causes.mission) if name not in defeats]
+    return SingleLosses(defeats, later, [] if causes.safety is None else alone(causes.safety))
 
 
 def _single_losses(findings: Findings) -> Iterator[Tick]:
-    defeats, endangers = single_losses(findings)
-    if endangers:
+    lost = single_losses(findings)
+    if endangers := lost.endangers:
         why = f"{_each(endangers)} alone leaves no success and no safe abort."
         yield Tick(f"Test {_named(endangers)}: single points of failure.", why)
-    if only := [name for name in defeats if name not in endangers]:
-        why = f"{_each(only)} alone leaves no way to success."
+    if only := [name for name in lost.defeats if name not in endangers]:
+        yield Tick(f"Test {_named(only)}.", f"{_each(only)} alone leaves no way to success.")
+    if only := [name for name in lost.later if name not in endangers]:
+        why = f"{_each(only)} alone leaves no way to success where it comes at the worst moment."
         yield Tick(f"Test {_named(only)}.", why)
 
 

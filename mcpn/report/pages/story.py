@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from mcpn.answers.causes.cutsets import CutSet
+from mcpn.answers.causes.cutsets import CutSet, Moment
 from mcpn.answers.verdicts.mission import NOMINAL
 from mcpn.nets.events import Event
 from mcpn.report.failures.terminal import without_a_rate
@@ -25,7 +25,7 @@ from mcpn.report.words import (
 from mcpn.sentences import enumeration
 
 if TYPE_CHECKING:
-    from mcpn.answers.causes.find import Causes
+    from mcpn.answers.causes.find import Causes, GoalCauses
     from mcpn.answers.verdicts.mission import MissionCheck
     from mcpn.report.findings import Findings
     from mcpn.spaces.run import Run
@@ -73,11 +73,16 @@ def _conditions(findings: Findings) -> Iterator[str]:
     """What a yes depends on, each in a few words."""
     causes = findings.causes
     if causes is not None:
-        defeats, endangers = single_losses(findings)
+        alone = single_losses(findings)
+        defeats, endangers = alone.defeats, alone.endangers
+        worst = f"that of {_few(alone.later)} at the worst moment" if alone.later else ""
+        also = f", {worst} too" if worst else ""
         if len(defeats) == 1:
-            yield f"the loss of {defeats[0]} alone defeats it"
+            yield f"the loss of {defeats[0]} alone defeats it{also}"
         elif defeats:
-            yield f"{len(defeats)} losses, each alone, defeat it ({_few(defeats)})"
+            yield f"{len(defeats)} losses, each alone, defeat it ({_few(defeats)}){also}"
+        elif worst:
+            yield f"no single loss before the start defeats it, {worst} alone does"
         else:
             yield "no single loss defeats it"
         if causes.safety is None:
@@ -135,9 +140,9 @@ def story(findings: Findings) -> Iterator[StoryLine]:
     yield _success(findings)
     if findings.causes is not None:
         mission, safety = findings.causes.mission, findings.causes.safety
-        yield _safety(findings, None if safety is None else safety.cut_sets)
+        yield _safety(findings, safety)
         yield from _by_word(findings.causes)
-        yield _lost(mission.cut_sets, aborts=safety is not None)
+        yield _lost(mission, aborts=safety is not None)
         yield from _survived(findings)
     yield from _ignored(findings.check)
     yield from _unnoticed(findings.check)
@@ -201,18 +206,28 @@ def _success(findings: Findings) -> StoryLine:
     return StoryLine(state, "Can it succeed?", said, chips, json.dumps(events) if events else "")
 
 
-def _lost(cut_sets: Sequence[CutSet], *, aborts: bool) -> StoryLine:
+def _lost(goal: GoalCauses, *, aborts: bool) -> StoryLine:
     """What keeps a mission from success."""
-    asked = "What defeats it?"
+    asked, cut_sets, worst = "What defeats it?", goal.cut_sets, at_worst(goal)
     if () in cut_sets:
         said = f"It {'can never succeed' if aborts else 'fails'} whatever the hardware does."
         return StoryLine("fails", asked, said)
+    later = f" At the worst moment, the loss of this defeats it too: {_listed(worst)}." if worst else ""
     if cut_sets:
         lost = _listed(cut_sets)
-        said = f"It can succeed no more once this hardware is lost and not repaired: {lost}."
+        said = f"It can succeed no more once this hardware is lost and not repaired: {lost}.{later}"
         return StoryLine("note", asked, said)
+    if later:
+        return StoryLine("note", asked, f"No loss of hardware before the start.{later}")
     keeps = "keeps it from success" if aborts else "makes it fail"
     return StoryLine("holds", asked, f"No loss of hardware alone {keeps}.")
+
+
+def at_worst(goal: GoalCauses) -> list[CutSet]:
+    """Minimal cut sets at the worst moment that defeat a goal then alone; all of them lose something."""
+    known = [set(lost) for lost in goal.cut_sets]
+    found = goal.moments.get(Moment.SOMETIME.value, [])
+    return [lost for lost in found if lost and not any(each <= set(lost) for each in known)]
 
 
 def _listed(cut_sets: Sequence[CutSet]) -> str:
@@ -235,14 +250,22 @@ def _survived(findings: Findings) -> Iterator[StoryLine]:
         alone = {lost[0] for lost in cut_sets if len(lost) == 1}
         return [] if () in cut_sets else [h.name for h in faulty if h.name not in alone]
 
-    succeeding = left(causes.mission.cut_sets)
+    succeeding, lost = left(causes.mission.cut_sets), single_losses(findings)
     if succeeding:
-        said = f"It can still succeed after the loss of any one of these alone: {', '.join(succeeding)}."
-        yield StoryLine("holds", asked, said)
+        always = [name for name in succeeding if name not in lost.later]
+        said = (
+            f"It can still succeed after the loss of any one of these alone: {', '.join(always)}."
+            if always
+            else "At the worst moment, no loss."
+        )
+        if lost.later:
+            said += f" And of these, where they are lost before the start: {', '.join(lost.later)}."
+        yield StoryLine("holds" if always else "note", asked, said)
         yield from _left_out(findings, causes, succeeding)
     if causes.safety is None:
         return
-    aborting = [name for name in left(causes.safety.cut_sets) if name not in succeeding]
+    known = {*succeeding, *lost.endangers}
+    aborting = [name for name in left(causes.safety.cut_sets) if name not in known]
     if aborting:
         names = ", ".join(aborting)
         said = f"After the loss of any one of these alone it can only be aborted: {names}."
@@ -269,23 +292,30 @@ def _together(lost: CutSet) -> str:
     return enumeration(lost) + (" together" if len(lost) > 1 else "")
 
 
-def _safety(findings: Findings, cut_sets: Sequence[CutSet] | None) -> StoryLine:
+def _safety(findings: Findings, goal: GoalCauses | None) -> StoryLine:
     """What makes a mission that can abort end in neither success nor abort."""
     asked = "What endangers the robot?"
-    if cut_sets is None:
+    if goal is None:
         said = "Not known: the mission never says abort, so none of its failures is told to be safe."
         return StoryLine("note", asked, said)
-    verdict = findings.check.verdicts["can_always_end_safely"]
+    verdict, cut_sets, worst = findings.check.verdicts["can_always_end_safely"], goal.cut_sets, at_worst(goal)
     if () in cut_sets:
         return StoryLine("fails", asked, "It can never succeed, and never be aborted.")
     if not cut_sets and verdict.holds is False:
         return _unsafe(findings, verdict.runs)
+    end = "come to a safe abort" if findings.causes and findings.causes.unsafe_aborts else "be aborted"
+    if worst:
+        said = (
+            f"At the worst moment it can neither succeed nor {end} after the loss of this: {_listed(worst)}."
+        )
+        if cut_sets:
+            said += f" And at any moment once this is lost and not repaired: {_listed(cut_sets)}."
+        return StoryLine("note", asked, said)
     if not cut_sets:
         said = f"Whatever hardware is lost, it can still succeed or be aborted: {ABORTED}."
         if findings.causes and findings.causes.unsafe_aborts:
             return StoryLine("note", asked, "No loss of hardware alone, but failures of what makes it safe.")
         return StoryLine("holds", asked, said)
-    end = "come to a safe abort" if findings.causes and findings.causes.unsafe_aborts else "be aborted"
     said = f"It can neither succeed nor {end} once this hardware is lost and not repaired:"
     return StoryLine("note", asked, f"{said} {_listed(cut_sets)}.")
 
