@@ -272,3 +272,34 @@ def test_what_is_lost_where_a_mission_goes_on_is_told(tmp_path: Path) -> None:
     assert lost.said == (
         "The mission then goes on, but some objectives cannot succeed; without camera: filming."
     )
+
+
+def test_what_defeats_it_at_the_worst_moment_alone_is_told(tmp_path: Path) -> None:
+    """Whoever is called back needs the radio, whoever is not the lamp: before the start neither is needed."""
+    path = tmp_path / "mission.xml"
+    path.write_text(
+        '<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r"><hardware name="radio"/>'
+        '<hardware name="lamp"/><event name="called"/><activity name="shine" consumes="lamp"/>'
+        '<activity name="answer" consumes="radio"/></robot>'
+        '<objective name="look" activities="shine" success="succeed" failure="abort">'
+        '<on event="called" goto="say"/></objective>'
+        '<objective name="say" activities="answer" success="succeed" failure="say"/></mission>'
+    )
+    found = findings(compose(read_mission(path)))
+    said = headline(found).said
+    assert (
+        "No loss before the start defeats it alone, that of lamp and radio at the worst moment does" in said
+    )
+    assert "the loss of radio alone endangers the robot" in said
+    lines = {line.asked: line for line in story(found)}
+    worst = "At the worst moment, the loss of this defeats it too: lamp; radio."
+    assert lines["What defeats it?"].said.endswith(worst)
+    assert lines["What endangers the robot?"].said.startswith(
+        "At the worst moment it can neither succeed nor"
+    )
+    assert "radio" in lines["What endangers the robot?"].said
+    survived = lines["What does it survive?"]
+    assert (survived.state, survived.said.split(".")[0]) == ("note", "At the worst moment, no loss")
+    assert "where they are lost before the start: lamp, radio" in survived.said
+    (ticked,) = [tick for tick in preflight(found) if "radio" in tick.what]
+    assert "single points of failure" in ticked.what

@@ -82,7 +82,7 @@ def _conditions(findings: Findings) -> Iterator[str]:
         elif defeats:
             yield f"{len(defeats)} losses, each alone, defeat it ({_few(defeats)}){also}"
         elif worst:
-            yield f"no single loss before the start defeats it, {worst} alone does"
+            yield f"no loss before the start defeats it alone, {worst} does"
         else:
             yield "no single loss defeats it"
         if causes.safety is None:
