@@ -27,6 +27,8 @@ order = Path(f"{name}.order")  # what to print, or a status to end with
 while True:
     if order.exists():
         text = order.read_text()
+        if not text:
+            continue  # it has been made, and is not written yet
         order.unlink()
         if text.isdigit():
             sys.exit(int(text))
