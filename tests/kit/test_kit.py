@@ -21,7 +21,7 @@ from mcpn.drawing.templates.interface import HAPPENING, MEETINGS, SAYING
 from mcpn.drawing.templates.named import templates_named
 from mcpn.errors import InputError, LimitError
 from mcpn.mission.language.forms import form_of, language
-from mcpn.mission.model import Approximation, Mission, Translated, walk
+from mcpn.mission.model import Approximation, FactRoute, Mission, Objective, Translated, walk
 from mcpn.mission.requirement import Requirement
 from mcpn.mission.robot import Activity, Described, Fact, Hardware
 from mcpn.mission.xml import read_mission
@@ -43,7 +43,8 @@ from mcpn.testing.kit.running import (
 )
 from mcpn.testing.kit.subject import Subject, Violation
 from mcpn.testing.kit.units import MACHINES
-from mcpn.testing.shape import Shape, hw
+from mcpn.testing.shape import Shape, activity, hw, robot
+from mcpn.testing.shape import mission as written_mission
 from tests.conftest import ULYSSE
 from tests.draws import fewer
 from tests.shares import returns_early
@@ -108,6 +109,16 @@ def test_who_is_refused_has_a_reason(mission: Mission) -> None:
             refused_for_a_reason(Subject(mission, templates))
         except LimitError as error:
             returns_early(type(error).__name__)
+
+
+def test_a_mission_that_facts_lead_round_need_not_end() -> None:
+    """The objective cannot succeed, whatever the templates, and while that is so its failure leads to it."""
+    alone = replace(activity("a", ()), requires=("lit",))
+    dark = replace(robot((), alone), facts=(Fact(name="lit"),))
+    again = FactRoute(when=("!lit",), goto="x", on="failure")
+    round_and_round = written_mission(dark, Objective(name="x", activities=("a",), routes=(again,)))
+    for templates in OURS:
+        assert first_broken(round_and_round, templates) is None
 
 
 @pytest.mark.parametrize("name", HARMLESS)

@@ -70,8 +70,11 @@ def ending(of: Subject) -> None:
 
 
 def _goes_round(graph: ObjectivesGraph) -> bool:
-    """Whether what objectives come to may lead round for ever."""
-    left = {section.name: {route for _, route in section.outcomes} for section in graph.sections}
+    """Whether what objectives come to, by themselves or as facts choose, may lead round for ever."""
+    left = {
+        section.name: {route for _, route in section.outcomes} | {case.target for _, case in section.cases}
+        for section in graph.sections
+    }
     while ends := [name for name, routes in left.items() if not routes & left.keys()]:
         for name in ends:
             del left[name]
