@@ -17,7 +17,7 @@ minutes where engines are stopped by their limit.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -86,15 +86,29 @@ def find(engine: str, family: str, number: int) -> Result:
     return {name: value for name, value in counts.items() if value is not None}
 
 
-def measure(most: int, seconds: float) -> Iterator[dict[str, Any]]:
-    """A row for each mission: its sizes, and the seconds of each engine or why it gave up."""
+def measure(
+    most: int,
+    seconds: float,
+    engines: Sequence[str] = ENGINES,
+    wanted: Callable[[str], bool] = lambda _: True,
+) -> Iterator[dict[str, Any]]:
+    """A row for each mission: its sizes, and the CPU seconds of each engine that does not give up.
+
+    Args:
+        most: The largest size of each family.
+        seconds: Limit of each run.
+        engines: Those that are asked.
+        wanted: Says of a family and a size whether the mission is measured.
+    """
     for family, make in FAMILIES.items():
         gone: set[str] = set()
         for number in range(1, most + 1):
+            if not wanted(f"{family} {number}"):
+                continue
             net = compose(make(number)).net
             line: dict[str, Any] = {"family": family, "n": number, "places": len(net.places)}
             counts: dict[str, set[int]] = {"markings": set(), "stable": set()}
-            for engine in ENGINES:
+            for engine in engines:
                 if engine in gone:
                     continue
                 found = measured(find, engine, family, number, seconds=seconds)
@@ -121,7 +135,7 @@ def table(lines: list[dict[str, Any]]) -> str:
     def cell(value: object) -> str:
         return "-" if value is None else f"{value:.2f}" if isinstance(value, float) else f"{value}"
 
-    heads = [*COLUMNS[:6], *(f"{engine}, s" for engine in ENGINES)]
+    heads = [*COLUMNS[:6], *(f"{engine}, CPU s" for engine in ENGINES)]
     rows = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
     rows += ["| " + " | ".join(cell(line.get(column)) for column in COLUMNS) + " |" for line in lines]
     return "\n".join(rows)
@@ -133,7 +147,7 @@ def save(lines: list[dict[str, Any]], folder: Path) -> None:
         Curves(
             family,
             f"N ({family})",
-            "seconds",
+            "CPU seconds",
             {
                 engine: [
                     (line["n"], line[engine]) for line in lines if line["family"] == family and engine in line

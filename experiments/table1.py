@@ -2,7 +2,7 @@
 
 Run: python experiments/table1.py [--repeat N]
 
-Times are medians of N runs, measured side by side in this one process; the paper's are its own, of 2017.
+Times are medians of N runs in CPU seconds, side by side in this process; the paper's are its own, of 2017.
 It takes seconds.
 """
 
@@ -52,7 +52,7 @@ def counts() -> list[tuple[str, str, str]]:
 
 
 def seconds(repeat: int) -> list[tuple[str, str, str]]:
-    """What is timed, the paper's seconds and ours: medians."""
+    """What is timed, the paper's seconds and ours: medians of CPU time."""
     found, generation = timed(repeat, lambda: compose(read_mission(MISSION)))
     markings, exploring = timed(repeat, lambda: explore(found.net))
     _, reducing = timed(repeat, lambda: by_reduction(markings))
@@ -66,12 +66,12 @@ def seconds(repeat: int) -> list[tuple[str, str, str]]:
 
 
 def timed(repeat: int, action: Callable[[], T]) -> tuple[T, float]:
-    """What an action returns, with the median of its seconds."""
+    """What an action returns, with the median of its CPU seconds."""
     seconds = []
     for _ in range(repeat):
-        started = time.perf_counter()
+        started = time.process_time()
         result = action()
-        seconds.append(time.perf_counter() - started)
+        seconds.append(time.process_time() - started)
     return result, statistics.median(seconds)
 
 
