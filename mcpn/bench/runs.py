@@ -10,9 +10,8 @@ from dataclasses import dataclass, field
 from math import inf, sqrt
 from statistics import NormalDist
 
-from mcpn.bench.demands import StartDemand
-from mcpn.bench.world import BenchNode, ControllerPlace, World
-from mcpn.controller.nominal import awaited, nominal_run
+from mcpn.bench.world import BenchNode, ControllerPlace, StartDemand, World
+from mcpn.controller.run import awaited, nominal_run
 from mcpn.nets.events import Event
 from mcpn.runtime.machines import TypeTables
 from mcpn.runtime.monitors import Monitors

@@ -255,7 +255,7 @@ class EventSession(Prompt):
 
     def play_nominal(self) -> None:
         """Takes the run on which nothing fails, and says where it does not succeed."""
-        from mcpn.controller.nominal import awaited, nominal_run
+        from mcpn.controller.run import awaited, nominal_run
 
         simulation = self.simulation
 

@@ -28,8 +28,7 @@ from mcpn.answers.verdicts.modes import Situation
 from mcpn.composite.composite import CompositeSpace
 from mcpn.composite.layout import Renaming
 from mcpn.composite.section_type import SectionType
-from mcpn.controller.actions import PlannedAction
-from mcpn.controller.machine import Machine, controller, event_at
+from mcpn.controller.machine import Machine, PlannedAction, controller, event_at
 from mcpn.controller.sizes import refuse_entries
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.mortal import ALWAYS, Guard

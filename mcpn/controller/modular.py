@@ -21,8 +21,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import PlacedMachine, TableController
+from mcpn.controller.machine import PlannedAction
 from mcpn.nets.events import Event
 from mcpn.notebook import Drawn
 

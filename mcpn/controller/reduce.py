@@ -9,7 +9,7 @@ from heapq import heapify, heappop, heapreplace
 from operator import or_
 
 from mcpn._kernel import Zdd
-from mcpn.controller.actions import PlannedAction
+from mcpn.controller.machine import PlannedAction
 
 Ordered = tuple[tuple[PlannedAction, ...], str | None]
 """The actions, and the outcome with which the section is left."""

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from mcpn.answers.verdicts.modes import Situation, situation
-from mcpn.controller.actions import Ordering, PlannedAction
+from mcpn.controller.machine import Ordering, PlannedAction
 from mcpn.controller.run import Runner
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError

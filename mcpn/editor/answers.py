@@ -12,11 +12,9 @@ from lsprotocol import types as lsp
 from pygls.workspace import TextDocument
 
 from mcpn.editor.layout import Outlined, formatted, outline
-from mcpn.editor.meaning import resolved
+from mcpn.editor.names import Symbol, attribute_of, resolved, scope_of, symbols, words
 from mcpn.editor.project import Project
 from mcpn.editor.scan import ScannedAttribute, ScannedElement, targets
-from mcpn.editor.symbols import Symbol, attribute_of, scope_of, symbols
-from mcpn.editor.words import words
 from mcpn.errors import Problem
 from mcpn.mission.language.datatypes import BOOLEAN, NAME
 from mcpn.mission.language.forms import ROOTS, Tag, language

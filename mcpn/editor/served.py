@@ -4,6 +4,8 @@ The server listens on this machine alone (127.0.0.1). Its address has a token th
 asks must not come from a page of another origin: another name of the machine, as in DNS rebinding, is refused
 too. A thread looks at the files, and verifies the mission again when one of them changes; what is wrong in
 them is shown with the lines.
+
+The same page can be attached to a robot that runs: then it shows each event as the controller takes it.
 """
 
 from __future__ import annotations
@@ -13,24 +15,27 @@ import secrets
 import sys
 import threading
 from collections.abc import Callable, Collection, Generator, Iterable, Iterator, Mapping
-from contextlib import closing, suppress
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, field
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from time import time
 from typing import TYPE_CHECKING, Any
 
 from mcpn.editor.supposing import compared
-from mcpn.errors import InputError, McpnError, Problem
+from mcpn.errors import InputError, LimitError, McpnError, Problem
 from mcpn.opening import open_study
 from mcpn.report.page import failed_page, page
 from mcpn.report.pages.identity import files_of
 from mcpn.report.words import in_words
+from mcpn.runtime.controller import Step
+from mcpn.runtime.journal import step_object
+from mcpn.study import Study
 
 if TYPE_CHECKING:
     from mcpn.logic.questions import Answer
     from mcpn.spaces.engines import Asked
-    from mcpn.study import Study
 
 LOOPBACK = "127.0.0.1"
 EVERY = 0.5
@@ -343,3 +348,93 @@ def _headers(kind: str) -> Iterator[tuple[str, str]]:
     yield "X-Frame-Options", "DENY"
     yield "Referrer-Policy", "no-referrer"
     yield "Cross-Origin-Resource-Policy", "same-origin"
+
+
+SILENCE = 10.0
+"""Seconds after which a stream on which nothing happens says so, so that one whose page is closed ends."""
+
+LAST = 2.0
+"""Seconds that pages have to be told of the end."""
+
+
+class RobotPage(Content):
+    """The page of a mission that a robot runs; its stream is the journal, a line for each event.
+
+    Args:
+        study: The mission.
+        max_states: Limit on states that are listed.
+
+    Raises:
+        LimitError: Its controller is too large for a page.
+    """
+
+    def __init__(self, study: Study, max_states: int | None = None) -> None:
+        found = study.findings(max_states=max_states)
+        if found.controller is None:
+            raise LimitError(f"--page: {'; '.join(found.notes) or 'the page has no controller'}")
+        self.shown = ServedPage(1, page(found, robot=True), study, {})
+        self._lines: list[str] = []
+        self._ended: str | None = None
+        self._listening = 0
+        self._changed = threading.Condition()
+
+    def __call__(self, step: Step) -> None:
+        """Takes a step; give it to ``Controller.observe``."""
+        line = json.dumps({"time": time(), **step_object(step)})
+        with self._changed:
+            self._lines.append(f"id: {len(self._lines) + 1}\ndata: {line}\n\n")
+            self._changed.notify_all()
+
+    def lost(self, what: str) -> None:
+        """Tells of a record that cannot be written."""
+        with self._changed:
+            self._lines.append(f"id: {len(self._lines) + 1}\nevent: lost\ndata: {json.dumps(what)}\n\n")
+            self._changed.notify_all()
+
+    def end(self, outcome: str | None) -> None:
+        """Tells that the robot has ended, and waits until all pages know it, but not for long."""
+        with self._changed:
+            self._ended = f"event: end\ndata: {json.dumps(outcome)}\n\n"
+            self._changed.notify_all()
+            self._changed.wait_for(lambda: not self._listening, LAST)
+
+    def stream(self, after: int) -> Generator[str]:
+        """The journal behind a line, as it grows."""
+        with self._changed:
+            self._listening += 1
+        try:
+            while True:
+                with self._changed:
+                    if not self._lines[after:] and self._ended is None:
+                        self._changed.wait(SILENCE)
+                    lines, ended = self._lines[after:], self._ended
+                yield from lines or (":\n\n",)
+                after += len(lines)
+                if ended is not None:
+                    yield ended
+                    return
+        finally:
+            with self._changed:
+                self._listening -= 1
+                self._changed.notify_all()
+
+
+@contextmanager
+def attached(content: RobotPage, port: int = 0) -> Iterator[PageServer]:
+    """Serves the page on threads of its own.
+
+    Args:
+        content: The page.
+        port: The port; 0 for any that is free.
+
+    Raises:
+        OSError: The port cannot be listened on.
+    """
+    server = PageServer(content, port)
+    serving = threading.Thread(target=server.run, daemon=True)
+    serving.start()
+    try:
+        yield server
+    finally:
+        server.shutdown()
+        serving.join()

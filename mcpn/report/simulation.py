@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from mcpn.answers.verdicts.modes import Situation
-from mcpn.controller.actions import VERBS, PlannedAction
+from mcpn.controller.machine import VERBS, PlannedAction
 from mcpn.controller.simulator import Change, Simulation, resources
 from mcpn.drawing.compose import MissionNet
 from mcpn.nets.events import Event

@@ -1,11 +1,62 @@
-"""Awkward names for missions: like parts of one another, and alike in different kinds."""
+"""Awkward names for missions, like parts of one another and alike in different kinds; and renaming."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
 from hypothesis import strategies as st
 
-from mcpn.mission.model import Mission
-from mcpn.mission.renaming import renamed
+from mcpn.mission.language.forms import form_of
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission, Protocol
+from mcpn.mission.robot import Alternative, Element
+from mcpn.mission.world.conditions import objective_done, word
+
+
+def renamed(mission: Mission, rename: Callable[[str, str], str]) -> Mission:
+    """The mission with other names, without its requirements, whose formulas say the names that it had.
+
+    Args:
+        mission: A valid mission.
+        rename: From a kind (``resource``, ``activity``, ``alternative``, ``block``, ``protocol``, ``event``,
+            ``fact``) and a name to the new name, which must be unique in its kind. An alternative that has
+            the name of its activity gets the activity's new name.
+    """
+
+    def reworded(text: str) -> str:
+        said = word(text)
+        objective = objective_done(said.fact)
+        name = rename("fact", said.fact) if objective is None else f"done({rename('block', objective)})"
+        return f"{'!' * said.negated}{name}{'' if said.value is None else f'={said.value}'}"
+
+    def other(kind: str, value: Any) -> Any:
+        if kind == "condition":
+            return tuple(map(reworded, value))
+        if isinstance(value, tuple):
+            return tuple(rename(kind, name) for name in value)
+        exits = (None, SUCCEED, FAIL, ABORT) if kind == "block" else (None,)
+        return value if value in exits else rename(kind, value)
+
+    def changed(element: Any, around: Any) -> Any:
+        form = form_of(type(element))
+        made = {
+            a.name: other(a.datatype.refers, getattr(element, a.name))
+            for a in form.attributes
+            if a.datatype.refers
+        }
+        if isinstance(element, Element) and element.NAMED:
+            as_around = isinstance(element, Alternative) and element.name == around.name
+            made["name"] = rename(around.NAMED if as_around else element.NAMED, element.name)
+        if isinstance(element, Mission | Protocol):
+            element = replace(element, requirements=())
+        for content in form.contents:
+            made[content.name] = tuple(changed(member, element) for member in getattr(element, content.name))
+        return replace(element, **made)
+
+    whole: Mission = changed(mission, None)
+    return whole
+
 
 _AWKWARD = (
     *("a", "a_EV", "a_EV_OK", "a_EV_OOS", "a_EV_b", "a_ok", "a_fail", "a_enter", "a_begin", "a_b", "a_free"),

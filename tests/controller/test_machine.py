@@ -8,9 +8,8 @@ from dataclasses import replace
 import pytest
 from hypothesis import event, given
 
-from mcpn.controller.actions import VERBS, PlannedAction
 from mcpn.controller.generate import generate
-from mcpn.controller.machine import Machine, controller
+from mcpn.controller.machine import VERBS, Machine, PlannedAction, controller
 from mcpn.controller.run import Runner
 from mcpn.controller.targets.json import write_json
 from mcpn.drawing.compose import MissionNet, compose

@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.answers.verdicts.modes import Situation
-from mcpn.controller.actions import PlannedAction
 from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import Entry, Move, SectionMachine
+from mcpn.controller.machine import PlannedAction
 from mcpn.controller.minimise import is_bisimulation, minimise, partition, quotient
 from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import MissionNet, compose

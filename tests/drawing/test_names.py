@@ -5,17 +5,16 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.controller.actions import PlannedAction
-from mcpn.controller.machine import Machine, controller
+from mcpn.controller.machine import Machine, PlannedAction, controller
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.sections import section_part
 from mcpn.drawing.templates.names import NetNames
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
-from mcpn.mission.renaming import renamed
 from mcpn.mission.validate import find_errors
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.testing import missions
+from mcpn.testing.names import renamed
 
 
 def twins(draw: st.DataObject, **bounds: int | bool) -> tuple[Mission, Mission]:

@@ -17,13 +17,13 @@ from mcpn.errors import InputError, Problem
 from mcpn.mission.flatten import flatten
 from mcpn.mission.language import references
 from mcpn.mission.model import Mission
-from mcpn.mission.renaming import renamed
 from mcpn.mission.static.usage import Usage
 from mcpn.mission.static.warnings import static_warnings
 from mcpn.mission.xml import read_mission
 from mcpn.spaces.names import WORDS
 from mcpn.testing import missions
 from mcpn.testing.broken import BrokenMission, broken_missions
+from mcpn.testing.names import renamed
 from mcpn.testing.shape import Shape, as_xml
 
 pytest.importorskip("pygls", reason="needs mcpn[editor]")

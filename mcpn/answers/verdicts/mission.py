@@ -7,21 +7,23 @@ errors, depends on the engine; every question is asked once, of :class:`mcpn.spa
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.spaces import MissionSpaces, MissionSubject, spaces_of
-from mcpn.answers.verdicts.ignored import Ignored, ignored_events
 from mcpn.answers.verdicts.modes import Mode, functioning_modes
+from mcpn.answers.verdicts.never import Ignored, Never, ignored_events, never_happens
 from mcpn.answers.verdicts.nominal import NominalRuns
-from mcpn.answers.verdicts.success import no_way_to_success, skipped
 from mcpn.answers.verdicts.unsafe_abort import abort_by_failure
-from mcpn.answers.verdicts.unselectable import Never, never_happens
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, Problem, SemanticsError, UnsafeError
+from mcpn.mission.flatten import ObjectivesGraph
+from mcpn.mission.model import SUCCEED
 from mcpn.mission.static.warnings import names_of_objectives, static_warnings
+from mcpn.nets.events import What
 from mcpn.notebook import Told
 from mcpn.sentences import shortened
 from mcpn.spaces.algebra import S, Space
@@ -32,6 +34,39 @@ from mcpn.steps import Doing, step
 if TYPE_CHECKING:
     from mcpn.answers.late import LateLoss
     from mcpn.answers.requirements import AskedRequirement, RequirementAnswer
+
+_TRY = re.compile(r"_run[0-9]+(?=[._]|$)|_try[0-9]+(?=[.]|$)")
+
+
+def skipped(mission_net: MissionNet, run: Run) -> tuple[str, ...]:
+    """Objectives that begin on a run and never succeed on it, in the order in which they begin.
+
+    All tries of an objective are one, and all runs of one that recovers.
+    """
+    objectives, net = mission_net.saying("objective"), mission_net.net
+    begun, succeeded = dict[str, None](), set[str]()
+    for t in run.firings:
+        transition = net.transitions[t]
+        begun.update(dict.fromkeys(_untried(objectives[p]) for p, _ in transition.produce if p in objectives))
+        if (event := transition.event) is not None and event.what is What.SUCCESS:
+            succeeded.add(_untried(event.element))
+    return tuple(name for name in begun if name not in succeeded)
+
+
+def _untried(name: str) -> str:
+    """The name of an objective without the numbers of its tries and runs."""
+    return _TRY.sub("", name)
+
+
+def no_way_to_success(graph: ObjectivesGraph) -> str:
+    """Why no run succeeds, where the text alone says so."""
+    if any(SUCCEED in section.routes for section in graph.sections):
+        return ""
+    return (
+        ': no route of the mission leads to succeed; a block after which all is done says success="succeed", '
+        "by default success leads to the next block"
+    )
+
 
 NOMINAL = "nominal_success"
 """Whether every run on which nothing fails succeeds, and they leave nothing out."""

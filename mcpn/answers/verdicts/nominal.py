@@ -13,7 +13,7 @@ from collections.abc import Collection, Iterator, Sequence, Set
 from dataclasses import dataclass
 from typing import Generic
 
-from mcpn.answers.verdicts.unselectable import objectives_run
+from mcpn.answers.verdicts.never import objectives_run
 from mcpn.drawing.compose import MissionNet
 from mcpn.mission.expansion.copies import Copies, Written
 from mcpn.mission.graph import ElementarySection, ObjectivesGraph

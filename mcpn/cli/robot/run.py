@@ -39,7 +39,7 @@ from mcpn.errors import InputError, Source
 if TYPE_CHECKING:
     from mcpn.drawing.templates import TemplateSet
     from mcpn.drivers.running import RobotRun
-    from mcpn.editor.attached import RobotPage
+    from mcpn.editor.served import RobotPage
     from mcpn.runtime.controller import Controller, Step
     from mcpn.runtime.monitors import Monitors
     from mcpn.runtime.tables import Action
@@ -426,7 +426,7 @@ def _page(controller: Controller, study: Study | None, max_states: int | None) -
     if study is None:
         yield None
         return
-    from mcpn.editor.attached import RobotPage, attached
+    from mcpn.editor.served import RobotPage, attached
 
     content = RobotPage(study, max_states)
     controller.observe(content)

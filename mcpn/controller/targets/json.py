@@ -74,8 +74,8 @@ import json
 from typing import Any
 
 from mcpn.answers.verdicts.modes import Situation
-from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import SectionMachine
+from mcpn.controller.machine import PlannedAction
 from mcpn.controller.modular import AnyController, Rules
 from mcpn.drawing.compose import MissionNet
 from mcpn.mission.expansion.faults import noticed

@@ -15,8 +15,8 @@ from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
-from mcpn.controller.actions import PlannedAction, Verb
 from mcpn.controller.hierarchy import KINDS, PlacedMachine, SectionMachine
+from mcpn.controller.machine import PlannedAction, Verb
 from mcpn.controller.modular import AnyController, Rules
 from mcpn.drawing.compose import MissionNet
 from mcpn.mission.expansion.faults import noticed

@@ -29,8 +29,8 @@ from collections.abc import Mapping, Sequence, Set
 
 from lxml import etree
 
-from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import Entry, Move, PlacedMachine, TableController
+from mcpn.controller.machine import PlannedAction
 from mcpn.controller.targets.json import laws
 from mcpn.controller.targets.names import comment, identifiers
 from mcpn.drawing.compose import MissionNet

@@ -12,8 +12,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import Entry, Move, SectionMachine, TableController
+from mcpn.controller.machine import PlannedAction
 from mcpn.controller.modular import ModularController, Rules
 from mcpn.controller.targets.numbers import Numbers, Own, Pool
 from mcpn.drawing.compose import MissionNet

@@ -19,9 +19,8 @@ from mcpn.errors import Source
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection
 from mcpn.mission.model import Mission
 from mcpn.mission.robot import Activity, Hardware
-from mcpn.mission.static.contentions import Contention
 from mcpn.mission.static.handover import Handover
-from mcpn.mission.static.sharing import Sharing, occasions
+from mcpn.mission.static.sharing import Contention, Sharing, occasions
 from mcpn.mission.static.switching import Switching
 from mcpn.mission.world.conditions import FACTS, FactUsage
 

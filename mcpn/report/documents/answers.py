@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mcpn.answers.safety import ASKED
-from mcpn.report.documents.common import ANSWERED
+from mcpn.report.documents.graphs import ANSWERED
 from mcpn.runtime.documents import REQUIREMENT, texts
 from mcpn.runtime.shapes import (
     Anything,

@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
-from mcpn.report.documents.common import ANSWERED, OUTCOME
 from mcpn.runtime.documents import ACTION, STATE, texts
-from mcpn.runtime.shapes import Document, Integer, ListOf, MapOf, Nullable, ObjectOf, OneOf, String
+from mcpn.runtime.shapes import Document, Integer, ListOf, MapOf, Nullable, Number, ObjectOf, OneOf, String
+
+ENGINES = ("auto", "explicit", "symbolic", "local", "pyeda")
+ANSWERED = {
+    "engine": OneOf("The engine that answered.", *ENGINES),
+    "why": Nullable(String("Why it was chosen; null where it was named.")),
+    "seconds": Number("How long it took.", least=0),
+}
+"""Which engine answered."""
+OUTCOME = OneOf("How the mission has ended; null while it runs.", "success", "failure", "abort", None)
 
 STATES = Document(
     "states",

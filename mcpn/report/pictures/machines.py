@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 
 from mcpn.answers.spaces import MissionSpaces
 from mcpn.answers.verdicts.modes import Situation, situation
-from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import SectionMachine, TableController, section_machine
+from mcpn.controller.machine import PlannedAction
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.mortal import forgetful
 from mcpn.drawing.sections import SectionParts, part_of

@@ -24,7 +24,6 @@ from hypothesis import strategies as st
 from mcpn.drawing.templates import PaperTemplates, TemplateSet
 from mcpn.errors import InputError, LimitError
 from mcpn.mission.model import Mission
-from mcpn.mission.renaming import renamed
 from mcpn.mission.robot import Activity
 from mcpn.mission.validate import find_errors
 from mcpn.testing import Shape, missions
@@ -34,6 +33,7 @@ from mcpn.testing.kit.language import as_the_language_says
 from mcpn.testing.kit.properties import PROPERTIES, Property, behaves_as, no_dead_transition
 from mcpn.testing.kit.properties import one_safe as one_safe
 from mcpn.testing.kit.subject import MOST_MARKINGS, Subject, Violation
+from mcpn.testing.names import renamed
 from mcpn.testing.shape import UNCONTENDED, as_xml
 
 
