@@ -211,6 +211,33 @@ def test_several_tokens_side_by_side() -> None:
     assert found.returncode == 0, found.stderr
 
 
+def test_modes_of_the_mission_with_suaves_job_are_all_that_its_tree_changes_to() -> None:
+    """Two for motion, three for the search; the page has what the script finds."""
+    found = python(
+        "-c", "import nav2; print(nav2.put(nav2.PAGE.read_text(), 'suave', '\\n'.join(nav2.modes()) + '\\n'))"
+    )
+    assert found.returncode == 0, found.stderr
+    page = (ROOT / "papers" / "nav2.md").read_text()
+    assert found.stdout == page + "\n"
+    for motion in ("all_thrusters", "recover_thrusters"):
+        assert f"| inspect | {motion} |  |\n" in page
+        assert all(f"| search | {motion} | spiral_{path} |\n" in page for path in ("high", "medium", "low"))
+    assert page.count("| search |") == 6
+
+
+def test_nav2s_default_tree(request: pytest.FixtureRequest, tmp_path: Path) -> None:
+    given = request.config.getoption("--trees")
+    if not given:
+        pytest.skip("needs a folder of behaviour trees: --trees")
+    found = python(FOLDER / "nav2.py", "--trees", given)
+    assert found.returncode == 0, found.stderr
+    sets = ("controller_server", "lidar", "odometry", "planner_server", "wheels")
+    fails = " or ".join(f"`{name}`" for name in sets)
+    assert f"The mission fails by the loss of {fails}." in found.stdout
+    assert "| A path is followed by dead reckoning |" in found.stdout
+    assert found.stdout.count("| no |") == 3
+
+
 def test_what_grows_is_plotted(tmp_path: Path) -> None:
     """The smallest member of each family, in the files of ``-o``."""
     pytest.importorskip("matplotlib", reason="needs matplotlib: the extra experiments")
