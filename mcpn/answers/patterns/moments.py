@@ -33,7 +33,7 @@ class _OfMoments:
 
 
 _TRUE, _FALSE = _OfMoments("true"), _OfMoments("false")
-_TOKEN = re.compile(r"\s*(->|<->|[!&|()]|\w+)")
+_TOKEN = re.compile(r"->|<->|[!&|()]|\w+")
 _BINARY = ({"<->"}, {"->"}, {"|"}, {"&"}, {"U", "W"})
 """Operators by how closely they bind, the loosest first; those of one letter stand in parentheses."""
 
