@@ -45,3 +45,12 @@ def library_of(config: pytest.Config, folders: pytest.TempPathFactory) -> list[s
         subprocess.run(["cmake", "--build", build, "-j2"], check=True)
     linked = [f"-L{build}", "-lbehaviortree_cpp", f"-Wl,-rpath,{build}"]
     return ["-I", str(sources / "include"), *linked]
+
+
+def program_of(source: str, config: pytest.Config, folders: pytest.TempPathFactory) -> Path:
+    """A program of ``tests/trees`` that uses the library; skips where that is not given."""
+    against = library_of(config, folders)
+    written = Path(__file__).with_name("trees") / source
+    program = folders.mktemp("program") / written.stem
+    subprocess.run([*cpp_compiler(), "-std=c++17", written, "-o", program, *against], check=True)
+    return program

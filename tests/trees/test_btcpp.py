@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
-from tests.natives import cpp_compiler, library_of
+from tests.natives import program_of
 from tests.shares import returns_early
 from tests.trees.languages import Element, Side, TooMuch, sides
 from tests.trees.test_import import EXACT, MORE, TIME, imported, trees
@@ -25,11 +25,7 @@ NAV2 = {"RecoveryNode", "PipelineSequence", "RoundRobin", "RateController"}
 @pytest.fixture(scope="session")
 def player(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The program that plays trees in BehaviorTree.CPP."""
-    against = library_of(request.config, tmp_path_factory)
-    program = tmp_path_factory.mktemp("player") / "played"
-    source = Path(__file__).with_name("played.cpp")
-    subprocess.run([*cpp_compiler(), "-std=c++17", source, "-o", program, *against], check=True)
-    return program
+    return program_of("played.cpp", request.config, tmp_path_factory)
 
 
 def played(

@@ -18,7 +18,7 @@ from mcpn.trees.ledger import Kind
 from mcpn.trees.nodes import Forest, TreeNode
 from mcpn.trees.reading import read_forest, tree_of
 from tests.commands import mcpn
-from tests.natives import cpp_compiler, library_of
+from tests.natives import program_of
 from tests.shares import returns_early
 from tests.trees.test_btcpp import NAV2
 from tests.trees.test_import import EXACT, TIME, A, B, X, node, trees
@@ -197,11 +197,7 @@ def test_tests_of_drawn_trees(tree: str, tmp_path_factory: pytest.TempPathFactor
 @pytest.fixture(scope="session")
 def mocked(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The program that plays them in BehaviorTree.CPP."""
-    against = library_of(request.config, tmp_path_factory)
-    program = tmp_path_factory.mktemp("mocked") / "mocked"
-    source = Path(__file__).with_name("mocked.cpp")
-    subprocess.run([*cpp_compiler(), "-std=c++17", source, "-o", program, *against], check=True)
-    return program
+    return program_of("mocked.cpp", request.config, tmp_path_factory)
 
 
 def in_library(mocked: Path, folder: Path, forest: Forest, written: dict[str, Any]) -> int:

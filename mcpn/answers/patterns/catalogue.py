@@ -185,16 +185,13 @@ _BEGINNINGS = tuple(
 )
 
 
-def used(pattern: str, scope: str, most: int = 2) -> str:
-    """The formula of a pattern in a scope.
+def used(pattern: str, scope: str) -> str:
+    """The formula of a pattern in a scope; of bounded existence that of twice, see :func:`bounded`.
 
     Args:
         pattern: One of :data:`PUBLISHED`.
         scope: One of :data:`SCOPES`.
-        most: Of bounded existence, how many stretches at most.
     """
-    if pattern == "bounded_existence":
-        return bounded(most)[scope]
     return MENDED.get(pattern, {}).get(scope) or PUBLISHED[pattern][scope]
 
 

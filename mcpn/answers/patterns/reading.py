@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -96,15 +96,15 @@ class _PatternReader:
         formula = self._read(attribute, lambda: parse(text, names))
         return _comes_about(~formula if negated else formula)
 
-    def _on_states(self, formula: str, letters: dict[str, str], lasting: str = "") -> str:
+    def _on_states(self, formula: str, letters: Mapping[str, str | None], lasting: str = "") -> str:
         """A formula of letters, understood of moments where attributes are events; see :mod:`.moments`.
 
         Args:
             formula: As it is where all is said of states.
-            letters: By letter its attribute.
+            letters: By letter its attribute; ``None`` for what is said of states, whatever attributes say.
             lasting: Letters that must be true all along.
         """
-        events = {letter for letter, attribute in letters.items() if self.is_event(attribute)}
+        events = {letter for letter, of in letters.items() if of is not None and self.is_event(of)}
         if not events:
             return formula
         if "q" in events:
@@ -164,7 +164,7 @@ class _PatternReader:
             formula = after_step(formula) if self.is_event("after") else formula
         else:
             formula = self._scoped_formula(used(name, scope), name, letters)
-        formula = re.sub(r"\b[pqrstz]\b", lambda match: texts[match[0]], formula)
+        formula = _written(formula, texts)
         sentence = (_AFTER_EVENTS if self.is_event("after") else _SCOPES)[scope]
         body = _BODIES[self._body(name)].format(**said, times=_TIMES.get(most, f"{most} times"))
         return PatternText(formula, sentence.format(body=body, **said))
@@ -221,12 +221,10 @@ class _PatternReader:
     def _placed(self, formula: str, here: str, attribute: str, lasting: str = "") -> str:
         """The formula that the robot is, or is not, at some places, with what begins or ends this."""
         letter = {"after": "q", "until": "r"}[attribute]
-        of_letters = formula.format(each="p", **{attribute: letter})
-        if self.is_event(attribute):
-            of_letters = after_step(of_letters) if letter == "q" else of_letters
-            of_letters = on_states(of_letters, {"p": LASTING if lasting else OF_STATES, letter: OF_EVENTS})
-        texts = {"p": here, letter: self.operand(attribute)}
-        return re.sub(r"\b[pqr]\b", lambda match: texts[match[0]], of_letters)
+        of_letters = self._on_states(
+            formula.format(each="p", **{attribute: letter}), {"p": None, letter: attribute}, lasting
+        )
+        return _written(of_letters, {"p": here, letter: self.operand(attribute)})
 
     def reaction(self, of: Reaction) -> PatternText:
         to, gives = self.clause("to"), self.clause("gives")
@@ -236,6 +234,11 @@ class _PatternReader:
             sentences = sentences | _REACTIONS_TO_EVENTS
         formula = formulas[of.when].format(to=self.operand("to"), gives=self.operand("gives"))
         return PatternText(formula, sentences[of.when].format(to=to, gives=gives))
+
+
+def _written(formula: str, texts: Mapping[str, str]) -> str:
+    """A formula of letters with what stands for each."""
+    return re.sub(r"\b[pqrstz]\b", lambda match: texts[match[0]], formula)
 
 
 def _comes_about(formula: Formula) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from mcpn.answers.patterns import catalogue
 from mcpn.answers.patterns.catalogue import MENDED, PUBLISHED, SCOPES, after_step, used
 from tests.answers.patterns.scoped import MEANT, bounded, meant
 from tests.answers.patterns.words import Words, short
@@ -52,7 +53,5 @@ def test_what_is_mended_was_wrong(pattern: str, scope: str) -> None:
 @pytest.mark.parametrize("scope", SCOPES)
 def test_any_number_may_bound_existence(scope: str, most: int) -> None:
     for words in short("p" + OF_SCOPES[scope], 6 if len(OF_SCOPES[scope]) < 2 else 5):
-        differing = words.satisfying(used("bounded_existence", scope, most)) ^ meant(
-            words, scope, bounded(most)
-        )
+        differing = words.satisfying(catalogue.bounded(most)[scope]) ^ meant(words, scope, bounded(most))
         assert not differing.any(), words.shown(differing)
