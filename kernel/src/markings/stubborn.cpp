@@ -1,6 +1,7 @@
 #include "markings/stubborn.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <utility>
 
@@ -56,7 +57,9 @@ Stubborn::Stubborn(const SafeNet& net, const Places& initial)
       rivals_[u].push_back(t);
     }
     for (const std::uint32_t p : firing.take)
-      if (!has_bit(bounded_.data(), p)) crowders_[t].insert(crowders_[t].end(), givers_[p].begin(), givers_[p].end());
+      if (!has_bit(bounded_.data(), p))
+        std::copy_if(givers_[p].begin(), givers_[p].end(), std::back_inserter(crowders_[t]),
+                     [t](std::uint32_t u) { return u != t; });  // who puts back what it takes adds nothing
   }
   std::vector<Word> all(words);
   for (std::uint32_t t = 0; t < events; ++t) {

@@ -78,7 +78,7 @@ class Stubborn {
   std::vector<std::vector<std::uint32_t>> units_of_;    // by place
   std::vector<Word> bounded_;                           // places of units
   std::vector<std::vector<std::uint32_t>> rivals_;      // by internal transition, those in conflict with it
-  std::vector<std::vector<std::uint32_t>> crowders_;    // by internal transition, those that may put a second token
+  std::vector<std::vector<std::uint32_t>> crowders_;    // by internal transition, others that may put a second token
                                                         // into a place that it takes from
   std::vector<Word> always_;                            // those that may fire alone wherever they are enabled
   std::vector<Word> apart_;                             // those of them by their arcs, whatever units say
