@@ -102,15 +102,17 @@ class Level:
             self.interrupted(unit, aside)
 
     def interrupted(self, unit: WrittenBlock, aside: list[WrittenBlock]) -> None:
-        node = unit
+        """Where events lead; one outside of another that always handles its event never counts."""
+        node, handled = unit, set[str]()
         while True:
-            for handler in node.handlers:
+            for handler in (h for h in node.handlers if h.event not in handled):
                 if handler.pause is not None:
                     aside += [entry(by) for key, by in node.pauses.items() if key[0] == handler.pause]
                 elif node.parent is None and handler.goto in node.children:
                     aside.append(entry(node.children[handler.goto]))
                 else:
                     self.goto(node, handler.goto or ABORT, aside, aside)
+            handled |= {handler.event for handler in node.handlers if not handler.once}
             if node is self.of or node.parent is None:
                 return
             node = node.parent

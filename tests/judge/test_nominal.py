@@ -139,6 +139,31 @@ MEANT: dict[str, tuple[Mission, str]] = {
         ),
         "succeeds",
     ),
+    "an event that is always handled inside": (
+        of(
+            Recursive(
+                name="rows",
+                blocks=(
+                    Recursive(
+                        name="again",
+                        success="succeed",
+                        failure="abort",
+                        handlers=(Handler(event="rain", goto="succeed"),),  # never, for row handles it
+                        blocks=(
+                            one(
+                                "row",
+                                success="row",
+                                failure="abort",
+                                handlers=(Handler(event="rain", goto="row"),),
+                            ),
+                        ),
+                    ),
+                ),
+            ),
+            one("b"),
+        ),
+        "goes on, left out",
+    ),
     "what facts choose": (
         of(
             one("a", routes=(FactRoute(when=("dry",), goto="b"),), success="succeed"),
