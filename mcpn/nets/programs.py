@@ -26,7 +26,7 @@ class Solved:
         values: The best solution found, by variable; empty where there is none.
         cost: What that one costs.
         duals: By row, a proposal for :func:`ceiling`: prices at the best solution, or a ray where there is
-            no solution. Empty where variables are whole.
+            no solution. Empty where variables are whole, and there is one.
     """
 
     kind: Literal["solved", "infeasible", "unknown"]
@@ -115,7 +115,7 @@ class LinearProgram:
         status, info = solver.getModelStatus(), solver.getInfo()
         if status == HighsModelStatus.kInfeasible:
             _, known, ray = solver.getDualRay()
-            return Solved("infeasible", duals=tuple(ray) if known else ())
+            return Solved("infeasible", duals=tuple(ray) if known else self._without_values())
         if (
             status == HighsModelStatus.kUnbounded
             or info.primal_solution_status != SolutionStatus.kSolutionStatusFeasible
@@ -125,6 +125,12 @@ class LinearProgram:
         return Solved(
             "solved", tuple(solution.col_value), info.objective_function_value, tuple(solution.row_dual)
         )
+
+    def _without_values(self) -> tuple[float, ...]:
+        """What the solver proposes nothing for: rows that no sum of nothing satisfies."""
+        rows = self._solver.getLp()
+        pairs = zip(rows.row_lower_, rows.row_upper_, strict=True)
+        return tuple(float(least > 0) - float(most < 0) for least, most in pairs)
 
 
 def _indices(keys: Iterable[int]) -> Any:

@@ -6,7 +6,7 @@ from itertools import product
 from math import inf
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from mcpn.nets.programs import LinearProgram, Row, ceiling, minimise, proposed
@@ -29,6 +29,8 @@ def programs(draw: st.DrawFn) -> tuple[list[int], list[Row], list[int], list[int
     return draw(numbers), rows, lower, upper
 
 
+@example(([0], [({}, -inf, -1.0)], [0], [0]))
+@example(([0, 0], [({}, -inf, 1.0), ({}, 1.0, inf)], [0, 0], [0, 0]))
 @given(programs())
 def test_no_choice_of_whole_values_beats_a_solution_or_its_proof(
     program: tuple[list[int], list[Row], list[int], list[int]],
