@@ -22,17 +22,18 @@ from mcpn.report.documents import FORMATS, json_schema
 SHARED = {"common": (Element, Described), "routing": (BlockElement,)}
 """Attributes that several elements have, in tables of their own: by table, the classes that declare them."""
 PAGES = [
-    Path(__file__).with_name(name) for name in ("language.md", "patterns.md", "formats.md", "templates.md")
+    Path(__file__).with_name(name)
+    for name in ("language.md", "patterns.md", "from-a-tree.md", "formats.md", "templates.md")
 ]
 
 
 def rows(attributes: Iterable[Field], required: Collection[str]) -> list[str]:
     """The table of some attributes, with its head."""
-    needed = {True: "required", False: "optional"}
+    needed = {True: ", required", False: ""}
     lines = [
-        f"| `{a.tag}` | {needed[a.tag in required]} | {a.datatype.words} | {a.meaning} |" for a in attributes
+        f"| `{a.tag}` | {a.datatype.words}{needed[a.tag in required]} | {a.meaning} |" for a in attributes
     ]
-    return ["| attribute | | value | meaning |", "|---|---|---|---|", *lines] if lines else []
+    return ["| attribute | value | meaning |", "|---|---|---|", *lines] if lines else []
 
 
 def table(name: str) -> str:

@@ -20,7 +20,7 @@ from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.xml import SCHEMA, find_misfits, read_mission
 from tests.conftest import ROOT
 
-PAGES = [ROOT / "docs" / "language.md", ROOT / "docs" / "patterns.md"]
+PAGES = [ROOT / "docs" / name for name in ("language.md", "patterns.md", "from-a-tree.md")]
 TEXT = "".join(page.read_text() for page in PAGES)
 
 

@@ -73,27 +73,24 @@ ABORT = "abort"
 class Handler(Described):
     """What the block around it does when an event happens while it runs.
 
-    Everything in it stops, and it is left, or it is paused: another block is run, then it goes on where it
-    was. The innermost handler counts; in a parallel block those of its branches do first.
+    Everything in the block stops, and it is left (``goto``) or paused (``pause``).
     """
 
     TAG = "on"
     event: Annotated[EventName, "A declared event."]
     goto: Annotated[
         Route,
-        "Where it leads: a sibling of the block, succeed, fail or abort. From the mission: one of its own "
-        "blocks, succeed, fail or abort. From a child of a parallel block: succeed, fail or abort.",
+        "Where it leads. From the mission: one of its own blocks, or an exit.",
     ] = None
     pause: Annotated[
         Route,
-        "In the place of goto: this sibling is run, then the block goes on where it was: the objective that "
-        "ran is entered again, in a parallel block that of each branch. A copy of the sibling for the "
+        "In place of goto: a sibling that runs; then what was stopped is entered again. Its copy for the "
         "objective travel is named shelter_at_travel.",
     ] = None
     once: Annotated[
         bool,
-        "true: a handler written once happens at most once in the whole mission, whichever copy of it "
-        "(value, use, round, try, branch) it happens in; then the next handler outwards counts.",
+        "true: it is taken at most once in the whole mission, in whichever copy of the block; then the next "
+        "handler outwards counts.",
     ] = False
 
 
@@ -102,27 +99,27 @@ class FactRoute(Described):
     """Where the block around it leads when facts are so as it ends. The first that fits counts."""
 
     TAG = "route"
-    when: Annotated[When, "What facts must be, all of them: battery=low !holding."]
-    goto: Annotated[str, ROUTE, "A sibling of the block, succeed, fail or abort."]
+    when: Annotated[When, "Facts that must all hold: battery=low !holding."]
+    goto: Annotated[str, ROUTE, "Where the block leads."]
     on: Annotated[str, OUTCOME, "The outcome of the block."] = "success"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EntryGuard(Described):
-    """What facts must be for the block around it to be entered, and what is entered in its place.
+    """A guard: facts that must hold for the block around it to be entered, and what is entered in its place.
 
-    It is asked whenever a route or a handler leads to the block, not between its tries, rounds and runs. The
-    first of several that does not hold counts. The first block of a series has none, nor has a child of a
-    parallel block, nor a block that is run for another one.
+    It is checked whenever a route or a handler leads to the block, not between its tries, rounds and runs. Of
+    several, the first that does not hold counts. Not allowed in the first block of a series, in a child of a
+    parallel block, and in a block that runs for another one.
     """
 
     TAG = "enter"
-    when: Annotated[When, "What facts must be, all of them: door=open !holding."]
+    when: Annotated[When, "Facts that must all hold: door=open !holding."]
     otherwise: Annotated[
         str,
         ROUTE,
         Called("else"),
-        "Where what leads to it leads else: a sibling, which may be guarded too, succeed, fail or abort.",
+        "What is entered in its place; a sibling may be guarded, too.",
     ]
 
 
@@ -133,40 +130,32 @@ class BlockElement(Element):
     TAG = "routing"
     NAMED = "block"
     success: Annotated[
-        Route,
-        "Where success leads: a sibling, succeed, fail or abort. Default: the next sibling; from the last, "
-        "succeed.",
+        Route, "Where its success leads. Default: the next sibling; from the last, succeed."
     ] = None
-    failure: Annotated[Route, "Where failure leads: a sibling, succeed, fail or abort. Default: fail."] = None
-    abort: Annotated[
-        Route,
-        "Where it leads that something in the block aborts: a sibling, succeed, fail or abort; from a child "
-        "of a parallel block: succeed, fail or abort. Default: abort, so that the block around aborts.",
-    ] = None
+    failure: Annotated[Route, "Where its failure leads. Default: fail."] = None
+    abort: Annotated[Route, "Where an abort inside it leads. Default: abort."] = None
     mandatory: Annotated[
-        bool, "On a child of a parallel block: false if the block may succeed without it."
+        bool, "Of a child of a parallel block: false if that block may succeed without it."
     ] = True
     retries: Annotated[
-        Tries, "How many times it is tried again when it fails. Tries are named visit_try1, visit_try2."
+        Tries, "How many more tries it has when it fails. Tries are named visit_try1, visit_try2."
     ] = 0
     repeat: Annotated[
         Rounds,
-        "How many times it is done, one round after the other, up to the first that fails; each round has "
-        "its own retries. Rounds are named visit_1, visit_2, and have the parameter round.",
+        "How many rounds are run, up to the first that fails; each has its own retries. Rounds are named "
+        "visit_1, visit_2, and have the parameter round.",
     ] = None
     recover: Annotated[
         Route,
-        "When it fails, this sibling is run, then it is entered again. Its runs are named visit_run1, "
+        "A sibling that runs when it fails; then it is entered again. Its runs are named visit_run1, "
         "visit_run2, those of the sibling back_off_visit1.",
     ] = None
-    times: Annotated[
-        Times, "With recover: how many times at most in one run of what is around; then it has failed."
-    ] = 1
+    times: Annotated[Times, "With recover: how many times at most, each time the block around runs."] = 1
     nominal: Annotated[
         str,
         NOMINAL,
-        "What is meant while nothing fails. entered: the mission comes to the block, and ends. endless: it "
-        "may go on in the block for ever. optional: it may leave the block out.",
+        "What is meant while nothing fails. entered: it is entered, and ends. endless: the mission may stay "
+        "in it for ever. optional: the mission may leave it out.",
     ] = "entered"
     guards: tuple[EntryGuard, ...] = ()
     routes: tuple[FactRoute, ...] = ()
@@ -179,15 +168,15 @@ class Objective(BlockElement):
 
     TAG = "objective"
     activities: Annotated[Activities, "Activities that run together; none of them produces."]
-    duration: Annotated[Hours, "Mean duration in hours, for numbers of risk."] = None
+    duration: Annotated[Hours, "Risk: mean duration in hours."] = None
     failure_probability: Annotated[
-        Probability, "From 0 to 1: how probable it is that it fails though it could succeed."
+        Probability, "Risk: the probability, 0 to 1, that it fails though it could succeed."
     ] = None
-    timeout: Annotated[Seconds, "How long it may run: when the time is over it fails by itself."] = None
+    timeout: Annotated[Seconds, "How long each try may run; then it fails."] = None
     timeout_goto: Annotated[
         Route,
-        "Where it leads that the time is over: a sibling, succeed, fail or abort; from a child of a parallel "
-        "block: succeed, fail or abort. Default: where failure leads, to the next try if there is one.",
+        "Where its timeout leads, whatever tries and rounds remain. Default: as its failure, to the next try "
+        "first.",
     ] = None
     sets: tuple[FactChange, ...] = ()
     parameters: tuple[Parameter, ...] = ()
@@ -210,21 +199,19 @@ class Parallel(BlockElement):
     success_when: Annotated[
         str,
         QUORUM,
-        "any, or how many: as soon as so many children, mandatory or not, have succeeded it succeeds, and "
-        "those that still run are stopped. all: as above.",
+        "any or a number: it succeeds as soon as so many children, mandatory or not, have succeeded, and "
+        "stops the others.",
     ] = "all"
     failure_when: Annotated[
         str,
         QUORUM,
-        "any: as soon as a mandatory child has failed the block fails, and those that still run are stopped. "
-        "A number: as soon as so many children, mandatory or not, have failed; success that is decided at "
-        "the same moment counts first.",
+        "any: it fails as soon as a mandatory child has failed, and stops the others. A number: as soon as "
+        "so many children, mandatory or not, have failed; success decided at the same moment counts first.",
     ] = "all"
     impossible: Annotated[
         str,
         IMPOSSIBLE,
-        "fails: as soon as too many children have failed for success_when, or with all a mandatory one, the "
-        "block fails. waits: it awaits the others.",
+        "fails: it fails as soon as success_when can no longer be met. waits: it awaits the others.",
     ] = "waits"
     blocks: Annotated[tuple[Block, ...], Children(without=("parallel",))]
 
@@ -254,10 +241,9 @@ class Use(BlockElement):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Each(BlockElement):
-    """Blocks done once for each value, one round after the other.
+    """Blocks run once for each value, one round after the other, up to the first that fails.
 
-    A block inside is named with the value, visit_12, which qualifies what it holds, visit_12.travel. A round
-    that succeeds leads to the next; one that fails fails the whole.
+    A block inside is named with the value, visit_12, and so is what it holds, visit_12.travel.
     """
 
     TAG = "each"
@@ -265,8 +251,7 @@ class Each(BlockElement):
     parameter: Annotated[
         str | None,
         NAME,
-        "The parameter that has the value inside, also in protocols used there. Default: the name of the "
-        "each.",
+        "The parameter that has the value inside, also in protocols used there. Default: its name.",
     ] = None
     blocks: tuple[Block, ...]
 
@@ -342,7 +327,7 @@ class Translated(Described):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mission(Drawn, Element):
-    """The mission itself: what the person on the field assembles.
+    """The mission itself, which the operator assembles.
 
     Its blocks run one after the other; its exits are mission success, mission failure and mission abort.
     """

@@ -257,19 +257,18 @@ Pattern: TypeAlias = Scoped | Visit | Patrolling | Avoidance | RestrictedAvoidan
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Requirement(Element):
-    """What a mission must satisfy, in its own words: ``check`` answers it beside its own verdicts.
+    """What a mission must satisfy, as a formula or as one pattern inside; ``check`` answers it.
 
-    In a protocol it is asked of each use, and a name is first looked for among the names of that use. It has
-    a formula, or one pattern inside.
+    In a protocol it is asked of each use, and names are first looked for in that use.
     """
 
     TAG = "requirement"
     formula: Annotated[
         str | None, FORMULA, "On stable states, in CTL or LTL (ask): G (oos(sonar) -> F objective(surface))."
     ] = None
-    expected: Annotated[str, TRUTH, "fails: the formula must not hold."] = "holds"
-    severity: Annotated[str, SEVERITY, "advice: it is told, and does not fail the check."] = "required"
-    fair: Annotated[bool, "true: of those runs alone along which objectives that run end some day."] = False
+    expected: Annotated[str, TRUTH, "fails: it must not hold."] = "holds"
+    severity: Annotated[str, SEVERITY, "advice: it is reported and does not fail the check."] = "required"
+    fair: Annotated[bool, "true: only of runs on which every objective that runs ends some day."] = False
     patterns: tuple[Pattern, ...] = ()
 
     @property

@@ -72,22 +72,19 @@ class Hardware(Element):
     TAG = "hardware"
     NAMED = "resource"
     faulty: Annotated[bool, "false: it never goes out of service."] = True
-    shared: Annotated[bool, "true: several activities may use it at a time, as a sensor that many read."] = (
-        False
-    )
+    shared: Annotated[bool, "true: several activities may use it at a time."] = False
     repairable: Annotated[bool, "false: once out of service it never comes back."] = True
-    initial: Annotated[str, STATUS, "oos: out of service at the start, until it is repaired."] = "service"
+    initial: Annotated[str, STATUS, "oos: out of service at the start, until repaired."] = "service"
     detected: Annotated[
         str,
         DETECTION,
-        "late: the robot learns of its loss only from an activity that detects it, or as an objective fails.",
+        "late: its loss is noticed only by an activity that detects it, or as an objective fails.",
     ] = "at_once"
-    failure_rate: Annotated[Rate, "Failures per hour of service, for numbers of risk."] = None
-    repair_rate: Annotated[Rate, "Repairs per hour out of service; without it nobody repairs."] = None
+    failure_rate: Annotated[Rate, "Risk: failures per hour in service."] = None
+    repair_rate: Annotated[Rate, "Risk: repairs per hour; without it, none."] = None
     demand_probability: Annotated[
         Probability,
-        "From 0 to 1: how probable it is that it fails when an alternative that consumes it starts, for "
-        "numbers of risk.",
+        "Risk: the probability, 0 to 1, that it fails when an alternative that consumes it starts.",
     ] = None
 
 
@@ -102,8 +99,8 @@ class Fault(Element):
     NAMED = "resource"
     affects: Annotated[Resources, "Hardware, of any robot of the mission."]
     repairable: Annotated[bool, "false: once it has happened it lasts."] = True
-    failure_rate: Annotated[Rate, "How often it happens per hour, for numbers of risk."] = None
-    repair_rate: Annotated[Rate, "Repairs per hour, while it lasts; without it nobody repairs."] = None
+    failure_rate: Annotated[Rate, "Risk: occurrences per hour."] = None
+    repair_rate: Annotated[Rate, "Risk: repairs per hour; without it, none."] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -126,7 +123,7 @@ class Fact(Element):
     TAG = "fact"
     NAMED = "fact"
     values: Annotated[Values, "Its values, two at least."] = BOOLEAN_VALUES
-    initial: Annotated[str | None, VALUE, "The one that it has at the start. Default: the first."] = None
+    initial: Annotated[str | None, VALUE, "Its value at the start. Default: the first."] = None
 
     @property
     def start(self) -> str:
@@ -140,12 +137,12 @@ class FactChange(Described):
 
     TAG = "sets"
     fact: Annotated[FactName, "The fact."]
-    to: Annotated[str, VALUE, "The value that it has then."]
+    to: Annotated[str, VALUE, "Its new value."]
     on: Annotated[
         str | None,
         OCCASION,
-        "Of an elementary objective: when it ends in success, in failure, or when it is come to. Default "
-        "success. Not of an event.",
+        "Of an elementary objective: at its success, at its failure, or as it is entered. Default success. "
+        "Not of an event.",
     ] = None
 
     @property
@@ -163,9 +160,7 @@ class DeclaredEvent(Element):
     required: Annotated[
         bool, "true: it must be handled whatever runs; where it is ignored, events_handled fails."
     ] = False
-    rate: Annotated[
-        Rate, "How often it happens per hour, for numbers of risk; without it, it never happens in them."
-    ] = None
+    rate: Annotated[Rate, "Risk: occurrences per hour; without it, none."] = None
     sets: tuple[FactChange, ...] = ()
 
 
@@ -175,14 +170,14 @@ class Alternative(Element):
 
     TAG = "alternative"
     NAMED = "alternative"
-    consumes: Annotated[Resources, "Resources that it needs, all at once; none: it is always possible."] = ()
-    requires: Annotated[When, "What facts must be for it to be possible: door=open !holding."] = ()
-    faulty: Annotated[
-        bool, "true: it may crash while it runs, and is not possible until it has recovered."
-    ] = False
-    recovers: Annotated[bool, "false: once it has crashed it is never possible again."] = True
-    failure_rate: Annotated[Rate, "Crashes per hour while it runs, for numbers of risk."] = None
-    repair_rate: Annotated[Rate, "Recoveries per hour after a crash; without it, it does not recover."] = None
+    consumes: Annotated[Resources, "Resources that it needs, all at once."] = ()
+    requires: Annotated[When, "Facts that it needs: door=open !holding."] = ()
+    faulty: Annotated[bool, "true: it may crash while it runs; then it is unavailable until it recovers."] = (
+        False
+    )
+    recovers: Annotated[bool, "false: once it has crashed it never runs again."] = True
+    failure_rate: Annotated[Rate, "Risk: crashes per hour while it runs."] = None
+    repair_rate: Annotated[Rate, "Risk: recoveries per hour; without it, none."] = None
     parameters: tuple[Parameter, ...] = ()
 
 
@@ -196,24 +191,23 @@ class Activity(Element):
     TAG = "activity"
     NAMED = "activity"
     produces: Annotated[Resources, "Software resources, each produced by one activity."] = ()
-    switch_back: Annotated[
-        bool, "true: it evaluates its alternatives again when a better one is possible again."
-    ] = False
-    detects: Annotated[Resources, "Hardware detected late of which it finds out the loss while it runs."] = ()
+    switch_back: Annotated[bool, "true: it changes back when a better alternative is available again."] = (
+        False
+    )
+    detects: Annotated[Resources, "Hardware detected late whose loss it may notice while it runs."] = ()
     detection_rate: Annotated[
         Rate,
-        "How often per hour it finds out each of these losses while it runs, for numbers of risk; without it "
-        "it finds none there.",
+        "Risk: how often per hour it notices each such loss; without it, never.",
     ] = None
-    requires: Annotated[When, "What facts must be for any of its alternatives to be possible."] = ()
+    requires: Annotated[When, "Facts that all its alternatives need."] = ()
     faulty: Annotated[
         bool,
-        "true: it may crash while it runs, whatever its alternative, and none is possible until it has "
-        "recovered.",
+        "true: it may crash while it runs, whatever its alternative; then it is unavailable until it "
+        "recovers.",
     ] = False
     recovers: Annotated[bool, "false: once it has crashed it never runs again."] = True
-    failure_rate: Annotated[Rate, "Crashes per hour while it runs, for numbers of risk."] = None
-    repair_rate: Annotated[Rate, "Recoveries per hour after a crash; without it, it does not recover."] = None
+    failure_rate: Annotated[Rate, "Risk: crashes per hour while it runs."] = None
+    repair_rate: Annotated[Rate, "Risk: recoveries per hour; without it, none."] = None
     parameters: tuple[Parameter, ...] = ()
     alternatives: Annotated[
         tuple[Alternative, ...],

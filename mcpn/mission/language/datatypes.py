@@ -220,7 +220,7 @@ ROUNDS = COUNT.within(f"a whole number from 1 to {MAX_ROUNDS}", lambda rounds: 1
 ENTRIES = COUNT.within("a whole number from 1 to 9", lambda times: 1 <= times <= 9)
 """How often something may come about; a formula says each time once more."""
 TIMES = COUNT.within(f"a whole number from 1 to {MAX_ROUNDS}", lambda times: 1 <= times <= MAX_ROUNDS)
-ROUTE = NAME.to("block")
+ROUTE = replace(NAME.to("block"), words="target")
 
 
 def _one_of(name: str, *choices: str) -> Datatype:
