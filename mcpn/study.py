@@ -347,6 +347,7 @@ class Study:
             The graph in arrays, which goes to networkx; of a mission with what each state says of it.
 
         Raises:
+            InputError: There is no such graph.
             SemanticsError: The net is not 1-safe, or of stable states, internal evolution is not confluent.
             LimitError: There are more states than allowed.
 
@@ -359,9 +360,10 @@ class Study:
             ((), {})
         """
         from mcpn.spaces.arrays import ArraySpace
-        from mcpn.spaces.engines import Choice
+        from mcpn.spaces.engines import Choice, refuse_unknown
         from mcpn.spaces.stable.alternatives import written_out
 
+        refuse_unknown(on=on)
         if on == "markings":
             space = self.spaces.space(Choice("explicit", max_states=max_states), "markings")
         else:

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from mcpn._kernel import MemoryLimit
 from mcpn.answers.compare import measure
+from mcpn.report.comparison import table
 from mcpn.testing.nets import philosophers
 from tests.commands import mcpn, output
 from tests.conftest import ROOT, ULYSSE
@@ -256,6 +257,12 @@ def test_a_family_grows_and_an_engine_that_gave_up_is_asked_no_more(tmp_path: Pa
     assert by_engine[0]["pyeda"]["repeats"] == 2
     told = mcpn(*arguments, "--format", "latex").stdout
     assert told.count(r"\\") == 1 + 3 * 3
+    assert "% philosophers-4, explicit: more than 100 " in told
+    assert "; runs of each: 2;" in told.splitlines()[0]
+    (heads,) = (line for line in told.splitlines() if line.startswith("name & "))
+    assert "median cpu seconds" in heads
+    assert heads.endswith(r"peak nodes & order \\")
+    assert mcpn("compare", "--family", "philosophers", "2..2", "--seconds", "nan").returncode == 2
     for wrong in (
         ("lions", "1..2"),
         ("philosophers", "1..2"),
@@ -292,9 +299,22 @@ def test_an_engine_of_one_s_own_runs_beside_the_others(
 
 def test_memory_is_that_of_the_engine_and_not_of_who_asks() -> None:
     held = bytearray(300 << 20)
-    found = {m.engine: m.megabytes for m in measure(philosophers(2)).engines}
+    found = {m.engine: m.megabytes or 0 for m in measure(philosophers(2)).engines}
     assert len(held) >> 20 == 300
-    assert max(found.values()) < 150, found
+    assert 5 < min(found.values()) <= max(found.values()) < 150, found
+
+
+def test_an_engine_that_is_not_asked_takes_nothing() -> None:
+    found = measure(philosophers(2), without={"pyeda": "gave up at size 1"})
+    by_engine = {m.engine: m for m in found.engines}
+    assert (by_engine["pyeda"].megabytes, by_engine["pyeda"].sizes) == (None, None)
+    comment, *lines = table([found], "csv").splitlines()
+    (row,) = (row for row in csv.DictReader(lines) if row["engine"] == "pyeda")
+    assert (row["megabytes"], row["cpu_seconds"], row["reason"]) == ("", "", "gave up at size 1")
+    told = table([found], "latex")
+    assert comment.startswith("# processor ")
+    assert "% philosophers-2, pyeda: gave up at size 1" in told
+    assert "median" not in told  # each ran once, so that the median says nothing more
 
 
 def test_engines_that_disagree_are_a_loud_error() -> None:

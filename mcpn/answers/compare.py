@@ -42,7 +42,8 @@ class Measurement:
         sizes: By the names of :data:`SIZES` and :data:`DIAGRAM`; a size that the engine does not count is
             ``None``. The whole is ``None`` where the engine gave up.
         seconds: Wall-clock time of the engine, imports apart: the least of all runs.
-        megabytes: Peak memory of its process, the interpreter included: the most of all runs.
+        megabytes: Peak memory of its process, the interpreter included: the most of all runs; ``None`` where
+            the engine was not asked, or its process was ended before it could say.
         reason: Why it gave up.
         order: Name of the diagram's order of places; ``None`` where there is none.
         cpu_seconds: CPU time of the engine, imports apart: the least of all runs.
@@ -55,7 +56,7 @@ class Measurement:
     engine: str
     sizes: Mapping[str, int | None] | None
     seconds: float
-    megabytes: int
+    megabytes: int | None
     reason: str = ""
     order: str | None = None
     cpu_seconds: float = 0.0
@@ -123,7 +124,7 @@ def measure(
     found, problems = [], list[McpnError | None]()
     for engine, of in subjects:
         if (reason := (without or {}).get(engine)) is not None:
-            found.append(Measurement(engine, None, 0.0, 0, reason))
+            found.append(Measurement(engine, None, 0.0, None, reason))
             continue
         runs = list[Measurement]()
         while not runs or (len(runs) < repeats and runs[-1].sizes is not None):
@@ -185,9 +186,12 @@ def grows(m: Measurement) -> dict[str, float]:
     """What of :data:`GROWING` an engine took, as far as it ran and has it; CPU time is the median."""
     if m.sizes is None:
         return {}
-    nodes = m.sizes.get("peak_nodes")
-    took = {"cpu_seconds": m.median_cpu_seconds, "megabytes": float(m.megabytes)}
-    return took | ({} if nodes is None else {"peak_nodes": float(nodes)})
+    took = {
+        "cpu_seconds": m.median_cpu_seconds,
+        "megabytes": m.megabytes,
+        "peak_nodes": m.sizes.get("peak_nodes"),
+    }
+    return {what: float(value) for what, value in took.items() if value is not None}
 
 
 def exponents(members: Sequence[Measured]) -> dict[str, dict[str, float]]:
@@ -203,7 +207,7 @@ def exponents(members: Sequence[Measured]) -> dict[str, dict[str, float]]:
     slopes: dict[str, dict[str, float]] = {}
     for engine in dict.fromkeys(m.engine for member in members for m in member.engines):
         ran = [(member.size, grows(m)) for member in members for m in member.engines if m.engine == engine]
-        least = min((took["megabytes"] for _, took in ran if took), default=0.0)
+        least = min((took["megabytes"] for _, took in ran if "megabytes" in took), default=0.0)
         lowest = {"cpu_seconds": LEAST_SECONDS, "megabytes": max(2 * least, 1.0), "peak_nodes": 1.0}
         for what, low in lowest.items():
             points = [
@@ -224,7 +228,7 @@ def _joined(runs: Sequence[Measurement]) -> Measurement:
         last.engine,
         last.sizes,
         min(wall),
-        max(run.megabytes for run in runs),
+        max((run.megabytes for run in runs if run.megabytes is not None), default=None),
         last.reason,
         last.order,
         min(cpu),
@@ -247,12 +251,12 @@ def _in_own_process(
     try:
         if not here.poll(seconds + STARTING):
             reason = f"more than {seconds:g} s: the limit on a run was hit"
-            return Measurement(engine, None, seconds, 0, reason), None
+            return Measurement(engine, None, seconds, None, reason), None
         found: tuple[Measurement, McpnError | None] = here.recv()
         return found
     except EOFError:
         reason = "its process was ended, as by a system that is out of memory"
-        return Measurement(engine, None, 0.0, 0, reason), None
+        return Measurement(engine, None, 0.0, None, reason), None
     finally:
         process.kill()
         process.join()

@@ -179,7 +179,8 @@ class FoundStates:
         except ImportError as error:
             raise LimitError("a table needs pandas: pip install 'mcpn[pandas]'") from error
         self._few()
-        return pandas.DataFrame([self._row(said) for said in self])
+        some = self.said(self.space.everything.pick())  # so that a table without rows has its columns
+        return pandas.DataFrame([self._row(said) for said in self], columns=list(self._row(some)))
 
     def _row(self, said: Said) -> dict[str, object]:
         if not isinstance(said, Situation):

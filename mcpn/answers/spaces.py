@@ -17,7 +17,7 @@ from mcpn.drawing.mortal import mortal
 from mcpn.drawing.sections import SectionParts, part_of, refuse_wide
 from mcpn.errors import InputError, LimitError
 from mcpn.spaces.algebra import Space
-from mcpn.spaces.engines import Asked, Choice, Engine, On, choices_of_net
+from mcpn.spaces.engines import Asked, Choice, Engine, On, choices_of_net, refuse_unknown
 from mcpn.spaces.kept import Spaces
 from mcpn.spaces.stable.completion import MAX_STABLE_STATES
 
@@ -84,6 +84,7 @@ class MissionSpaces(Spaces):
 
     def choices(self, engine: Asked, on: On, max_states: int | None = None) -> Iterator[Choice]:
         """The engines to ask, the one that promises most first."""
+        refuse_unknown(engine, on)
         if engine != "auto" or on == "markings":
             yield from choices_of_net(engine, max_states)
             return

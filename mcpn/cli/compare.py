@@ -12,6 +12,7 @@ import click
 from mcpn.cli.shared import (
     EXIT_FAILED,
     FILE,
+    FiniteRange,
     emit_json,
     import_option,
     json_option,
@@ -48,7 +49,7 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--seconds",
-    type=click.FloatRange(0.001, 86400),
+    type=FiniteRange(0.001, 86400),
     default=60.0,
     show_default=True,
     help="Wall-clock limit on each run.",

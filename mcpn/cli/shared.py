@@ -20,6 +20,19 @@ if TYPE_CHECKING:
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
 FILE = click.Path(path_type=Path)
+
+
+class FiniteRange(click.FloatRange):
+    """Numbers of a range; ``nan``, which no bound keeps out, and infinity are refused."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """The number, where it is one."""
+        number: float = super().convert(value, param, ctx)
+        if not isfinite(number):
+            self.fail(f"found {value}, expected a finite number", param, ctx)
+        return number
+
+
 _JSON = "mcpn.json"
 
 

@@ -16,7 +16,7 @@ from mcpn.notebook import Told
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.diagrams.base import Diagrams
 from mcpn.spaces.diagrams.spaces import DiagramMarkings
-from mcpn.spaces.engines import Asked, Choice, NoSpace, On, answered
+from mcpn.spaces.engines import Asked, Choice, NoSpace, On, answered, refuse_unknown
 from mcpn.spaces.kept import Subject, spaces_of
 from mcpn.spaces.names import PROGRESS
 from mcpn.spaces.search.goal import Formula
@@ -74,6 +74,7 @@ class Questions:
         engine: Asked = "auto",
         max_states: int | None = None,
     ) -> None:
+        refuse_unknown(engine, on)
         self.spaces = spaces_of(of)
         self.net = net = self.spaces.net
         on = on or self.spaces.asked_on

@@ -24,6 +24,9 @@ COLUMNS = (
 )
 """Of tables: one row for each engine and member."""
 
+SPREAD = ("median_seconds", "median_cpu_seconds", "most_cpu_seconds")
+"""Columns that say more than the others only where an engine runs several times."""
+
 
 def machine() -> dict[str, str | int | float]:
     """What measurements depend on: the machine, how busy it is, and versions."""
@@ -86,18 +89,20 @@ def table(members: Sequence[Measured], form: str) -> str:
         writer.writeheader()
         writer.writerows(_rows(members))
         return text.getvalue()
-    shown = [
-        c
-        for c in COLUMNS
-        if c not in ("order", "reason", "repeats") and any(r[c] is not None for r in _rows(members))
-    ]
+    rows = list(_rows(members))
+    once = all(row["repeats"] == 1 for row in rows)
+    left_out = {"reason", "repeats", *(SPREAD if once else ())}
+    shown = [c for c in COLUMNS if c not in left_out and any(row[c] is not None for row in rows)]
+    texts = ("name", "engine", "order")
+    repeats = "" if once else f"; runs of each: {max(row['repeats'] for row in rows)}"
     lines = [
-        f"% {comment}{grows}",
-        rf"\begin{{tabular}}{{{''.join('l' if name in ('name', 'engine') else 'r' for name in shown)}}}",
+        f"% {comment}{repeats}{grows}",
+        *(f"% {row['name']}, {row['engine']}: {row['reason']}" for row in rows if row["reason"]),
+        rf"\begin{{tabular}}{{{''.join('l' if name in texts else 'r' for name in shown)}}}",
         r"\toprule",
         " & ".join(_escaped(name.replace("_", " ")) for name in shown) + r" \\",
         r"\midrule",
-        *(" & ".join(_cell(row[name]) for name in shown) + r" \\" for row in _rows(members)),
+        *(" & ".join(_cell(row[name]) for name in shown) + r" \\" for row in rows),
         r"\bottomrule",
         r"\end{tabular}",
     ]
@@ -133,7 +138,7 @@ def print_comparison(members: Sequence[Measured]) -> None:
             sizes = {name: "" if size is None else str(size) for name, size in (m.sizes or {}).items()}
             first = ([str(member.size)] if len(members) > 1 else []) + [m.engine]
             took = [f"{m.cpu_seconds:.3f}", *([f"{m.median_cpu_seconds:.3f}"] if several else [])]
-            took += [f"{m.seconds:.3f}", _speed(slowest, m), str(m.megabytes)]
+            took += [f"{m.seconds:.3f}", _speed(slowest, m), "" if m.megabytes is None else str(m.megabytes)]
             diagram = (sizes["nodes"], sizes["peak_nodes"], m.order or "")
             rows.append((*first, *(sizes[name] for name in counted), *took, *diagram))
     terminal.columns(rows)

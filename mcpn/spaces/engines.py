@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Literal, TypeAlias, TypeVar
+from typing import Literal, TypeAlias, TypeVar, get_args
 
-from mcpn.errors import LimitError, PremiseError
+from mcpn.errors import InputError, LimitError, PremiseError
 from mcpn.spaces.markings.explicit import MAX_MARKINGS
 
 On: TypeAlias = Literal["markings", "alternatives"]
@@ -98,6 +98,24 @@ def answered(ask: Callable[[Choice], Found], choices: Iterator[Choice]) -> tuple
             if other is None:
                 raise
             choice = replace(other, why=other.why or f"{choice.engine} gives no answer: {error}")
+
+
+def refuse_unknown(engine: str = "auto", on: str | None = None) -> None:
+    """Refuses a word that names no engine or no graph: another engine would answer in its name.
+
+    Args:
+        engine: The engine that is asked.
+        on: The graph; ``None`` for the default.
+
+    Raises:
+        InputError: One of them is unknown.
+    """
+    if engine not in get_args(Asked):
+        beside = ", which only counts markings" if engine == "pyeda" else ""
+        expected = ", ".join(get_args(Asked))
+        raise InputError.at(None, f"found the engine {engine!r}{beside}, expected one of {expected}")
+    if on is not None and on not in get_args(On):
+        raise InputError.at(None, f"found the graph {on!r}, expected one of {', '.join(get_args(On))}")
 
 
 def choices_of_net(engine: Asked, max_states: int | None = None) -> Iterator[Choice]:

@@ -17,7 +17,7 @@ from mcpn.spaces.diagrams.bounded import reach_markings, reaching_markings
 from mcpn.spaces.diagrams.race import Resting
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import SymbolicSpace, reaching
-from mcpn.spaces.engines import Asked, Choice, Engine, On, choices_of_net
+from mcpn.spaces.engines import Asked, Choice, Engine, On, choices_of_net, refuse_unknown
 from mcpn.spaces.markings.explicit import MAX_MARKINGS, Counts, count, explore
 from mcpn.spaces.names import PROGRESS, Names
 from mcpn.spaces.stable.completion import MAX_STABLE_STATES
@@ -79,6 +79,7 @@ class Spaces:
 
     def choices(self, engine: Asked, on: On, max_states: int | None = None) -> Iterator[Choice]:
         """The engines to ask, the one that promises most first; see :mod:`mcpn.spaces.engines`."""
+        refuse_unknown(engine, on)
         return choices_of_net(engine, max_states)
 
     def few(self, max_states: int | None = None) -> bool:

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import mcpn
 from mcpn.answers.found import FoundStates
 from mcpn.answers.verdicts.modes import Situation, situation
-from mcpn.errors import LimitError, SemanticsError
+from mcpn.errors import InputError, LimitError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.nets.petri import NetBuilder
 from mcpn.spaces.diagrams.shown import EMPTY, END, Diagram
@@ -113,6 +113,24 @@ def test_states_go_to_networkx(ulysse: Mission) -> None:
     assert networkx.number_of_nodes(able) < 244
 
 
+@pytest.mark.parametrize("question", ["satisfying", "ctl", "states", "check", "causes", "graph"])
+def test_a_word_that_names_no_engine_or_graph_is_refused(question: str, ulysse: Mission) -> None:
+    """Another engine would answer in its name, and who compares engines compares one with itself."""
+    asked = getattr(mcpn.open(ulysse), question)
+    given = ("EF success",) if question in ("satisfying", "ctl") else ()
+    if question != "graph":
+        with pytest.raises(
+            InputError, match=r"found the engine 'symbolical', expected one of auto"
+        ):
+            asked(*given, engine="symbolical")
+    if question not in ("check", "causes"):
+        with pytest.raises(InputError, match=r"found the graph 'stable', expected one of markings, altern"):
+            asked(*given, on="stable")
+    if question in ("satisfying", "ctl"):
+        with pytest.raises(InputError, match=r"found the engine 'pyeda', which only counts markings"):
+            asked(*given, engine="pyeda")
+
+
 def test_states_of_nets_are_tokens_by_place() -> None:
     found = Study(FAMILIES["philosophers"].net(3)).satisfying("AX false")
     assert found.count == 2
@@ -128,7 +146,8 @@ def test_states_go_to_pandas(ulysse: Mission, monkeypatch: pytest.MonkeyPatch) -
         with pytest.raises(LimitError, match=r"a table needs pandas: pip install 'mcpn\[pandas\]'"):
             found.to_pandas()
     pytest.importorskip("pandas", reason="needs pandas: the extra pandas")
-    table = found.to_pandas()
+    table, none = found.to_pandas(), (found - found).to_pandas()
+    assert (len(none), [*none.columns]) == (0, [*table.columns])
     assert len(table) == 244
     assert table["GPS_sensor"].dtype == bool
     assert (table["outcome"] == "success").sum() == len([s for s in found if s.outcome == "success"])  # type: ignore[union-attr]

@@ -13,6 +13,7 @@ from mcpn.cli.robot.monitor import monitors_for
 from mcpn.cli.shared import (
     EXIT_FAILED,
     FILE,
+    FiniteRange,
     emit_json,
     import_option,
     json_option,
@@ -39,14 +40,14 @@ TARGETS = ("c", "python", "scxml")
 @click.option("--seed", type=int, default=0, show_default=True, help="Of what happens in them.")
 @click.option(
     "--confidence",
-    type=click.FloatRange(0.0, 1.0, min_open=True, max_open=True),
+    type=FiniteRange(0.0, 1.0, min_open=True, max_open=True),
     default=0.999,
     show_default=True,
     help="Of the intervals that the numbers of risk are to lie in.",
 )
 @click.option(
     "--duration",
-    type=click.FloatRange(0.0, min_open=True),
+    type=FiniteRange(0.0, min_open=True),
     help="Mean hours where none are given (default: such runs are untimed).",
 )
 @click.option("--faults", type=FILE, help="Events that happen besides: on each line hours and an event.")

@@ -27,6 +27,7 @@ FAR_APART = 20
 _WIDTH, _HEIGHT = 4.8, 3.8
 _PER_ROW = 3
 _MOST_LABELS = 8
+_MOST_TICKS = 5
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000")  # Okabe and Ito
 _MARKERS = "osD^vPX"
 _STYLE = {"svg.fonttype": "none", "svg.hashsalt": "mcpn"}
@@ -115,7 +116,7 @@ def save_engines(path: Path, members: Sequence[Measured]) -> None:
     ran = {m.engine: m for m in member.engines if m.sizes is not None}
     bars = [
         Bars("CPU seconds", {engine: m.cpu_seconds for engine, m in ran.items()}),
-        Bars("megabytes", {engine: m.megabytes for engine, m in ran.items()}),
+        Bars("megabytes", {engine: m.megabytes for engine, m in ran.items() if m.megabytes is not None}),
     ]
     for engine, m in ran.items():
         nodes, peak = ((m.sizes or {}).get(name) for name in ("nodes", "peak_nodes"))
@@ -170,7 +171,7 @@ def plotted(plots: Sequence[Curves | Bars], title: str = "", form: str = "svg") 
         LimitError: matplotlib is not installed.
     """
     matplotlib = _matplotlib()
-    columns = min(len(plots), _PER_ROW)
+    columns = 2 if len(plots) == 4 else min(len(plots), _PER_ROW)
     rows = -(-len(plots) // columns)
     file = BytesIO()
     with matplotlib.rc_context(_STYLE), warnings.catch_warnings():
@@ -231,9 +232,15 @@ def _draw_curves(axes: Any, plot: Curves) -> None:
 
 
 def _label_sizes(axes: Any, sizes: Sequence[float]) -> None:
-    """Labels some sizes themselves, not powers of ten, of which few members may have one."""
-    step = -(-len(sizes) // _MOST_LABELS)
-    axes.set_xticks(sizes[::step], labels=[f"{size:g}" for size in sizes[::step]])
+    """Labels sizes themselves, not powers of ten, of which few members may have one.
+
+    The first, the last, and those between that stand apart on the logarithmic scale.
+    """
+    apart = (sizes[-1] / sizes[0]) ** (1 / _MOST_LABELS)
+    shown = [sizes[0]]
+    shown += [s for s in sizes[1:-1] if s >= shown[-1] * apart and s * apart <= sizes[-1]]
+    shown += sizes[-1:] if len(sizes) > 1 else []
+    axes.set_xticks(shown, labels=[f"{size:g}" for size in shown])
     axes.tick_params(axis="x", which="minor", bottom=False, labelbottom=False)
 
 
@@ -243,6 +250,8 @@ def _draw_bars(axes: Any, plot: Bars) -> None:
     axes.bar_label(bars, [f"{value:.3g}" if value < 100 else f"{value:,.0f}" for value in values], padding=3)
     if _far_apart(values):
         axes.set_xscale("log")
+    else:
+        axes.xaxis.get_major_locator().set_params(nbins=_MOST_TICKS)
     axes.margins(x=0.2)
     axes.invert_yaxis()
 
