@@ -119,9 +119,7 @@ def test_a_word_that_names_no_engine_or_graph_is_refused(question: str, ulysse: 
     asked = getattr(mcpn.open(ulysse), question)
     given = ("EF success",) if question in ("satisfying", "ctl") else ()
     if question != "graph":
-        with pytest.raises(
-            InputError, match=r"found the engine 'symbolical', expected one of auto"
-        ):
+        with pytest.raises(InputError, match=r"found the engine 'symbolical', expected one of auto"):
             asked(*given, engine="symbolical")
     if question not in ("check", "causes"):
         with pytest.raises(InputError, match=r"found the graph 'stable', expected one of markings, altern"):
