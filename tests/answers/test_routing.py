@@ -19,7 +19,7 @@ from mcpn.mission.xml import read_mission
 from mcpn.report.findings import findings
 from mcpn.report.page import page
 from mcpn.testing import missions
-from mcpn.testing.elements import PAUSING, PAUSING_APART
+from mcpn.testing.elements import GUARDED, PAUSING, PAUSING_APART, WORLD, WORLD_ABORTED
 from tests.commands import mcpn
 from tests.conftest import ROOT
 from tests.draws import composed, fewer
@@ -139,6 +139,27 @@ def test_what_only_a_pause_would_lead_to_is_told_with_its_cause(
     assert f"objective pack can never be entered: {cause}" in said
 
 
+def test_what_facts_alone_would_lead_to_is_told_with_its_cause(tmp_path: Path) -> None:
+    blocks = """
+    <objective name="ask" activities="wait"><route when="done(help)" goto="help"/></objective>
+    <objective name="go" activities="drive" success="succeed"/>
+    <objective name="help" activities="wait"/>
+    """
+    said = [problem.message for problem in checked(tmp_path, blocks).unselectable]
+    told = "objective help can never be entered: the facts that objective ask asks for never hold there"
+    assert told in said
+
+
+def test_a_success_that_facts_lead_on_is_not_futile(tmp_path: Path) -> None:
+    blocks = """
+    <objective name="ask" activities="drive" failure="home"/>
+    <objective name="home" activities="wait" success="fail" failure="home">
+      <route when="done(ask)" goto="succeed"/>
+    </objective>
+    """
+    assert not checked(tmp_path, blocks).futile
+
+
 @fewer(0.5)
 @given(PAUSING | PAUSING_APART)
 def test_pauses_are_answered_whatever_they_lead_to(mission: Mission) -> None:
@@ -147,7 +168,7 @@ def test_pauses_are_answered_whatever_they_lead_to(mission: Mission) -> None:
         page(findings(composed(mission), max_states=500))
 
 
-@given(missions())
+@given(missions() | WORLD | WORLD_ABORTED | GUARDED)
 def test_what_is_told_is_so(mission: Mission) -> None:
     found_of = compose(mission)
     try:

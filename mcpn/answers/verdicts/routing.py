@@ -25,11 +25,12 @@ _EVENTS = {"success": What.SUCCESS, "failure": What.FAILURE, TIMED_OUT: What.TIM
 
 
 class _Route(NamedTuple):
-    """A route of a section: by which outcome or declared event, and where it leads."""
+    """A route of a section: by which outcome or declared event, and where it leads; perhaps if facts are so."""
 
     of: Section
     by: str | Event
     target: str
+    by_facts: bool = False
 
 
 class _Region(NamedTuple):
@@ -156,8 +157,9 @@ class Routing:
         for section in self.graph.sections:
             if section.name not in hopeful or not self.entered(section):
                 continue
-            if "success" in self.taken(section) and section.success not in hopeful:
-                causes, ends = self._behind(self.graph, section.success, hopeful)
+            led = section.led("success")
+            if "success" in self.taken(section) and not hopeful.intersection(led):
+                causes, ends = self._behind(self.graph, led, hopeful)
                 yield _Futile(section, frozenset(ends), causes)
 
     def taken(self, section: Section) -> frozenset[str]:
@@ -194,9 +196,10 @@ class Routing:
         """The targets of those routes of a section that are taken."""
         targets = list(section.routes)
         taken = self.taken(section)
-        for outcome, target in section.outcomes:
+        for outcome, _ in section.outcomes:
             if outcome not in taken:
-                targets.remove(target)
+                for target in section.led(outcome):
+                    targets.remove(target)
         for route in _interrupting(section):
             if not self._is_taken(route):
                 targets.remove(route.target)
@@ -205,13 +208,13 @@ class Routing:
     def _ends(self, branch: str, graph: ObjectivesGraph) -> frozenset[str]:
         """The exits of a branch that routes lead to from its entry."""
         if branch not in self._exits:
-            seen = self._reachable(graph, graph.entry)
+            seen = self._reachable(graph, [graph.entry])
             self._exits[branch] = frozenset(seen & {SUCCEED, FAIL, ABORT})
         return self._exits[branch]
 
-    def _reachable(self, graph: ObjectivesGraph, begin: str) -> set[str]:
-        """The sections and exits that taken routes lead to from a section, itself included."""
-        seen, stack = {begin}, [begin]
+    def _reachable(self, graph: ObjectivesGraph, begins: Iterable[str]) -> set[str]:
+        """The sections and exits that taken routes lead to from some of them, these included."""
+        seen, stack = {*begins}, [*begins]
         inside = {section.name for section in graph.sections}
         while stack:
             if (name := stack.pop()) in inside:
@@ -234,10 +237,10 @@ class Routing:
         return frozenset(seen)
 
     def _behind(
-        self, graph: ObjectivesGraph, begin: str, hopeful: Collection[str]
+        self, graph: ObjectivesGraph, begins: Iterable[str], hopeful: Collection[str]
     ) -> tuple[list[_Route], set[str]]:
-        """Routes behind a section that would lead to success if they were taken; and the exits reached."""
-        seen = self._reachable(graph, begin)
+        """Routes behind sections that would lead to success if they were taken; and the exits reached."""
+        seen = self._reachable(graph, begins)
         routes = (r for section in graph.sections if section.name in seen for r in _routes(section))
         missing = [r for r in routes if r.target in hopeful and not isinstance(r.by, Event)]
         return missing, seen & {SUCCEED, FAIL, ABORT}
@@ -258,10 +261,16 @@ class Routing:
     def _because(self, causes: Iterable[_Route]) -> str:
         """Why routes are not taken; empty where there are none."""
         said = list[str]()
-        for same in grouped(causes, self._written).values():
+
+        def alike(route: _Route) -> object:
+            return self._written(route), route.by_facts and self._is_taken(route)
+
+        for (_, others), same in grouped(causes, alike).items():
             by, kind = same[0].by, _kind(same[0].of)
             subject, several = self._copies.subject(kind, [r.of.name for r in same], self._every)
-            if isinstance(by, Event):
+            if others:
+                said.append(f"the facts that {subject} {'ask' if several else 'asks'} for never hold there")
+            elif isinstance(by, Event):
                 said.append(
                     f"event {by.element} never happens while {subject} {'run' if several else 'runs'}"
                 )
@@ -315,6 +324,7 @@ def _routes(section: Section) -> Iterator[_Route]:
             yield from (route._replace(target=target) for route in _meanwhile(section, outcome))
         else:
             yield _Route(section, outcome, target)
+        yield from (_Route(section, outcome, case.target, True) for case in section.cases_of(outcome))
     yield from _interrupting(section)
 
 
@@ -322,7 +332,9 @@ def _interrupting(section: Section) -> Iterator[_Route]:
     """The routes by which events interrupt a section."""
     for interruption in section.interruptions:
         if interruption.pauses is None:
-            yield _Route(section, Event(What.DECLARED, interruption.event), interruption.target)
+            event = Event(What.DECLARED, interruption.event)
+            yield _Route(section, event, interruption.target)
+            yield from (_Route(section, event, case.target, True) for case in interruption.cases)
 
 
 def _meanwhile(section: ParallelSection, exit_: str) -> Iterator[_Route]:
