@@ -1,7 +1,8 @@
 """Losses that nobody notices: what goes on and can only fail, and what succeeds only if they are found.
 
-Hardware that is detected late fails unseen. With just this lost, and not known to be lost, an objective that
-uses it can no more succeed in its present run, or it can because some activity may still find the loss out.
+Hardware that is detected late fails unseen. With this lost, and not known to be lost, an objective that uses
+it can no longer succeed in its present run, or it can because some activity may still find the loss out. An
+objective that could not succeed without the loss either is not told of.
 """
 
 from __future__ import annotations
@@ -24,13 +25,15 @@ class LateLoss:
     Args:
         hardware: Its name.
         unnoticed: Objectives that go on after its loss, and can only fail, while nothing that runs can tell,
-            in document order.
-        in_time: Those that can succeed after its loss only if it is found out while they run, likewise.
+            in document order. No other hardware has failed.
+        unnoticed_later: Other objectives of which the same is so once other hardware has failed too.
+        in_time: Those that can succeed after its loss alone only if it is found out while they run.
         sentences: The same for a reader: copies of one objective are said together.
     """
 
     hardware: str
     unnoticed: tuple[str, ...]
+    unnoticed_later: tuple[str, ...]
     in_time: tuple[str, ...]
     sentences: tuple[str, ...]
 
@@ -51,30 +54,40 @@ def late_losses(mission_net: MissionNet, space: Space[S]) -> Iterator[LateLoss]:
     for name in late:
         oos, known = (list(mission_net.by_role[role, name]) for role in ("oos", "known"))
         others = [place for place in prospects.places("oos", prospects.hardware) if place not in oos]
-        # Nothing else has failed on the way either: what a loss has done may outlast it.
-        beside = prospects.failing - prospects.carrying(What.OUT_OF_SERVICE, name)
-        alone = space.reached(space.initial, None, Without(prospects.everything, beside))
-        lost = space.restricted(alone, oos, [*others, *known])
+        losing = prospects.carrying(What.OUT_OF_SERVICE, name)
         finding = prospects.carrying(What.DETECTED, name)
-        unseen = lost - space.enabling(finding) if finding else lost
-        unnoticed, in_time = list[str](), list[str]()
+        # Nothing else has failed on the way either: what a loss has done may outlast it.
+        beside = prospects.failing - losing
+        alone = space.reached(space.initial, None, Without(prospects.everything, beside))
+        sound = space.restricted(alone, [], [*others, *oos])
+        lost = space.restricted(alone, oos, [*others, *known])
+        unnoticed, later, in_time = list[str](), list[str](), list[str]()
         for objective, goal in goals.items():
-            if not goal.won or not (lost & goal.running):
+            if not goal.won or not space.restricted(goal.running, oos, known):
                 continue
             hopeful = prospects.hopeful(goal, repairs=False)
-            if (unseen & goal.running) - hopeful:
-                unnoticed.append(objective)
+            running = goal.running & hopeful
+            # Where the loss has just taken away that it can succeed, and nobody can tell.
+            for among, told in ((sound, unnoticed), (space.everything, later)):
+                after = space.restricted(space.after(running & among, losing), oos, known)
+                in_vain = (after & goal.running) - hopeful
+                if in_vain - space.enabling(finding) if finding else in_vain:
+                    told.append(objective)
+                    break
             if finding:
                 blind = replace(goal, ends=goal.ends | finding)
                 if (lost & hopeful & goal.running) - prospects.hopeful(blind, repairs=False):
                     in_time.append(objective)
         said = list[str]()
-        if unnoticed:
-            told = copies.told(unnoticed, every)
-            runs = "runs and" if len(told) == 1 else "run and"
-            said.append(f"nobody notices the loss of {name} while {shortened(told)} {runs} can only fail")
+        for told, when in ((unnoticed, ""), (later, "once other hardware has failed, ")):
+            if told:
+                words = copies.told(told, every)
+                runs = "runs and" if len(words) == 1 else "run and"
+                said.append(
+                    f"{when}nobody notices the loss of {name} while {shortened(words)} {runs} can only fail"
+                )
         if in_time:
             objectives = shortened(copies.told(in_time, every))
             said.append(f"{objectives} can succeed after the loss of {name} only if it is found in time")
         if said:
-            yield LateLoss(name, tuple(unnoticed), tuple(in_time), tuple(said))
+            yield LateLoss(name, tuple(unnoticed), tuple(later), tuple(in_time), tuple(said))

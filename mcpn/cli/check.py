@@ -159,7 +159,12 @@ def _check_object(found: MissionCheck, seconds: float, internal: bool) -> dict[s
             for each in found.ignored
         ],
         "late": [
-            {"hardware": each.hardware, "unnoticed": list(each.unnoticed), "in_time": list(each.in_time)}
+            {
+                "hardware": each.hardware,
+                "unnoticed": list(each.unnoticed),
+                "unnoticed_later": list(each.unnoticed_later),
+                "in_time": list(each.in_time),
+            }
             for each in found.late
         ],
         "nominal": {

@@ -25,7 +25,7 @@ _EVENTS = {"success": What.SUCCESS, "failure": What.FAILURE, TIMED_OUT: What.TIM
 
 
 class _Route(NamedTuple):
-    """A route of a section: by which outcome or declared event, and where it leads; perhaps if facts are so."""
+    """A route of a section: by which outcome or declared event, where it leads, whether facts decide it."""
 
     of: Section
     by: str | Event
@@ -262,7 +262,7 @@ class Routing:
         """Why routes are not taken; empty where there are none."""
         said = list[str]()
 
-        def alike(route: _Route) -> object:
+        def alike(route: _Route) -> tuple[object, bool]:
             return self._written(route), route.by_facts and self._is_taken(route)
 
         for (_, others), same in grouped(causes, alike).items():

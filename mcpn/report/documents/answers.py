@@ -175,6 +175,10 @@ CHECK = Document(
                             "runs can tell.",
                             String("An objective."),
                         ),
+                        "unnoticed_later": ListOf(
+                            "Other objectives of which the same is so once other hardware has failed too.",
+                            String("An objective."),
+                        ),
                         "in_time": ListOf(
                             "Objectives that can succeed after its loss only if it is found out while they "
                             "run.",
