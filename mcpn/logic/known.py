@@ -2,24 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from mcpn.logic.formulas import EU
-from mcpn.logic.ltl.formulas import SomePath
-from mcpn.logic.simplify import at_first, simplified
+from mcpn.logic.formulas import EG, EU
+from mcpn.logic.ltl.formulas import Release, SomePath, Until
+from mcpn.logic.simplify import at_first, says_eventually, simplified
 from mcpn.logic.witness import Explanation, NoRun, Witness
 from mcpn.nets.petri import EVENTS, Marking, PetriNet
 from mcpn.spaces.algebra import Edge
 from mcpn.spaces.names import Names
 from mcpn.spaces.run import Completion
-from mcpn.spaces.search.goal import DEADLOCK, FALSE, TRUE, And, Formula, Goal, as_goal, calm, holds
+from mcpn.spaces.search.goal import (
+    DEADLOCK,
+    FALSE,
+    TRUE,
+    And,
+    Deadlock,
+    Formula,
+    Goal,
+    Not,
+    Or,
+    as_goal,
+    calm,
+    holds,
+)
 
 if TYPE_CHECKING:
     from mcpn.logic.ltl.lasso import FoundPath
     from mcpn.spaces.search.facts import Facts
+    from mcpn.spaces.search.home import Home
 
 SOME_DEADLOCK = EU(TRUE, DEADLOCK)
 
@@ -50,6 +64,7 @@ class Known:
         values: By part of a simplified formula its value at the initial state.
         runs: By part that begins with ``EF`` and holds the transitions of a run to where its operand holds.
         paths: By part that asks for some path and holds such a path.
+        home: A marking that every reachable one leads to, where one is known.
     """
 
     def __init__(self, net: PetriNet, *, settled: bool) -> None:
@@ -57,12 +72,17 @@ class Known:
         self.values: dict[Formula, bool] = {}
         self.runs: dict[Formula, tuple[int, ...]] = {}
         self.paths: dict[Formula, FoundPath] = {}
+        self.home: Home | None = None
         self._facts: Facts | None = None
         self._simple: dict[Formula, Formula] = {}
 
     def believe(self, facts: Facts) -> None:
         """Puts in what is true of the net as a whole: formulas are simplified anew."""
         self._facts = facts
+        self.forget()
+
+    def forget(self) -> None:
+        """Simplifies formulas anew, since more is known."""
         self._simple.clear()
 
     @cached_property
@@ -87,9 +107,48 @@ class Known:
         if formula == SOME_DEADLOCK:  # no bound makes it smaller
             return formula
         if formula not in self._simple:
-            always = (lambda _: None) if self._facts is None else self._facts.always
+            always = (lambda _: None) if self._facts is None else self._always
             self._simple[formula] = simplified(formula, self.net, self.bounds, always)
         return self._simple[formula]
+
+    def _always(self, part: Formula) -> bool | None:
+        """The value of a part where it is the same in every reachable marking; ``None`` where not known.
+
+        Every reachable marking leads to a home marking, so that what holds there may always hold again. What
+        can be reached from the initial marking can be from all, if it is one. If every run ends in a home
+        marking, what fails there does not hold all along.
+        """
+        assert self._facts is not None
+        home = self.home
+        match part:
+            case Deadlock():
+                never = self.values.get(SOME_DEADLOCK) is False or (home and self.net.enabled(home.marking))
+                return False if never else None
+            case EU((And(()), operand)) if home:
+                goal = as_goal(operand, self.net)
+                if goal is not None and holds(goal, self.net, home.marking):
+                    return True
+                return self.values.get(part) if self.reversible else None
+            case Until((And(()), operand)) if home and home.ends:
+                goal = as_goal(operand, self.net)
+                return True if goal is not None and holds(goal, self.net, home.marking) else None
+            case EG((operand,)) | Release((Or(()), operand)) if home and home.ends:
+                goal = as_goal(operand, self.net)
+                return None if goal is None or holds(goal, self.net, home.marking) else False
+        return self._facts.always(part)
+
+    @property
+    def reversible(self) -> bool:
+        """Whether every reachable marking is known to lead back to the initial one."""
+        return self.home is not None and self.home.marking == self.net.initial
+
+    def nested(self, formula: Formula) -> Iterator[Formula]:
+        """Parts inside operators that have one value in all markings, since the net is reversible."""
+        for part in self.simple(formula).walk() if self.reversible else ():
+            for inside in part.operands if not isinstance(part, Not | And | Or) else ():
+                for below in inside.walk():
+                    if says_eventually(below) and not any(map(says_eventually, below.operands[1].walk())):
+                        yield below
 
     def rest(self, formula: Formula, marking: Marking | None = None) -> Formula:
         """What is left to ask of a formula in a state: a constant where what is known decides it.

@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
-from mcpn.logic.formulas import EG, EU, EX
+from mcpn.logic.formulas import EG, EU, EX, some_path
+from mcpn.logic.ltl.formulas import SomePath
 from mcpn.nets.petri import PetriNet
 from mcpn.nets.structure import needs
 from mcpn.spaces.search.goal import (
@@ -41,8 +42,8 @@ def simplified(
         formula: The formula.
         net: The net whose transitions it names.
         bounds: Most tokens of each place of the net in any reachable marking; infinity where not known.
-        always: The value of a condition on markings where it is the same in every reachable one; else
-            ``None``.
+        always: The value of a part, on markings or on paths, where it is the same in every reachable marking;
+            else ``None``.
 
     Returns:
         The formula without constants inside, double negations and operators that change nothing; comparisons
@@ -52,15 +53,25 @@ def simplified(
 
     def simple(part: Formula) -> Formula:
         if part not in known:
-            known[part] = rewritten(part.mapped(simple))
+            inside = part.mapped(simple)
+            if isinstance(inside, SomePath) and inside != part:  # a constant may say that states decide
+                known[part] = simple(some_path(inside.operands[0]))
+            else:
+                known[part] = settled(rewritten(inside))
         return known[part]
+
+    def settled(part: Formula) -> Formula:
+        if isinstance(part, Not | And | Or):
+            return part
+        value = always(part)
+        return part if value is None else TRUE if value else FALSE
 
     def rewritten(part: Formula) -> Formula:
         match part:
             case And() | Or():
                 return _without_constants(joined(part), always)
             case EX((And(()),)):
-                return Not(DEADLOCK)
+                return ~settled(DEADLOCK)
             case EX((Or(()),)):
                 return FALSE
             case EU((left, right)):
@@ -76,9 +87,8 @@ def simplified(
                     return FALSE
             case Fires(transitions):
                 possible = tuple(t for t in transitions if may_fire(t) and always(Fires((t,))) is not False)
-                part = Fires(possible) if possible else FALSE
-        value = always(part) if isinstance(part, AtMost | Fires) else None
-        return part if value is None else TRUE if value else FALSE
+                return Fires(possible) if possible else FALSE
+        return part
 
     def may_fire(transition: int) -> bool:
         return all(weight <= bounds[place] for place, weight in needs(net, transition).items())
@@ -89,10 +99,10 @@ def simplified(
 def _until(left: Formula, right: Formula) -> Formula:
     if right in (TRUE, FALSE) or left in (FALSE, right):
         return right
-    if _says_eventually(right):
+    if says_eventually(right):
         return right  # E[f U EF g] is EF g
-    if isinstance(right, Or) and left != TRUE and any(map(_says_eventually, right.operands)):
-        later = [f for f in right.operands if _says_eventually(f)]
+    if isinstance(right, Or) and left != TRUE and any(map(says_eventually, right.operands)):
+        later = [f for f in right.operands if says_eventually(f)]
         now = joined(Or(*(f for f in right.operands if f not in later)))
         return joined(Or(*later, _until(left, now)))
     # E[f U E[f U g]] is E[f U g], and EF E[h U g] and EF AF g are EF g; also as one of several alternatives.
@@ -109,14 +119,14 @@ def _until(left: Formula, right: Formula) -> Formula:
     return EU(left, right) if tuple(inner) == parts else _until(left, joined(Or(*inner)))
 
 
-def _says_eventually(formula: Formula) -> bool:
+def says_eventually(formula: Formula) -> bool:
     """Whether it is ``EF f``: true in a state if in a later one."""
     return isinstance(formula, EU) and formula.operands[0] == TRUE
 
 
 def _says_always(formula: Formula) -> bool:
     """Whether it is ``AG f``: true in all later states if in one."""
-    return isinstance(formula, Not) and _says_eventually(formula.operands[0])
+    return isinstance(formula, Not) and says_eventually(formula.operands[0])
 
 
 def _joined_but(kept: Sequence[Formula], operands: Sequence[Formula]) -> tuple[Formula, ...]:

@@ -44,6 +44,7 @@ if TYPE_CHECKING:
 
 DIAGRAMS, REWRITING, COMPOSITION = "DECISION_DIAGRAMS", "QUERY_REDUCTION", "COMPOSITION"
 EXPLICIT, INITIAL_STATE, RANDOM_WALK = "EXPLICIT", "INITIAL_STATE", "RANDOM_WALK"
+HOME = "HOME_MARKING"
 FIRST_SLICE, FIRST_ROUND, GROWTH = 0.4, 1.0, 3.0
 WALK_STEPS = 50_000
 Meaning: TypeAlias = Formula | tuple[int, ...] | str
@@ -164,6 +165,7 @@ class _Answers:
         self.facts: Facts | None = None
         self._weighed: set[Formula] = set()
         self.bounding: dict[Formula, list[tuple[Formula, bool]]] = {}
+        self.nested: set[Formula] = set()  # parts inside others that have one value everywhere
         self.rounds = self.path_rounds = 0
 
     def all(self) -> Iterator[ContestAnswer]:
@@ -291,6 +293,10 @@ class _Answers:
             for bounded, when in self.bounding.pop(part, ()):
                 if value == when and bounded not in self.known.values:
                     yield from self.learn(bounded, value, *ways)
+            if part in self.nested:
+                self.nested.remove(part)
+                self.known.forget()
+                yield from self.rewritten(HOME)
         for name, asked in list(self.waiting.items()):
             if name not in self.waiting:
                 continue
@@ -363,6 +369,15 @@ class _Answers:
                             break
                     elif isinstance(simple, EU | EG | EX) and simple != part:
                         self.bounding.setdefault(simple, []).append((part, when))
+        formulas = [asked for asked in self.waiting.values() if isinstance(asked, Formula)]
+        inside = list(chain.from_iterable(map(self.known.nested, formulas)))
+        for part in inside:
+            if part not in self.known.values:
+                self.nested.add(part)
+                self.bounding.setdefault(part, [])
+        if any(part in self.known.values for part in inside):
+            self.known.forget()
+            yield from self.rewritten(HOME)
 
     def by_equation(self) -> Iterator[ContestAnswer]:
         """Answers bounds and examinations by the state equation and by walks that come to what it allows."""
@@ -382,7 +397,12 @@ class _Answers:
                     yield from self.learn(name, value, *ways)
         formulas = [asked for asked in self.waiting.values() if isinstance(asked, Formula)]
         facts.know(chain.from_iterable(map(conditions, map(self.known.simple, formulas))))
+        if LIVE in self.waiting.values() or any(self.known.goal(part) is None for part in self.parts()):
+            self.known.home = facts.home
         self.known.believe(facts)
+        if home := self.known.home:
+            dead = not self.net.enabled(home.marking)
+            yield from self.learn(SOME_DEADLOCK, dead, HOME, STATE_EQUATION)
         yield from self.rewritten(STATE_EQUATION)
 
     def by_search(self, *, short: bool = False) -> Iterator[ContestAnswer]:
@@ -420,11 +440,8 @@ class _Answers:
             searched: Whether parts are asked that a search may decide.
             runs: Whether a part that holds is answered although no run is known that shows it.
         """
-        parts = [
-            part
-            for part in self.parts()
-            if (searched or self.known.goal(part) is None) and not says_paths(part)
-        ]
+        asked = [part for part in (*self.parts(), *self.nested) if not says_paths(part)]
+        parts = [part for part in asked if searched or self.known.goal(part) is None]
         if not parts or self.net.priorities:  # whose atoms are no conditions on tokens alone
             return
         if not self.searches.fits:
@@ -433,7 +450,7 @@ class _Answers:
             from mcpn.logic.on_the_fly import LocalChecks
 
             self.local = LocalChecks(self.net, self.searches)
-        self.local.ask([part for part in self.parts() if not says_paths(part)])
+        self.local.ask(asked)
         came = self.raced()
         for part in parts:
             if came():

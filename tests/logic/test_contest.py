@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from itertools import islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,7 +13,7 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, event, given
 from hypothesis import strategies as st
 
 from mcpn.errors import InputError, LimitError, Source, UnboundedError
@@ -32,6 +33,7 @@ from tests.draws import fewer
 from tests.logic.formulas import RELATIONS, Written, edges_of, formulas, read, satisfying
 from tests.nets.nets import graph_of, nets, state_machines, token_nets
 from tests.spaces.search.goals import all_markings
+from tests.spaces.search.test_home import leading_back
 
 PLAIN = (
     token_nets()
@@ -315,6 +317,25 @@ def test_what_a_search_leaves_open_is_named_and_no_space_is_built() -> None:
     expected = {verdict.name: verdict.value for verdict in answer_all(Questions(net), asked)}
     assert {name: given[name] for name in expected} == expected
     assert given.keys() - expected.keys() == {"OneSafe", "QuasiLiveness", "StableMarking"}
+
+
+@fewer(0.5)
+@given(PLAIN | leading_back(), st.data())
+def test_what_is_answered_without_a_space_is_right(net: PetriNet, data: st.DataObject) -> None:
+    assume(graph_of(net) is not None)
+    edges = edges_of(net)
+    drawn = formulas([p.name for p in net.places], [t.name for t in net.transitions], leaves=5)
+    again = drawn.flatmap(lambda f: st.sampled_from([("AG", ("EF", f)), ("EF", ("AG", f)), ("AF", f), f]))
+    asked = {f"f{i}": data.draw(again) for i in range(4)}
+    expected = {n: str(net.initial in satisfying(f, net, edges)).upper() for n, f in asked.items()}
+    properties = [Property(name, read(f, net), Source("drawn")) for name, f in asked.items()]
+    examinations = ["Liveness", "ReachabilityDeadlock"]
+    explicit = answer_all(Questions(net, engine="explicit"), (), examinations)
+    expected |= {verdict.name: verdict.value for verdict in explicit}
+    with suppress(LimitError):
+        for verdict in answer_all(Questions(net, engine="search"), properties, examinations):
+            event(f"by {'+'.join(verdict.techniques)}")
+            assert verdict.value == expected[verdict.name], verdict
 
 
 @given(PLAIN)

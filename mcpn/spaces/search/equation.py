@@ -74,12 +74,14 @@ class Solution:
         kind: No marking of the goal is reachable, some numbers of firings may lead to one, or it is not
             decided.
         counts: Numbers of firings, by transition.
+        marking: The marking of the goal that they seem to lead to.
         traps: How many traps were needed.
         proofs: Why none is reachable: of each case of the branch and bound.
     """
 
     kind: Kind
     counts: tuple[int, ...] = ()
+    marking: tuple[int, ...] = ()
     traps: int = 0
     proofs: tuple[Proof, ...] = ()
 
@@ -129,11 +131,12 @@ class StateEquation:
         """The equation and the traps found, without a goal and without bounds."""
         return _Program(self.net, self._traps)
 
-    def most(self, weights: Mapping[int, int]) -> Ceiling:
+    def most(self, weights: Mapping[int, int], empty: Iterable[int] = ()) -> Ceiling:
         """The most that a weighted sum of tokens may come to.
 
         Args:
             weights: By place.
+            empty: Places that hold no token in the markings that are asked about.
 
         Returns:
             A bound that holds, with its proof.
@@ -143,9 +146,10 @@ class StateEquation:
         program, best = self._plain, Ceiling(None)
         last: Solved | None = None
         sum_of_places = {program.first_place + place: weight for place, weight in weights.items()}
+        case = {program.first_place + place: (0.0, 0.0) for place in empty}
         while True:
-            solved = program.solve(sum_of_places)
-            found = program.proved(solved.duals, sum_of_places) if solved.kind == "solved" else None
+            solved = program.solve(sum_of_places, case)
+            found = program.proved(solved.duals, sum_of_places, case) if solved.kind == "solved" else None
             if found is None:
                 break
             bound, proof = found
@@ -210,7 +214,8 @@ class StateEquation:
                 continue
             split = program.between(solved)
             if split is None:
-                return Solution("possible", program.counts(solved), len(program.traps))
+                marking = tuple(map(round, program.tokens(solved)))
+                return Solution("possible", program.counts(solved), marking, len(program.traps))
             variable, value = split
             low, high = case.get(variable, (program.lower[variable], program.upper[variable]))
             cases += [
@@ -445,8 +450,11 @@ class _Program:
 
     def empty(self, solved: Solved) -> set[int]:
         """Places without tokens in a solution."""
-        tokens = solved.values[self.first_place : self.first_choice]
-        return {place for place, value in enumerate(tokens) if value < WHOLE}
+        return {place for place, value in enumerate(self.tokens(solved)) if value < WHOLE}
+
+    def tokens(self, solved: Solved) -> Sequence[float]:
+        """Tokens of a solution."""
+        return solved.values[self.first_place : self.first_choice]
 
     def between(self, solved: Solved) -> tuple[int, float] | None:
         """A choice, or else the tokens of a place, that a solution leaves between two whole numbers."""

@@ -15,15 +15,16 @@ from math import inf
 from typing import TypeAlias, TypeVar
 
 from mcpn.errors import LimitError
-from mcpn.nets.petri import PetriNet
+from mcpn.nets.petri import Marking, PetriNet
 from mcpn.nets.siphons import classes, commoner
 from mcpn.nets.structure import incidence, needs, repeatable
 from mcpn.spaces.search.equation import Ceiling, StateEquation
 from mcpn.spaces.search.goal import AtMost, Fires, Formula, Goal, as_goal, asks_dead, fireable, holds, marked
+from mcpn.spaces.search.home import Home, proved_home
 from mcpn.spaces.search.portfolio import INITIAL_STATE, RANDOM_WALK, STATE_EQUATION, TRAPS
 from mcpn.spaces.search.searches import Searches
 
-STRUCTURE = "STRUCTURAL"
+STRUCTURE, HOME = "STRUCTURAL", "HOME_MARKING"
 STEPS = 20_000
 """Firings of walks for each sum; as many for all transitions together, and some for each."""
 STEPS_OF_TRANSITION = 50
@@ -40,7 +41,7 @@ SIPHON_STEPS = 500
 WALKS = 6
 """Walks, each twice as long as the one before, after which it is looked whether a transition is dead."""
 MOST_ARCS = 5_000
-"""Where a net has more, its siphons are not looked for."""
+"""Where a net has more, neither its siphons nor a home marking are looked for."""
 
 Ways: TypeAlias = tuple[str, ...]
 Asked = TypeVar("Asked")
@@ -72,6 +73,8 @@ class Facts:
         self._bounds = dict(enumerate(bounds))
         self._constant: dict[Formula, bool | None] = {}
         self._round = 0
+        self._walks = self.searches.ends(net.initial, steps=STEPS + len(net.transitions), walks=WALKS)
+        self._came: list[list[int]] = []
 
     # --- bounds ---
 
@@ -235,6 +238,33 @@ class Facts:
             return False
         return self._constant.get(condition)
 
+    @cached_property
+    def home(self) -> Home | None:
+        """A marking that every reachable one leads to, if one is proved: the initial one, or a dead one."""
+        small = self._size - WORK_OF_CALL <= MOST_ARCS and self.searches.fits and self.equation.fits
+        if not small or not self.bounded:
+            return None
+        here: Marking | None = self.net.initial
+        first, dead = possible(self.net, self.net.initial), set[Marking]()
+        for end in self._ends():
+            if not self.net.enabled(end):
+                dead.add(tuple(end))
+                if len(dead) > 1:
+                    return None
+            elif not first <= possible(self.net, end):
+                here = None  # from there nothing leads back
+        if dead:
+            (here,) = dead
+        bounds = [self._bounds[place] for place in range(len(self.net.places))]
+        return proved_home(StateEquation(self.net, bounds), self.searches, here) if here else None
+
+    def _ends(self) -> Iterator[list[int]]:
+        """Where some walks have come to, each made when it is first asked for."""
+        yield from self._came
+        for end in self._walks:
+            self._came.append(end)
+            yield end
+
     def live(self) -> tuple[bool | None, Ways]:
         """Whether every transition can always fire again, as far as arcs and the equation tell, and how."""
         every = range(len(self.net.transitions))
@@ -246,9 +276,11 @@ class Facts:
                     return commoner(self.net, max_steps=SIPHON_STEPS) is None, (STRUCTURE,)
             except LimitError:
                 pass
-        ends = self.searches.ends(self.net.initial, steps=STEPS + len(every), walks=WALKS)
-        if any(len(possible(self.net, end)) < len(every) for end in ends):
+        if any(len(possible(self.net, end)) < len(every) for end in self._ends()):
             return False, (RANDOM_WALK, STRUCTURE)  # a siphon has emptied
+        if self.home and self.home.marking == self.net.initial:
+            fires, ways = self.quasi_live()
+            return fires, (*ways, HOME, STATE_EQUATION)
         return None, ()
 
     # --- walks ---

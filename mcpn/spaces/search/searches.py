@@ -189,7 +189,13 @@ class Searches:
         )
 
     def seek(
-        self, goal: Goal, *, max_states: int, max_bytes: int = MAX_BYTES, stubborn: bool = True
+        self,
+        goal: Goal,
+        *,
+        max_states: int,
+        max_bytes: int = MAX_BYTES,
+        stubborn: bool = True,
+        start: Sequence[int] | None = None,
     ) -> Search:
         """Searches for a marking of a goal, nearest first.
 
@@ -198,15 +204,15 @@ class Searches:
             max_states: Limit on markings.
             max_bytes: Limit on memory.
             stubborn: Whether to leave out interleavings that do not matter to the goal.
+            start: Where to begin, reachable or not; by default in the initial marking.
 
         Returns:
             A run to it, or that it is not reachable, or the limit that was hit.
         """
         encoded, (root,) = encode((goal,), len(self.net.places))
-        outcome, states, run = self.kernel.seek(
-            self.net.initial, encoded, root, stubborn, max_states, max_bytes
-        )
-        return Search(cast(Outcome, outcome), states, shortened(self.net, run))
+        begin = self.net.initial if start is None else start
+        outcome, states, run = self.kernel.seek(begin, encoded, root, stubborn, max_states, max_bytes)
+        return Search(cast(Outcome, outcome), states, shortened(self.net, run, begin))
 
 
 class _EnabledSet:
@@ -250,13 +256,13 @@ def leads_to(net: PetriNet, run: Sequence[int], goal: Goal) -> bool:
         return False
 
 
-def shortened(net: PetriNet, run: Sequence[int]) -> Run:
-    """A run without the parts that come back to a marking.
+def shortened(net: PetriNet, run: Sequence[int], start: Sequence[int] | None = None) -> Run:
+    """A run, by default from the initial marking, without the parts that come back to a marking.
 
     Takes time linear in the arcs of what fires, however many places a marking has: markings are told apart by
     keys, and where two have the same, by whether what fired between them changes nothing.
     """
-    marking = list(net.initial)
+    marking = list(net.initial if start is None else start)
     effects: dict[int, dict[int, int]] = {}
     key = 0
     seen = {key: 0}
