@@ -141,6 +141,8 @@ def test_each_element_is_in_some_mission() -> None:
         "recover",
         "times",
         "nominal",
+        "timeout",
+        "timeout_goto",
     }
     scoped = {name for name, tag in language().items() if {"after", "before"} <= tag.attributes.keys()}
     for tag, names in every().items():

@@ -110,14 +110,16 @@ class MissionNames(Names):
         return ~marked(*places) if kind == "available" else marked(*places)
 
     def _events(self, name: str) -> set[Event]:
-        """The events that a name says: one, or that of all copies of an objective."""
+        """The events that a name says: one, or that of all copies of an objective or a block."""
         known = {t.event for t in self.net.transitions if t.event}
         declared, said = Event(What.DECLARED, name), Event.parse(name)
         if declared in known or name in {e.name for e in self.mission_net.mission.events}:
             return {declared}
         if said.what not in ENDING:
             return {Event.parse(self._element(name, sorted(map(str, known)), "event"))}
-        found = {Event(said.what, each) for each in self._copies.meant(said.element, self.within)} & known
+        about = self._copies.meant(said.element, self.within)
+        about = about or self._copies.blocks(said.element, self.within)  # whose time may be over
+        found = {Event(said.what, each) for each in about} & known
         return found or self._unknown(name, sorted(map(str, known)), "event")
 
     def _fact(self, kind: str, name: str, value: str | None) -> str:

@@ -272,6 +272,8 @@ class World:
                 inside += [(shelter, shelter.graph.walk()) for shelter in section.shelters]
             for of, stopped in inside:
                 events = {Event(What.DECLARED, handler.event) for handler in of.interruptions}
+                if of is section:  # the time of a block that pauses does not go on
+                    events.add(Event(What.TIMEOUT, section.name))
                 for inner in stopped:
                     self._stopping[inner.name] |= events
         self._first = {a.name: a.alternatives[0].name for a in mission.activities}

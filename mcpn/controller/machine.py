@@ -7,7 +7,7 @@ order:
 
 Consumers are stopped before what they consume, and started after it. Hardware is released after the last stop
 and before anything new is asked for. An alternative is selected before its activity starts. The timers of
-objectives that end are disarmed first, those of objectives that begin armed last.
+objectives and blocks that end are disarmed first, those of what begins armed last.
 """
 
 from __future__ import annotations
@@ -42,12 +42,12 @@ class PlannedAction:
 
     Args:
         verb: ``stop`` or ``start`` an activity, ``select`` one of its alternatives, ``release`` hardware,
-            ``arm`` or ``disarm`` the timer of an objective.
+            ``arm`` or ``disarm`` the timer of an objective, or of a block.
         activity: The activity, of the first three.
         alternative: The alternative, for ``select``.
         hardware: The hardware resource, for ``release``.
         objective: The running objective that names the activity, for ``select`` and ``start``; ``None`` for
-            an activity that is started by a request for what it produces. Of a timer, the objective.
+            an activity that is started by a request for what it produces. Of a timer, the objective or block.
     """
 
     verb: Verb
@@ -69,7 +69,8 @@ class Ordering:
         self.usage = usage
         self._home = {name: section.name for section in graph.sections for name in names_in(section)}
         self._stops = {section.name: _consumers_first(usage, section) for section in graph.sections}
-        self._timed = {section.name for section in graph.walk() if section.timeout is not None}
+        self._timed = {section.name for section in graph.timed}
+        self._held = {block.name: set(block.held) for block in graph.timed_blocks()}
         self._named = {section.name: section.activities for section in graph.walk()}
         # What stands for a fault or a crash is nothing that the robot takes or releases.
         stands = (*usage.mission.faults, *usage.mission.crashes)
@@ -95,7 +96,8 @@ class Ordering:
         }
         stopped = {a for a in before.mode if a not in after.mode or a in passage.idled}
         first = self._order(before, before.mode)
-        yield from (PlannedAction("disarm", objective=o) for o in before.objectives if o in passage.ended)
+        was, now = self._in_time(before), self._in_time(after)
+        yield from (PlannedAction("disarm", objective=o) for o in was if o in passage.ended)
         yield from (PlannedAction("stop", a) for a in first if a in stopped)
         released = [k for a in first if a in changed for k in self._hardware[a, before.mode[a]]]
         yield from (PlannedAction("release", hardware=k) for k in dict.fromkeys(released))
@@ -108,9 +110,17 @@ class Ordering:
         for a in begun:
             if a not in before.mode or a in stopped:
                 yield PlannedAction("start", a, objective=objective.get(a))
-        for name in after.objectives:
-            if name in self._timed and (name not in before.objectives or name in passage.ended):
+        for name in now:
+            if name not in was or name in passage.ended:
                 yield PlannedAction("arm", objective=name)
+
+    def _in_time(self, situation: Situation) -> list[str]:
+        """The objectives and blocks whose time runs; something in a block runs or is about to begin."""
+        found = [name for name in situation.objectives if name in self._timed]
+        if self._held:
+            here = {*situation.objectives, *situation.pending}
+            found += [name for name, held in self._held.items() if not here.isdisjoint(held)]
+        return found
 
     def _order(self, situation: Situation, activities: Mapping[str, str]) -> Sequence[str]:
         """Activities of a situation, consumers before what they consume, in the order of its section."""

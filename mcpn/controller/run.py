@@ -44,7 +44,8 @@ class Left:
     Args:
         left: Activities of which an alternative was left: stopped, or evaluated anew.
         idled: Those of them that became idle: if they run afterwards, they have been restarted.
-        ended: Objectives with a timeout that were left: if they run afterwards, they have been entered anew.
+        ended: Objectives and blocks with a timeout that were left: if they run afterwards, they have been
+            entered anew.
     """
 
     left: frozenset[str]
@@ -170,13 +171,21 @@ class Runner:
 
     @cached_property
     def _timed(self) -> dict[int, str]:
-        """The objectives that have a timeout, by the place that says that they run."""
-        timed = {section.name for section in self.mission_net.graph.walk() if section.timeout is not None}
-        return {place: name for place, name in self.mission_net.saying("objective").items() if name in timed}
+        """The objectives and blocks that have a timeout, by the place that says that they run."""
+        graph = self.mission_net.graph
+        timed = {section.name for section in graph.walk() if section.timeout is not None}
+        found = {place: name for place, name in self.mission_net.saying("objective").items() if name in timed}
+        blocks = {block.name for block in graph.timed_blocks()}
+        for transition in self.mission_net.net.transitions if blocks else ():
+            event = transition.event
+            if event is not None and event.what is What.TIMEOUT and event.element in blocks:
+                ((place, _),) = transition.consume
+                found[place] = event.element
+        return found
 
     @cached_property
     def _ending(self) -> list[frozenset[str]]:
-        """By transition, the objectives with a timeout of which it takes the place."""
+        """By transition, the objectives and blocks with a timeout of which it takes the place."""
         return [
             frozenset(self._timed[p] for p in t.consume if p in self._timed)
             for t in self.mission_net.net.safe_transitions

@@ -285,6 +285,7 @@ class LocalPart:
                     for shelter in section.shelters
                 )
                 inside = (branches, section.needed, section.hasty, section.failing, shelters)
+                inside = inside if section.timed_out is None else (inside, TIMED_OUT)
             outcomes = (section.led(outcome) for outcome, _ in section.outcomes)
             routes = (tuple(positions.get(route, route) for route in led) for led in outcomes)
             events = self._events(section, positions)
@@ -448,9 +449,10 @@ def _routed(section: Section, kept: set[str]) -> Section:
     )
     cases = tuple((of, case) for of, _ in section.outcomes for case in cased(of, section.cases_of(of)))
     routed = replace(section, success=success, failure=failure, interruptions=interruptions, cases=cases)
+    if routed.timed_out is not None and routed.timed_out not in kept:
+        routed = replace(routed, timed_out=TIMED_OUT)
     if isinstance(routed, ElementarySection):
-        late = routed.timed_out is not None and routed.timed_out not in kept
-        return replace(routed, timed_out=TIMED_OUT) if late else routed
+        return routed
     abort = routed.abort if routed.abort is None or routed.abort in kept else ABORT
     away = tuple((of, target if target in kept else of) for of, target in routed.away)
     return replace(routed, abort=abort, away=away)

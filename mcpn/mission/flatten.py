@@ -25,6 +25,7 @@ from mcpn.mission.expansion.recovery import entered, following, helping
 from mcpn.mission.expansion.routes import GO_ON, Interruption
 from mcpn.mission.expansion.scope import MAX_NESTING, MAX_OBJECTIVES, Scope, copies, limit_hit, several
 from mcpn.mission.graph import (
+    IN_TIME,
     Branch,
     ElementarySection,
     ObjectivesGraph,
@@ -151,7 +152,7 @@ class _Flattening:
             success = block.success or after[block.name]
             inner = self.handling(scope, block.handlers, routes, block.name)
             failure = block.failure or FAIL
-            late = (block.timeout_goto if isinstance(block, Objective) else None) or failure
+            late = block.timeout_goto or failure
             leads = Leads(*(routes[to] for to in (success, failure, block.abort or ABORT, late)))
             before = len(sections)
             if block.routes:
@@ -171,8 +172,7 @@ class _Flattening:
         for route in block.routes:
             own[route.on].append((resolved(route.when, self.facts), routes[route.goto]))
         success, failure = by_facts(own["success"], leads.success), by_facts(own["failure"], leads.failure)
-        late = isinstance(block, Objective) and block.timeout_goto is not None
-        return Leads(success, failure, leads.abort, leads.timed_out if late else failure)
+        return Leads(success, failure, leads.abort, leads.timed_out if block.timeout_goto else failure)
 
     def recovered(
         self,
@@ -240,7 +240,7 @@ class _Flattening:
     ) -> None:
         """Adds a copy of a sibling that is run for another block; its success and failure lead two ways."""
         success, failure = ways
-        late = by.timeout_goto if isinstance(by, Objective) else None
+        late = by.timeout_goto
         leads = Leads(success, failure, routes[by.abort or ABORT], routes[late] if late else failure)
         self.block(by, self.handling(here, by.handlers, routes, by.name), leads, sections)
 
@@ -277,7 +277,7 @@ class _Flattening:
         while True:
             if several(block):
                 blocks, scope = next(copies(block, scope))
-            elif isinstance(block, Recursive | Use):
+            elif isinstance(block, Recursive | Use) and block.timeout is None:
                 blocks, scope = self.inside(block, scope)
             else:
                 return scope.name(block)
@@ -326,11 +326,35 @@ class _Flattening:
                     hasty,
                     leads.cases,
                     failing=failing,
+                    timeout=block.timeout,
+                    timed_out=None if block.timeout is None else leads.timed_out.target,
                 )
             )
+        elif block.timeout is not None:
+            sections.append(self.timed(block, scope, leads))
         elif isinstance(block, Recursive | Use):
             blocks, inner = self.inside(block, scope)
             self.series(blocks, inner, leads.exits, sections)
+
+    def timed(self, block: Block, scope: Scope, leads: Leads) -> ParallelSection:
+        """A block whose time may be over and that is not parallel: a section with one branch, which it is."""
+        alone = replace(block, success=None, failure=None, abort=None, guards=(), routes=(), handlers=())
+        inside = replace(alone, timeout=None, timeout_goto=None)
+        graph = self.graph((inside,), replace(scope, handlers=()))
+        name = scope.name(block)
+        return ParallelSection(
+            name,
+            (Branch(f"{name}{IN_TIME}", True, graph, block.source),),
+            leads.success.target,
+            leads.failure.target,
+            block.source,
+            block.description,
+            scope.interruptions,
+            leads.abort.target if graph.aborts else None,
+            cases=leads.cases,
+            timeout=block.timeout,
+            timed_out=leads.timed_out.target,
+        )
 
     def settings(self, block: Objective) -> tuple[Setting, ...]:
         """The facts that an objective changes; that it has succeeded is one where something reads that."""

@@ -19,7 +19,9 @@ if TYPE_CHECKING:
     import networkx as nx
 
 TIMED_OUT = "timed out"
-"""The outcome of an objective whose time is over, and the route that leads there: no block is called so."""
+"""The outcome of a section whose time is over, and the route that leads there: no block is called so."""
+IN_TIME = ".0"
+"""Ends the name of the one branch of a block whose time may be over; no name begins with a digit."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,6 +130,9 @@ class ParallelSection(Routes):
         cases: With its outcome, where that leads instead if facts are so; the first that fits counts.
         shelters: What runs while it pauses.
         away: Outcomes of these by which it does not go on, each with where that leads.
+        timeout: After how many seconds it is left by itself; ``None`` where it never is. A block that has one
+            and is not parallel is a section with one branch.
+        timed_out: Where that leads; ``None`` where it never does.
     """
 
     name: str
@@ -144,6 +149,8 @@ class ParallelSection(Routes):
     shelters: tuple[Shelter, ...] = ()
     away: tuple[tuple[str, str], ...] = ()
     failing: int | None = None
+    timeout: float | None = None
+    timed_out: str | None = None
 
     @property
     def graphs(self) -> Iterator[ObjectivesGraph]:
@@ -188,13 +195,20 @@ class ParallelSection(Routes):
     @property
     def outcomes(self) -> tuple[tuple[str, str], ...]:
         """How the block may end by itself, each with where that leads; abort only where it can abort."""
-        ended = (("success", self.success), ("failure", self.failure))
-        return (*ended, *([] if self.abort is None else [("abort", self.abort)]), *self.away)
+        ended = [("success", self.success), ("failure", self.failure)]
+        ended += [] if self.abort is None else [("abort", self.abort)]
+        ended += [] if self.timed_out is None else [(TIMED_OUT, self.timed_out)]
+        return (*ended, *self.away)
 
     def walk(self) -> Iterator[ElementarySection]:
         """Every elementary objective in it, at any depth, in document order."""
         for graph in self.graphs:
             yield from graph.walk()
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        """The objectives in its branches: it runs while one of them runs or is about to begin."""
+        return tuple(inner.name for branch in self.branches for inner in branch.graph.walk())
 
 
 Section: TypeAlias = ElementarySection | ParallelSection
@@ -205,12 +219,13 @@ def rerouted(section: Section, to: Callable[[str], str]) -> Section:
     cases = tuple((of, replace(case, target=to(case.target))) for of, case in section.cases)
     interruptions = tuple(i.led(to) for i in section.interruptions)
     success, failure = to(section.success), to(section.failure)
+    late = section.timed_out and to(section.timed_out)
     if isinstance(section, ElementarySection):
-        late = section.timed_out and to(section.timed_out)
         led = replace(section, success=success, failure=failure, timed_out=late)
         return replace(led, cases=cases, interruptions=interruptions)
     abort, away = section.abort and to(section.abort), tuple((of, to(target)) for of, target in section.away)
     parallel = replace(section, success=success, failure=failure, abort=abort, away=away)
+    parallel = replace(parallel, timed_out=late)
     return replace(parallel, cases=cases, interruptions=interruptions)
 
 
@@ -281,6 +296,18 @@ class ObjectivesGraph(Drawn):
         """Every elementary objective at any depth, in document order."""
         for section in self.sections:
             yield from section.walk()
+
+    @property
+    def timed(self) -> Iterator[Section]:
+        """Objectives and blocks at any depth that have a timeout, in document order, blocks last."""
+        yield from (section for section in self.walk() if section.timeout is not None)
+        yield from self.timed_blocks()
+
+    def timed_blocks(self) -> Iterator[ParallelSection]:
+        """Blocks at any depth whose time may be over, in document order."""
+        for section in self.all_sections():
+            if isinstance(section, ParallelSection) and section.timeout is not None:
+                yield section
 
     def never_entered(self) -> Iterator[ElementarySection]:
         """Every elementary objective, at any depth, that stands in a section that no route reaches."""

@@ -151,6 +151,16 @@ class BlockElement(Element):
         "visit_run2, those of the sibling back_off_visit1.",
     ] = None
     times: Annotated[Times, "With recover: how many times at most, each time the block around runs."] = 1
+    timeout: Annotated[
+        Seconds,
+        "How long each try may run; then what runs in it is stopped, and it fails. It starts anew after a "
+        "pause.",
+    ] = None
+    timeout_goto: Annotated[
+        Route,
+        "Where its timeout leads, whatever tries and rounds remain. Default: as its failure, to the next try "
+        "first.",
+    ] = None
     nominal: Annotated[
         str,
         NOMINAL,
@@ -171,12 +181,6 @@ class Objective(BlockElement):
     duration: Annotated[Hours, "Risk: mean duration in hours."] = None
     failure_probability: Annotated[
         Probability, "Risk: the probability, 0 to 1, that it fails though it could succeed."
-    ] = None
-    timeout: Annotated[Seconds, "How long each try may run; then it fails."] = None
-    timeout_goto: Annotated[
-        Route,
-        "Where its timeout leads, whatever tries and rounds remain. Default: as its failure, to the next try "
-        "first.",
     ] = None
     sets: tuple[FactChange, ...] = ()
     parameters: tuple[Parameter, ...] = ()

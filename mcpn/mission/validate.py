@@ -303,6 +303,9 @@ class _Checks:
         for block in all_blocks:
             if isinstance(block, Holder) and not block.blocks:
                 yield Problem(block.source, f"{block.name} has no blocks")
+            if block.timeout_goto is not None and block.timeout is None:
+                message = f"{block.name} has a timeout_goto, though it has no timeout"
+                yield Problem(block.source, message)
             if block.name in (SUCCEED, FAIL, ABORT):
                 yield Problem(block.source, f"a block cannot be called {block.name}, the name of a route")
             if isinstance(block, Objective):
@@ -321,8 +324,8 @@ class _Checks:
             if not block.mandatory:
                 message = f"{block.name} is not mandatory, though it is no child of a parallel block"
                 yield Problem(block.source, message)
-            leads = (("success", block.success), ("failure", block.failure), ("abort", block.abort))
-            for exit_name, route in (*leads, *_timed_out(block)):
+            for exit_name in ("success", "failure", "abort", "timeout_goto"):
+                route = getattr(block, exit_name)
                 if route is not None:
                     yield from self.route(block.source, f"{exit_name} of {block.name}", route, names)
             for guard in block.guards:
@@ -373,9 +376,6 @@ class _Checks:
     def objective(self, block: Objective) -> Iterator[Problem]:
         if not block.activities:
             yield Problem(block.source, f"objective {block.name} names no activity")
-        if block.timeout_goto is not None and block.timeout is None:
-            message = f"objective {block.name} has a timeout_goto, though it has no timeout"
-            yield Problem(block.source, message)
         for name in dict.fromkeys(block.activities):
             if name not in self.activities:
                 yield self.unknown(block.source, f"objective {block.name} runs", name, self.activities)
@@ -416,7 +416,7 @@ class _Checks:
                 yield Problem(child.source, f"{message}; expected an objective or a use")
             yield from self.handlers(child.name, child.handlers, {})
             yield from no_siblings(child.name, child.handlers, "put it into an objective in its branch")
-            for exit_name, route in (("abort", child.abort), *_timed_out(child)):
+            for exit_name, route in (("abort", child.abort), ("timeout_goto", child.timeout_goto)):
                 if route is not None:
                     yield from self.route(child.source, f"{exit_name} of {child.name}", route, {})
             for each in child.routes:
@@ -428,11 +428,6 @@ class _Checks:
                 message = f"{child.name} has a route ({route}), though it is a child of a parallel block"
                 remedy = f'routes stand on {block.name}; a child that may fail has mandatory="false"'
                 yield Problem(child.source, f"{message}: {remedy}")
-
-
-def _timed_out(block: Block) -> list[tuple[str, str | None]]:
-    """The route of a block whose time is over, with the name of its attribute."""
-    return [("timeout_goto", block.timeout_goto)] if isinstance(block, Objective) else []
 
 
 def _consumed(activity: Activity) -> list[str]:

@@ -69,7 +69,7 @@ def what_happens(event: Event, mission: str) -> str:
         case What.FAILURE:
             return f"objective {name} fails"
         case What.TIMEOUT:
-            return f"the time of objective {name} is over"
+            return f"the time of {name} is over"
         case What.OUT_OF_SERVICE:
             return f"{name} fails"
         case What.DETECTED:

@@ -79,7 +79,7 @@ ACTION = Shared(
             "activity?": String("The activity."),
             "alternative?": String("Of select: the alternative."),
             "hardware?": String("Of release: the resource."),
-            "objective?": String("The objective that the activity, or the timer, is of."),
+            "objective?": String("The objective that the activity is of; of a timer the objective or block."),
         },
     ),
 )
@@ -277,6 +277,16 @@ def _controller(meaning: str, form: JsonShape, minimised: JsonShape, types: List
                     },
                 ),
             ),
+            "blocks?": MapOf(
+                "By block with a time of its own.",
+                ObjectOf(
+                    "One.",
+                    {
+                        "timeout": Number("How long it may run, in seconds.", above=0),
+                        "objectives": texts("What it holds: it runs while one of them runs or is pending."),
+                    },
+                ),
+            ),
             "activities": MapOf(
                 "By activity: what control laws need.",
                 ObjectOf(
@@ -379,7 +389,9 @@ SAVED = Document(
             "out_of_service": names("Hardware that is out of service."),
             "happened": names("Handlers that have happened, and what is true of facts."),
             "count": Integer("Events that it has taken."),
-            "timers?": MapOf("By objective that runs: seconds that its timeout has left.", Number(least=0)),
+            "timers?": MapOf(
+                "By objective or block that runs: seconds that its timeout has left.", Number(least=0)
+            ),
             "beside?": MapOf("What its writer keeps with it: monitors, programs that run.", Anything()),
             "digest": String("SHA-256 of the line without it."),
         },

@@ -89,7 +89,7 @@ def read_snapshot(text: str, tables: Tables) -> Saved:
     running = set[str]()
     if whole and section:
         whole = section.whole(state, gone, happened)
-        running = timeouts.keys() & section.state(state).objectives if whole else running
+        running = tables.laws.timed(section.state(state)) if whole else running
     whole = whole and left.keys() == running
     whole = whole and all(0 <= seconds <= timeouts[name] for name, seconds in left.items())
     if not whole:

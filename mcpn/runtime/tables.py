@@ -233,12 +233,22 @@ class Laws:
     def __init__(self, document: Mapping[str, Any]) -> None:
         self.activities: Mapping[str, Any] = document["activities"]
         self.objectives: Mapping[str, Any] = document["objectives"]
-        self.timeouts = {name: float(s) for name, of in self.objectives.items() if (s := of["timeout"])}
+        blocks = document.get("blocks", {})
+        self.timeouts = {
+            name: float(s) for name, of in (*self.objectives.items(), *blocks.items()) if (s := of["timeout"])
+        }
+        self.held = {name: frozenset[str](of["objectives"]) for name, of in blocks.items()}
         self.producers: dict[str, list[str]] = {}
         for name, row in self.activities.items():
             for software in row["produces"]:
                 self.producers.setdefault(software, []).append(name)
         self.idle: tuple[Action, ...] | None = None  # actions after which nothing runs, once they are known
+
+    def timed(self, inside: Inside) -> set[str]:
+        """The objectives and blocks whose timers run."""
+        here = {*inside.objectives, *inside.pending}
+        blocks = {name for name, held in self.held.items() if not here.isdisjoint(held)}
+        return blocks | (self.timeouts.keys() & inside.objectives)
 
     def of(self, activity: str | None, alternative: str, objective: str | None) -> tuple[ParameterValue, ...]:
         """Parameters of an alternative: for each name the objective's, else its own, else the activity's."""

@@ -172,7 +172,9 @@ class MissionDrawing(RobotDrawing):
 
     def timed(self, block: Block, targets: list[str | None]) -> Block:
         """A block that leads to some of these where its time is over, if it has one."""
-        if not isinstance(block, Objective) or block.timeout is None:
+        if not isinstance(block, Objective) and self.rarely(self.shape.timed_blocks):
+            block = replace(block, timeout=self.number(1, 90) / 2)
+        if block.timeout is None:
             return block
         return replace(block, timeout_goto=self.aborting(self.draw(st.sampled_from(targets))))
 

@@ -88,6 +88,27 @@ PAUSING_FACTS = missions(
 )
 TIMED = missions(sections=6, hardware=2, producers=2, branches=3, events=1, aborts=2, timeouts=7)
 """Objectives that end when their time is over."""
+IN_TIME = missions(
+    sections=6,
+    depth=3,
+    hardware=1,
+    producers=1,
+    alternatives=2,
+    branches=2,
+    events=1,
+    aborts=2,
+    early=2,
+    timeouts=1,
+    timed_blocks=8,
+    facts=1,
+    pauses=3,
+    recovers=2,
+)
+"""Blocks that are left when their time is over."""
+PAUSING_IN_TIME = missions(
+    UNCONTENDED, sections=7, branches=3, depth=3, events=2, aborts=1, pauses=9, early=3, timed_blocks=6
+)
+"""The same where nothing contends, with pauses."""
 WORLD = missions(sections=5, hardware=2, producers=2, facts=2, events=1)
 """Facts that objectives and events change, and that routes and alternatives read."""
 WORLD_ABORTED = missions(sections=6, hardware=2, producers=1, branches=3, facts=2, aborts=4, early=3)
@@ -129,6 +150,8 @@ MISSIONS: st.SearchStrategy[Mission] = st.one_of(
     PAUSING_FACTS,
     LED,
     TIMED,
+    IN_TIME,
+    PAUSING_IN_TIME,
     WORLD,
     WORLD_ABORTED,
     WORLD_APART,

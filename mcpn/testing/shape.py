@@ -38,6 +38,7 @@ class Shape:
         aborts: How many of ten routes lead to abort that might lead to succeed or fail, and how many of ten
             blocks route what aborts in them: with none nothing aborts.
         timeouts: How many of ten objectives end by themselves when their time is over.
+        timed_blocks: The same of blocks that hold others.
         recovers: How many of ten series have a block that recovers by another one.
         pauses: How many of ten series have a block that pauses on an event, while another one is run.
         led: In how many of ten series with a block that is run for another a route leads to it as well.
@@ -80,6 +81,7 @@ class Shape:
     rounds: bool = True
     aborts: int = 0
     timeouts: int = 0
+    timed_blocks: int = 0
     early: int = 0
     recovers: int = 0
     pauses: int = 0

@@ -58,7 +58,7 @@ def test_every_kind_of_event_is_said() -> None:
     assert said == {
         What.SUCCESS: "objective x succeeds",
         What.FAILURE: "objective x fails",
-        What.TIMEOUT: "the time of objective x is over",
+        What.TIMEOUT: "the time of x is over",
         What.OUT_OF_SERVICE: "x fails",
         What.LOST: "x is lost for good",
         What.EARLIER: "the handler x has happened before",

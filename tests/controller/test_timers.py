@@ -7,6 +7,7 @@ import json
 import random
 import subprocess
 import threading
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
@@ -17,7 +18,7 @@ from mcpn.controller.generate import Form, generate
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import MissionNet, compose
-from mcpn.mission.model import Objective, Parallel, Recursive
+from mcpn.mission.model import Handler, Mission, Objective, Parallel, Recursive
 from mcpn.runtime import AsyncController, Controller, EventQueue, Refused, SnapshotError
 from mcpn.runtime.restoring import snapshot_text
 from tests.controller.test_c import SANITIZE, build
@@ -49,6 +50,37 @@ TIMED = mission(
     ),
 )
 """Times of which no two are over at one moment, where events come each tenth of a second."""
+
+
+BLOCKS = mission(
+    robot(hw("h"), activity("a", ("h",)), *(activity(name, ()) for name in "bcdef"), events=("leak",)),
+    Recursive(
+        name="whole",
+        timeout=2.137,
+        timeout_goto="whole",
+        failure="e",
+        handlers=(Handler(event="leak", goto="whole"),),
+        blocks=(
+            one("a", failure="both"),
+            one("b", success="a", failure="both"),
+            Parallel(
+                name="both",
+                timeout=0.509,
+                retries=1,
+                blocks=(one("c"), Recursive(name="r", timeout=0.311, blocks=(one("d"), one("f")))),
+                success="a",
+            ),
+        ),
+    ),
+    one("e", success="whole", failure="whole"),
+)
+"""Times of which no two are over at one moment, where events come each tenth of a second."""
+
+OFTEN = (
+    (TIMED, ("OBJ_d_EV_TIMEOUT", "OBJ_b_EV_TIMEOUT")),
+    (BLOCKS, ("OBJ_both_try1.r_EV_TIMEOUT", "OBJ_whole_EV_TIMEOUT")),
+)
+"""Missions with timeouts that come often."""
 
 
 class Clock:
@@ -216,12 +248,12 @@ int main(void)
 """
 
 
-def plan(controller: Controller, clock: Clock, steps: int = 600) -> tuple[list[str], list[str]]:
+def plan(controller: Controller, clock: Clock, often: Sequence[str]) -> tuple[list[str], list[str]]:
     """Events and times at random, what is over handled at once, with what the runtime says to each."""
     rng = random.Random(5)
     lines, said = [START], ["taken"]
     controller.handle(START)
-    for _ in range(steps):
+    for _ in range(600):
         if rng.random() < 0.6:
             wait = 100 * rng.randrange(1, 12)
             clock.time += wait
@@ -235,21 +267,24 @@ def plan(controller: Controller, clock: Clock, steps: int = 600) -> tuple[list[s
                 said.append("taken")
                 controller.handle(lines[-2])
         else:
-            lines.append(rng.choice([*controller.possible, "OBJ_d_EV_TIMEOUT"]))
+            lines.append(rng.choice([*controller.possible, often[0]]))
             try:
                 controller.handle(lines[-1])
                 said.append("taken")
             except Refused:
                 said.append("no")
-    assert said.count("OBJ_d_EV_TIMEOUT") > 5
-    assert said.count("OBJ_b_EV_TIMEOUT") > 5
+    assert all(said.count(event) > 5 for event in often)
     return lines, said
 
 
+@pytest.mark.parametrize(("of", "often"), OFTEN)
 @pytest.mark.parametrize("form", FORMS)
-def test_c_ticks_as_the_runtime_does(form: Form, net: MissionNet, clock: Clock, tmp_path: Path) -> None:
+def test_c_ticks_as_the_runtime_does(
+    form: Form, of: Mission, often: Sequence[str], clock: Clock, tmp_path: Path
+) -> None:
+    net = compose(replace(of, name="m"))
     made = generate(net, form)
-    lines, said = plan(Controller.from_document(document(made, net), clock=clock), clock)
+    lines, said = plan(Controller.from_document(document(made, net), clock=clock), clock, often)
     texts = {name: text for name, text in files(made, net, "c").items() if not name.endswith("_main.c")}
     program = build(texts | {"harness.c": HARNESS}, tmp_path, *SANITIZE)
     run = subprocess.run([program], input="\n".join(lines) + "\n", capture_output=True, text=True)
@@ -257,10 +292,14 @@ def test_c_ticks_as_the_runtime_does(form: Form, net: MissionNet, clock: Clock, 
     assert run.stdout.split() == said
 
 
+@pytest.mark.parametrize(("of", "often"), OFTEN)
 @pytest.mark.parametrize("form", FORMS)
-def test_generated_python_ticks_as_the_runtime_does(form: Form, net: MissionNet, clock: Clock) -> None:
+def test_generated_python_ticks_as_the_runtime_does(
+    form: Form, of: Mission, often: Sequence[str], clock: Clock
+) -> None:
+    net = compose(replace(of, name="m"))
     made = generate(net, form)
-    lines, said = plan(Controller.from_document(document(made, net), clock=clock), clock)
+    lines, said = plan(Controller.from_document(document(made, net), clock=clock), clock, often)
     ((_, text),) = files(made, net, "python").items()
     generated, later = Generated(text), Clock()
     other, found = generated.controller(clock=later), list[str]()

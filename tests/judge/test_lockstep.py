@@ -190,6 +190,20 @@ def test_missions_with_timeouts(of: Mission) -> None:
     check(of)
 
 
+@fewer(0.5)
+@given(drawn.IN_TIME)
+def test_blocks_whose_time_may_be_over(of: Mission) -> None:
+    event(f"timed blocks: {min(sum(1 for _ in flatten(of).timed_blocks()), 3)}")
+    check(of)
+
+
+@fewer(0.5)
+@given(drawn.PAUSING_IN_TIME)
+def test_blocks_whose_time_may_be_over_and_that_pause(of: Mission) -> None:
+    event(f"timed blocks: {min(sum(1 for _ in flatten(of).timed_blocks()), 3)}")
+    assert check(of) != "undetermined"
+
+
 @fewer(0.25)
 @given(drawn.IN_ROUNDS)
 def test_handlers_in_rounds_and_uses(of: Mission) -> None:

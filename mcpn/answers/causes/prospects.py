@@ -158,9 +158,10 @@ class Prospects(Generic[S]):
     @cached_property
     def objectives(self) -> Mapping[str, Goal[S]]:
         """Success of each elementary objective in its present run, by its name, in the mission's order."""
-        # A declared event stops an objective if it takes its place, or that of a block around it.
+        # A declared event, or the end of a block's time, stops an objective if it takes its place, or that of
+        # a block around it.
         net, taking = self.mission_net.net, defaultdict[str, set[int]](set)
-        for t in self._carrying[What.DECLARED]:
+        for t in (*self._carrying[What.DECLARED], *self._carrying[What.TIMEOUT]):
             origins = (net.places[place].provenance for place, _ in net.transitions[t].consume)
             for origin in origins:
                 if origin is not None and origin.kind in ("objective", "parallel"):

@@ -17,7 +17,7 @@ from mcpn.answers.verdicts.never import objectives_run
 from mcpn.drawing.compose import MissionNet
 from mcpn.mission.expansion.copies import Copies, Written
 from mcpn.mission.graph import ElementarySection, ObjectivesGraph
-from mcpn.mission.model import Mission, Objective, walk
+from mcpn.mission.model import Mission, walk
 from mcpn.mission.static.warnings import names_of_objectives
 from mcpn.nets.events import Event, What
 from mcpn.nets.petri import Marking
@@ -231,7 +231,7 @@ def _helpers(mission: Mission) -> Iterator[Written]:
     yield from (("", handler.goto) for handler in mission.handlers if handler.goto is not None)
     for text, blocks in (("", mission.blocks), *((p.name, p.blocks) for p in mission.protocols)):
         for block in walk(blocks):
-            late = block.timeout_goto if isinstance(block, Objective) else None
+            late = block.timeout_goto
             events = (target for handler in block.handlers for target in (handler.goto, handler.pause))
             chosen = (
                 *(guard.otherwise for guard in block.guards),

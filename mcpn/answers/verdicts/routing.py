@@ -174,6 +174,7 @@ class Routing:
             "success": all(SUCCEED in exits for exits in must) and all({SUCCEED, FAIL} & e for _, e in ends),
             "failure": any(FAIL in exits for exits in must),
             "abort": any(ABORT in exits for _, exits in ends),
+            TIMED_OUT: Event(What.TIMEOUT, section.name) in self._happens,
         }
         if section.needed is not None:
             well, badly = (sum(exit_ in exits for _, exits in ends) for exit_ in (SUCCEED, FAIL))

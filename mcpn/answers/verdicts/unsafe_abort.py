@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import product
 from typing import Generic
 
 from mcpn.answers.verdicts.nominal import nominal_transitions
@@ -36,7 +37,8 @@ def aborts(mission_net: MissionNet, space: Space[S]) -> Aborts[S]:
     """How a mission that can abort comes to its abort.
 
     An objective should make the robot safe if the mission aborts by its success; or if after its success
-    objectives that succeed lead to abort, and never to success.
+    objectives that succeed lead to abort, and never to success. Where the time of a block is over, what runs
+    in it fails.
 
     Args:
         mission_net: The mission's net.
@@ -49,12 +51,17 @@ def aborts(mission_net: MissionNet, space: Space[S]) -> Aborts[S]:
     for t, transition in enumerate(space.net.transitions):
         if transition.event is not None:
             carrying.setdefault(transition.event, []).append(t)
-    failing = {
-        section.name: [
-            t for what in _FAILURES for t in carrying.get(Event(what, section.name), ()) if t in into
-        ]
+    failing: dict[str, dict[int, S]] = {
+        section.name: {
+            t: into[t] for what in _FAILURES for t in carrying.get(Event(what, section.name), ()) if t in into
+        }
         for section in mission_net.graph.walk()
     }
+    for block in mission_net.graph.timed_blocks():
+        late = [t for t in carrying.get(Event(What.TIMEOUT, block.name), ()) if t in into]
+        for name, t in product(block.held, late):
+            if states := into[t] & _running(mission_net, space, name):
+                failing[name][t] = states
     failing = {name: transitions for name, transitions in failing.items() if transitions}
     if not failing:
         return Aborts((), {}, into)
@@ -68,12 +75,18 @@ def aborts(mission_net: MissionNet, space: Space[S]) -> Aborts[S]:
         return bool(space.before(to_abort, succeeding)) and not space.before(to_success, succeeding)
 
     unsafe = tuple(name for name in failing if shelters(name))
-    bad = {t for name in unsafe for t in failing[name]}
-    badly, well = ({t: s for t, s in into.items() if (t in bad) is kind} for kind in (True, False))
-    return Aborts(unsafe, badly, well)
+    badly = dict[int, S]()
+    for t, states in (of for name in unsafe for of in failing[name].items()):
+        badly[t] = badly[t] | states if t in badly else states
+    left = ((t, states - badly[t] if t in badly else states) for t, states in into.items())
+    return Aborts(unsafe, badly, {t: states for t, states in left if states})
 
 
 _FAILURES = (What.FAILURE, What.TIMEOUT)
+
+
+def _running(mission_net: MissionNet, space: Space[S], objective: str) -> S:
+    return space.marked(mission_net.by_role.get(("objective", objective), ()))
 
 
 def abort_by_failure(
@@ -93,8 +106,11 @@ def abort_by_failure(
     if not found.unsafe:
         return (), None
     first = found.unsafe[0]
-    ends = (Event(what, first) for what in _FAILURES)
+    ends = [Event(what, first) for what in _FAILURES]
     events = [transition.event for transition in space.net.transitions]
-    t = next(t for event in ends for t in found.badly if events[t] == event)
-    edges = space.run(space.initial.pick(), found.badly[t]) or []
+    own = next((t for event in ends for t in found.badly if events[t] == event), None)
+    running = _running(mission_net, space, first)
+    # Else the time of a block around it is over.
+    t = next(t for t, states in found.badly.items() if states & running) if own is None else own
+    edges = space.run(space.initial.pick(), found.badly[t] & running) or []
     return found.unsafe, Run(space.net, (*transitions_of(edges), t), settles=settles)

@@ -170,7 +170,7 @@ def _generated(target: str, controller: AnyController, mission_net: MissionNet, 
 
 def _risk(study: Study, max_states: int | None) -> tuple[Risk | None, str | None]:
     """The numbers of risk, or why there are none."""
-    if any(section.timeout is not None for section in study.mission_net.graph.walk()):
+    if any(study.mission_net.graph.timed):
         return None, "numbers of risk know no timeouts"
     try:
         from mcpn.answers.causes.risk import risk

@@ -46,6 +46,8 @@ One object with these keys, all of them always, whether there is something to sa
   knows it. It is one of the ``facts`` of types, though of no fact;
 - ``objectives`` and ``activities`` carry the parameters for the control laws, untouched; ``timeout`` of an
   objective is when it ends by its time, in seconds, or null;
+- ``blocks``, where some have a time of their own: its ``timeout``, and the ``objectives`` in it: it runs
+  while one of these is among the ``objectives`` or the ``pending`` of the state;
 - ``requirements``: what the mission must satisfy, each with ``name``, ``formula``,
   ``sentence`` and ``description`` (or null), ``expected`` and ``severity``; nothing runs by them;
 - ``digest``: SHA-256, in hexadecimal digits, of the object without it as JSON in UTF-8 with sorted keys, no
@@ -65,7 +67,8 @@ it that fits, and what the state then says of ``once`` has happened. Keep what i
 texts of what is ``late`` and ``out_of_service``; an entry or edge adds its ``gained`` and takes its ``lost``
 away, after a rule the state says it; an event of ``changing`` that the section has not may be taken at any
 time where it changes something. An action ``arm`` starts the timer of an objective, ``disarm`` ends it; when
-it has run for the objective's ``timeout``, give the event ``OBJ_x_EV_TIMEOUT``.
+it has run for the objective's ``timeout``, give the event ``OBJ_x_EV_TIMEOUT``. Blocks are named as
+objectives.
 """
 
 from __future__ import annotations
@@ -256,7 +259,11 @@ def _action(action: PlannedAction) -> dict[str, str]:
 
 
 def laws(mission_net: MissionNet) -> dict[str, Any]:
-    """What the control laws need to know of objectives and activities."""
+    """What the control laws need to know of objectives and activities, and timers of blocks."""
+    blocks = {
+        block.name: {"timeout": block.timeout, "objectives": list(block.held)}
+        for block in mission_net.graph.timed_blocks()
+    }
     return {
         "objectives": {
             section.name: {
@@ -280,6 +287,7 @@ def laws(mission_net: MissionNet) -> dict[str, Any]:
             }
             for activity in mission_net.mission.activities
         },
+        **({"blocks": blocks} if blocks else {}),
     }
 
 

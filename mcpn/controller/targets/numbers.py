@@ -81,10 +81,12 @@ class Numbers(Generic[Type]):
         self.activities = [a.name for a in mission.activities if a.name in self.mission_net.usage.started]
         running = [a for a in mission.activities if a.name in set(self.activities)]
         self.alternatives = [f"{a.name}.{way.name}" for a in running for way in a.alternatives]
-        self.objectives = [section.name for section in self.mission_net.graph.walk()]
-        graph = self.mission_net.graph
-        self.timeouts = {s.name: s.timeout for s in graph.walk() if s.timeout is not None}
-        """By objective that has one, in seconds."""
+        graph: ObjectivesGraph = self.mission_net.graph
+        self.blocks: list[str] = [block.name for block in graph.timed_blocks()]
+        """Blocks with a time of their own, which are numbered after objectives."""
+        self.objectives = [*(section.name for section in graph.walk()), *self.blocks]
+        self.timeouts = {s.name: s.timeout for s in graph.timed if s.timeout is not None}
+        """By objective or block that has one, in seconds."""
         self.timers = _timers(graph)
         """How many run at a time, at most."""
         self.handlers = sorted({section.names["once"].get(h, h) for section, h in self._handlers()})
@@ -300,6 +302,7 @@ class Numbers(Generic[Type]):
         self.parameters: list[Parameter] = []
         self.law: dict[str, list[tuple[int, int]]] = {}
         objectives = {section.name: section.parameters for section in self.mission_net.graph.walk()}
+        objectives |= dict.fromkeys(self.blocks, ())
         running = {a.name: a for a in self.mission_net.mission.activities}
         ways = {f"{a.name}.{w.name}": w.parameters for a in running.values() for w in a.alternatives}
         for kind, of in (
@@ -314,13 +317,14 @@ class Numbers(Generic[Type]):
 
 
 def _timers(graph: ObjectivesGraph) -> int:
-    """How many objectives of a graph that have a timeout run at a time, at most."""
+    """How many objectives and blocks of a graph that have a timeout run at a time, at most."""
     most = 0
     for section in graph.sections:
+        own = int(section.timeout is not None)
         if isinstance(section, ElementarySection):
-            most = max(most, int(section.timeout is not None))
+            most = max(most, own)
         else:
-            most = max(most, sum(_timers(branch.graph) for branch in section.branches))
+            most = max(most, own + sum(_timers(branch.graph) for branch in section.branches))
             most = max(most, *(_timers(shelter.graph) for shelter in section.shelters), 0)
     return most
 

@@ -80,7 +80,7 @@ class Regions:
         every = [flag for fact in mission_net.usage.world.facts.values() for flag in all_flags(fact)]
         self.late = {noticed(h.name): h.name for h in mission_net.mission.late}
         self.facts = identifiers([*sorted(every), *self.late], prefix="fact_")
-        timed = [s.name for s in mission_net.graph.walk() if s.timeout is not None]
+        timed = [s.name for s in mission_net.graph.timed]
         self.timers = identifiers(timed, prefix="timer_")
         self.ids = identifiers([s.name for s in controller.sections], prefix="section_")
 

@@ -28,6 +28,7 @@ from mcpn.drawing.templates.level import Level, element_of
 from mcpn.errors import LimitError
 from mcpn.mission.expansion.routes import Interrupted
 from mcpn.mission.flatten import ElementarySection, Interruption, ParallelSection, Section
+from mcpn.mission.graph import TIMED_OUT
 from mcpn.nets.events import Event, What
 
 MAX_POSITIONS = 10_000
@@ -175,6 +176,8 @@ class Interrupting(Level):
             for case, way, entered in leading:
                 part = left + (f"_{case}" if case else "")
                 pen.transition(part, [place, *all_halted], entered, read=way.read, rank=self.first)
+        if section.timed_out is not None:
+            self.timed_out(pen, section, all_halted)
         leaving = Leaving(self.canvas, section)
         leaving.decided(pen, self.of(section, "running"), partial(self.led, section), all_halted)
         if self.around.halted:
@@ -182,6 +185,15 @@ class Interrupting(Level):
             pen.transition("halted", [place, *all_halted], [self.around.halted], rank=self.first)
         if section.shelters or self.around.pauses:
             Pausing(self, pen, section).draw()
+
+    def timed_out(self, pen: Pen, section: ParallelSection, all_halted: list[str]) -> None:
+        """Halts every branch as the time of a block is over, then goes on to what that leads to."""
+        late, event = pen.place("late"), Event(What.TIMEOUT, section.name)
+        put = [late, *self.tokens(section, 0, "halt"), *self.canvas.resting]
+        pen.transition("EV_TIMEOUT", [self.of(section, "running")], put, event=event)
+        for case, way, entered in self.led(section, TIMED_OUT):
+            part = "timed_out" + (f"_{case}" if case else "")
+            pen.transition(part, [late, *all_halted], entered, read=way.read, rank=self.first)
 
     def each(self, pen: Pen, section: ParallelSection, phase: int, word: str) -> None:
         """Draws how the branches, or what runs while the block pauses, are halted, resumed and so on."""

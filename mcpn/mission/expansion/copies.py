@@ -115,6 +115,10 @@ class Copies:
         leaves = {id(standing): name for name, standing in self.objectives.items()}
         return [leaves[id(each)] for each in self._said(name, within, leaves)]
 
+    def blocks(self, name: str, within: str = "") -> list[str]:
+        """The blocks that a name means, each copy of them; arguments as of :meth:`meant`."""
+        return [f"{each.prefix}{[*each.names][-1]}" for each in self._said(name, within)]
+
     def inside(self, name: str, within: str = "") -> list[str]:
         """The objectives in a block that a name means, in all copies of it; arguments as of :meth:`meant`."""
         blocks = {id(each) for each in self._said(name, within)}

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from mcpn.errors import Problem
-from mcpn.mission.model import SUCCEED, Block, Handler, Objective
+from mcpn.mission.model import SUCCEED, Block, Handler
 
 
 def recovering(siblings: Sequence[Block]) -> dict[str, list[Block]]:
@@ -112,5 +112,5 @@ def _routes(siblings: Sequence[Block]) -> dict[str, list[str]]:
 
 def _elsewhere(block: Block) -> list[str | None]:
     """Where a block leads otherwise than by success and failure."""
-    late = block.timeout_goto if isinstance(block, Objective) else None
+    late = block.timeout_goto
     return [block.abort, late, *(handler.goto for handler in block.handlers)]

@@ -12,7 +12,7 @@ from mcpn.mission.expansion.recovery import recovering, suffixes
 from mcpn.mission.expansion.routes import Interruption
 from mcpn.mission.graph import TIMED_OUT
 from mcpn.mission.language.datatypes import MAX_ROUNDS
-from mcpn.mission.model import ROUND, Block, Each, Holder, Objective, Parallel, Protocol, Use, walk
+from mcpn.mission.model import ROUND, Block, Each, Holder, Parallel, Protocol, Use, walk
 from mcpn.mission.robot import Parameter
 
 MAX_NESTING = 128
@@ -122,7 +122,8 @@ def limit_hit(what: str, source: Source | None) -> LimitError:
 
 def several(block: Block) -> bool:
     """Whether a block stands for several copies, one after the other."""
-    return bool(block.recover or block.repeat is not None or block.retries) or isinstance(block, Each)
+    each = isinstance(block, Each) and block.timeout is None
+    return bool(block.recover or block.repeat is not None or block.retries) or each
 
 
 def copies(block: Block, scope: Scope) -> Iterator[tuple[tuple[Block, ...], Scope]]:
@@ -134,7 +135,7 @@ def copies(block: Block, scope: Scope) -> Iterator[tuple[tuple[Block, ...], Scop
     if max(most, len(block.values) if isinstance(block, Each) else 0) > MAX_OBJECTIVES:
         raise limit_hit(f"more than {MAX_OBJECTIVES} objectives after expansion", block.source)
     alone = replace(block, success=None, failure=None, abort=None, guards=(), routes=(), handlers=())
-    if isinstance(alone, Objective) and alone.timeout_goto is not None:
+    if alone.timeout_goto is not None:
         alone = replace(alone, timeout_goto=TIMED_OUT)  # out of all copies, not to the next
     if block.recover is not None:
         for number in range(1, block.times + 2):

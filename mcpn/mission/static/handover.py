@@ -177,9 +177,9 @@ def _activities(sections: Iterable[ElementarySection]) -> frozenset[str]:
 def _endings(section: Section) -> tuple[ElementarySection, ...]:
     """The elementary objectives that may run when a section ends; of a parallel block, those of each branch.
 
-    Where the end of a block may stop branches that still run, they are all of its objectives.
+    Where the end of a block, or its time, may stop branches that still run, they are all of its objectives.
     """
-    if isinstance(section, ElementarySection) or section.early or section.shelters:
+    if isinstance(section, ElementarySection) or section.early or section.shelters or section.timed_out:
         return tuple(section.walk())
     return tuple(
         last

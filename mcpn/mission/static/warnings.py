@@ -9,7 +9,7 @@ from mcpn.errors import Problem
 from mcpn.mission.expansion.copies import grouped
 from mcpn.mission.fact_errors import fact_warnings
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, flatten
-from mcpn.mission.model import ABORT, FAIL, Block, Holder, Mission, Objective, Use, walk
+from mcpn.mission.model import ABORT, FAIL, Block, Holder, Mission, Use, walk
 from mcpn.mission.static.sharing import contention_warnings
 from mcpn.mission.static.usage import Usage
 
@@ -118,7 +118,7 @@ def _leading_out(mission: Mission) -> Iterator[Problem]:
             by = [(handler.pause, "pauses") for handler in block.handlers] + [(block.recover, "recovers")]
             for name, why in by:
                 sibling = named.get(name or "")
-                late = sibling.timeout_goto if isinstance(sibling, Objective) else None
+                late = sibling and sibling.timeout_goto
                 if sibling is not None and late not in (None, FAIL):
                     message = (
                         f"{sibling.name} runs while {block.name} {why}, and leads to {late} when its time is "
@@ -143,8 +143,8 @@ def _vain(mission: Mission) -> Iterator[Problem]:
 
     def leads_out(block: Block) -> bool:
         """Whether a block aborts what it stands in."""
-        routes = [block.success, block.failure, *(handler.goto for handler in block.handlers)]
-        routes += [block.timeout_goto] if isinstance(block, Objective) else []
+        ends = (block.success, block.failure, block.timeout_goto)
+        routes = [*ends, *(handler.goto for handler in block.handlers)]
         return ABORT in routes or (block.abort in (None, ABORT) and aborts(block))
 
     for blocks in (mission.blocks, *protocols.values()):

@@ -213,7 +213,7 @@ class Losses:
                 if section.failure == ABORT and section.name in self.unsafe:
                     failed = self.always
                 now = (well | lost[section.success]) & (badly | failed)
-                if isinstance(section, ElementarySection) and section.timed_out is not None:
+                if section.timed_out is not None:
                     now = now & lost[section.timed_out]  # its time may always be over
                 if isinstance(section, ParallelSection) and section.abort is not None:
                     now = now & (self._aborting(section) | lost[section.abort])

@@ -127,7 +127,7 @@ class _Building:
             block.failure,
             block.abort,
             block.recover,
-            block.timeout_goto if isinstance(block, Objective) else None,
+            block.timeout_goto,
             block.routes,
             block.handlers,
             tuple(self.box(*standing, kind) for standing in self.standing(children, scopes)),
@@ -146,9 +146,9 @@ class _Building:
             yield block, found
 
     def leaves(self, block: Block, scope: Scope) -> Iterator[str]:
-        """The names of the objectives in a block that stands in a scope, parallel blocks whole."""
-        for inner in _expanded(block, scope):
-            if isinstance(block, Objective | Parallel):
+        """The names of the objectives in a block that stands in a scope, blocks that are sections whole."""
+        for inner in _expanded(block, scope, whole=block.timeout is not None):
+            if isinstance(block, Objective | Parallel) or block.timeout is not None:
                 yield inner.name(block)
                 continue
             children: tuple[Block, ...]
@@ -162,16 +162,16 @@ class _Building:
                     yield from self.leaves(child, each)
 
 
-def _expanded(block: Block, scope: Scope) -> Iterator[Scope]:
-    """The scopes of a block's rounds and tries; of an ``each`` those of what it holds, by value."""
-    if not several(block):
+def _expanded(block: Block, scope: Scope, *, whole: bool = False) -> Iterator[Scope]:
+    """The scopes of a block's rounds and tries; of an ``each`` that is not whole those of what it holds."""
+    if not several(block) and (whole or not isinstance(block, Each)):
         yield scope
         return
     for blocks, inner in copies(block, scope):
         if isinstance(block, Each) and not (block.recover or block.repeat is not None or block.retries):
             yield inner
         else:
-            yield from _expanded(blocks[0], inner)
+            yield from _expanded(blocks[0], inner, whole=whole)
 
 
 def facts_said(routes: Iterable[FactRoute]) -> Iterator[tuple[FactRoute, str]]:
@@ -201,7 +201,7 @@ def _notes(block: Block, within: str) -> Iterator[str]:
         yield f"for each of {len(block.values)}: {' '.join(block.values)}"
     if block.repeat is not None:
         yield f"{block.repeat} rounds"
-    if isinstance(block, Objective) and block.timeout is not None:
+    if block.timeout is not None:
         yield f"at most {block.timeout:g} s"
         if within == "parallel" and block.timeout_goto is not None:
             yield f"timeout leads to {block.timeout_goto}"

@@ -53,7 +53,7 @@ class WrittenBlock:
         success: Where success leads: the written name of a sibling, ``succeed`` or ``fail``.
         failure: Where failure leads.
         abort: Where it leads that something in it aborts.
-        timeout: After how many seconds an elementary objective ends, if it does by itself.
+        timeout: After how many seconds it is over by itself, if it is.
         timed_out: Where that leads; ``None`` for where failure does.
         handlers: What it does on events.
         children: By written name (of copies: by number), in order; none for an elementary objective.
@@ -100,6 +100,11 @@ class WrittenBlock:
     def first(self) -> WrittenBlock:
         """The child that a series is entered at."""
         return next(iter(self.children.values()))
+
+    @property
+    def whole(self) -> bool:
+        """Whether it is paused as a whole: what has branches, and a block with a time of its own."""
+        return bool(self.children) and (self.parallel or self.timeout is not None)
 
     def within(self, other: WrittenBlock) -> bool:
         """Whether it is another node, or stands in it at any depth."""
@@ -159,16 +164,16 @@ def objectives(node: WrittenBlock) -> list[WrittenBlock]:
 
 
 def stopped(node: WrittenBlock) -> list[WrittenBlock]:
-    """What one copy of a sibling is run for: the objectives in a node, but parallel blocks whole."""
-    if node.parallel or not node.children:
+    """What one copy of a sibling is run for: the objectives in a node, but some blocks whole."""
+    if node.whole or not node.children:
         return [node]
     inside = (child for child in node.children.values() if not _within_parallel(child))
     return [at for child in inside for at in stopped(child)]
 
 
 def _within_parallel(shelter: WrittenBlock) -> bool:
-    """Whether it is what runs while a parallel block pauses: with that block it is stopped."""
-    return isinstance(shelter.success, WrittenBlock) and shelter.success.parallel
+    """Whether it is what runs while a block pauses as a whole: with that block it is stopped."""
+    return isinstance(shelter.success, WrittenBlock) and shelter.success.whole
 
 
 class _Writing:
@@ -193,7 +198,7 @@ class _Writing:
             node = self.block(block, parent, scope)
             node.success, node.failure = block.success or following, block.failure or FAIL
             node.abort = block.abort or ABORT
-            node.timed_out = block.timeout_goto if isinstance(block, Objective) else None
+            node.timed_out = block.timeout_goto
             node.guards, node.deciding = block.guards, block.routes
             node.mandatory, node.handlers = block.mandatory, block.handlers
             parent.children[block.name] = node
@@ -230,14 +235,14 @@ class _Writing:
         found.success, found.failure = success, node.failure
         found.abort, found.handlers = by.abort or ABORT, by.handlers
         found.deciding = tuple(route for route in node.deciding if route.on == "failure")
-        found.timed_out = by.timeout_goto if isinstance(by, Objective) else None
+        found.timed_out = by.timeout_goto
         return found
 
     def block(self, block: Block, parent: WrittenBlock, scope: _Scope) -> WrittenBlock:
         """A block without what its parent sees of it: rounds, in each its tries, in each the block."""
         node = WrittenBlock(f"{scope.prefix}{block.name}{scope.suffix}", parent, written=block.name)
         node.nominal = block.nominal
-        if isinstance(block, Objective) and block.timeout_goto is not None:
+        if block.timeout_goto is not None:
             node.timed_out = TIMED_OUT  # of a copy; what its parent sees of a block comes later
         if block.recover is not None:
             once = replace(block, recover=None, times=1)
@@ -253,15 +258,21 @@ class _Writing:
             once = replace(block, retries=0)
             tries = [scope.copy(f"try{n}") for n in range(1, block.retries + 2)]
             self.copies(node, [self.block(once, node, try_) for try_ in tries], tries=True)
-        elif isinstance(block, Each):
+        else:
+            self.single(node, block, scope)
+        return node
+
+    def single(self, node: WrittenBlock, block: Block, scope: _Scope) -> None:
+        """Writes out what a block holds, which is no copy of another and has none but those of its values."""
+        node.timeout = block.timeout
+        if isinstance(block, Each):
             inside = scope.inside(block)
             values = [WrittenBlock(node.name, node) for _ in block.values]
             for round_, value in zip(values, block.values, strict=True):
                 self.series(round_, block.blocks, inside.copy(value, {block.bound: value}))
             self.copies(node, values)
         elif isinstance(block, Objective):
-            node.activities, node.timeout = block.activities, block.timeout
-            node.sets = block.sets
+            node.activities, node.sets = block.activities, block.sets
             node.parameters = {**scope.defaults, **scope.said, **_values(block.parameters)}
         elif isinstance(block, Parallel):
             node.parallel, node.hasty = True, block.failure_when == "any"
@@ -277,7 +288,6 @@ class _Writing:
             protocol = self.protocols[block.protocol]
             self.series(node, protocol.blocks, scope.protocol(block, protocol))
             node.use = True
-        return node
 
     def copies(self, parent: WrittenBlock, copies: list[WrittenBlock], *, tries: bool = False) -> None:
         """Rounds, where each success leads to the next, or tries, where each failure does."""

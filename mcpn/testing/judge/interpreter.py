@@ -110,6 +110,7 @@ class Interpreter:
         self.root = written_out(mission)
         self.objectives = {leaf.name: leaf for leaf in _leaves(self.root)}
         self.branches = {branch.name: branch for branch in _branches(self.root)}
+        self.timed = {node.name: node for node in _nodes(self.root) if node.timeout is not None}
         self.shelters = {shelter.name: shelter for shelter in _shelters(self.root)}
         values = {fact.name: fact.initial or fact.values[0] for fact in mission.facts}
         values |= dict.fromkeys(_read_of_objectives(mission), "false")
@@ -144,10 +145,9 @@ class Interpreter:
         if not state.begun:
             found.add((START, ""))
         runs = {name for name, (doing, _) in state.activities if doing is Acting.RUNS}
+        found |= {(TIMEOUT, name) for name, block in self.timed.items() if self.under_way(block, state)}
         for name in state.running:
             found.add((FAILURE, name))
-            if self.objectives[name].timeout is not None:
-                found.add((TIMEOUT, name))
             if runs.issuperset(self.objectives[name].activities) and not self.misused(state, name):
                 found.add((SUCCESS, name))
         found.update(
@@ -188,6 +188,10 @@ class Interpreter:
         """Whether an objective in a block runs or is about to begin."""
         return any(self.objectives[name].within(node) for name in state.running | state.pending)
 
+    def under_way(self, node: WrittenBlock, state: State) -> bool:
+        """Whether the time of an objective runs, or of a block; that which begins waits until it does."""
+        return self.runs(node, state) if node.children else node.name in state.running
+
     # --- what happens then -------------------------------------------------------------------------------
 
     def after(self, state: State, happening: Happening) -> State:
@@ -226,9 +230,9 @@ class Interpreter:
                     state = replace(state, paused=state.paused | {(shelter.name, at)})
                     routes.append((node, shelter))
         else:
-            node = self.objectives[element]
+            node = self.timed[element] if what == TIMEOUT else self.objectives[element]
             occasion = SUCCESS if what == SUCCESS else FAILURE
-            if what != SUCCESS:
+            if what != SUCCESS and not node.children:
                 state = replace(state, suspected=state.suspected | self.misused(state, element))
             state = changed(state, {c.fact: c.to for c in node.sets if (c.on or SUCCESS) == occasion})
             done = f"done({node.written})"
@@ -262,12 +266,12 @@ class Interpreter:
         whole = block = self.objectives[next(iter(self.within(node, state)))]
         while block is not node:
             shelter = self.shelters.get(block.name) is block
-            if shelter and isinstance(block.success, WrittenBlock) and block.success.parallel:
+            if shelter and isinstance(block.success, WrittenBlock) and block.success.whole:
                 whole = block = block.success
                 continue
             assert block.parent is not None
             block = block.parent
-            whole = block if block.parallel else whole
+            whole = block if block.whole else whole
         return node.pauses[handler.pause or "", whole.name]
 
     def within(self, node: WrittenBlock, state: State) -> frozenset[str]:
