@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from unittest.mock import patch
+
 import pytest
-from hypothesis import given
+from hypothesis import event, given
 
 from mcpn.errors import LimitError, UnboundedError
 from mcpn.nets.events import Event
 from mcpn.nets.petri import NetBuilder, PetriNet
+from mcpn.spaces.markings import counted
 from mcpn.spaces.markings.counted import OMEGA, boundedness, count_tokens, explore_tokens
-from tests.nets.nets import nets
+from mcpn.testing.nets import FAMILIES
+from tests.nets.nets import graph_of, nets, token_nets
 from tests.shares import returns_early
 
 
@@ -100,6 +104,43 @@ def test_bounds_are_those_of_exploration(net: PetriNet) -> None:
         check_pump(net, found.run, found.pump)
         with pytest.raises((LimitError, UnboundedError)):
             explore_tokens(net, max_states=3_000)
+
+
+@given(token_nets() | nets(max_weight=2, max_places=4, max_transitions=4, events=False))
+def test_walks_that_have_their_turn_at_once_tell_the_same(net: PetriNet) -> None:
+    """They find what can be repeated, and nothing where every marking has been listed."""
+    with patch.object(counted, "TURN", 1):
+        try:
+            found = boundedness(net, max_states=2_000)
+        except LimitError as error:
+            returns_early(type(error).__name__)
+            return
+    event(f"bounded: {found.bounded}, by a walk: {found.bounded is False and found.bounds is None}")
+    assert (found.bounded is not False) or graph_of(net) is None
+    if found.bounded is False:
+        check_pump(net, found.run, found.pump)
+
+
+@pytest.mark.parametrize(
+    ("family", "size"),
+    [("token_ring", 200), ("component_ring", 8), ("philosophers", 8), ("philosophers", 60)],
+)
+def test_what_grows_in_a_large_net_is_found_without_its_tree(family: str, size: int) -> None:
+    """One transition counts how often it fires: the tree has many nodes before one covers another."""
+    net = FAMILIES[family].net(size)
+    builder = NetBuilder("counting")
+    names = [place.name for place in net.places]
+    for place in net.places:
+        builder.place(place.name, initial=place.initial)
+    builder.place("counted")
+    for number, t in enumerate(net.transitions):
+        consume, produce, read = ({names[p]: w for p, w in arcs} for arcs in (t.consume, t.produce, t.read))
+        counts = {} if number else {"counted": 1}
+        builder.transition(t.name, consume=consume, produce=produce | counts, read=read)
+    counting = builder.build()
+    found = boundedness(counting, max_states=1_000)
+    assert found.bounded is False
+    check_pump(counting, found.run, found.pump)
 
 
 def test_where_the_limit_is_hit_bounds_are_left_out_but_not_what_is_known() -> None:

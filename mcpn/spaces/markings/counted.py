@@ -1,15 +1,19 @@
 """Boundedness of nets whose places may hold many tokens.
 
 Without priorities the coverability tree of Karp and Miller (*Parallel program schemata*, JCSS 1969) decides
-boundedness. With priorities it is undecidable in general (they can test for zero): then only a finite state
-space, or a run of internal transitions that can be repeated for ever, decides it here.
+boundedness. Walks take turns with it, for the tree may be far too large where a run that can be repeated is
+near: they try to fire the numbers that a linear program proposes. With priorities boundedness is
+undecidable in general (they can test for zero): then only a finite state space, or a run of internal
+transitions that can be repeated for ever, decides it here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+import random
+from collections.abc import Collection, Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import floor, inf, isinf
+from fractions import Fraction
+from math import floor, inf, isinf, lcm
 from typing import TYPE_CHECKING
 
 from mcpn._kernel import CountedNet, Exploration, MemoryLimit, StateLimit
@@ -29,6 +33,13 @@ OMEGA = -1
 
 MAX_COVERED = 1_000_000
 """Nodes that a coverability tree may have."""
+
+TURN = 500
+"""Nodes that are made before walks have a turn."""
+TURNS, TRIES, STRAY = 8, 30, 8
+"""Turns of the walks, tries to fire the proposed numbers in each, and firings at random between two tries."""
+MOST_SHARES, LONGEST = 1_000, 10_000
+"""The largest denominator in a proposal, and the most firings of one."""
 
 REPEATED = "this run can be repeated with more and more tokens"
 
@@ -73,7 +84,21 @@ def boundedness(net: PetriNet, *, max_states: int = MAX_COVERED) -> Boundedness:
         LimitError: The limit was hit in a net without priorities, and no run was found that can be repeated
             with more and more tokens.
     """
-    return _with_priorities(net, max_states) if net.priorities else _karp_miller(net, max_states)
+    if net.priorities:
+        return _with_priorities(net, max_states)
+    tree, walks = _karp_miller(net, max_states), _growing(net)
+    while True:
+        try:
+            for _ in range(TURN):
+                next(tree)
+        except StopIteration as ended:
+            return ended.value  # type: ignore[no-any-return]
+        except LimitError:
+            if found := next((found for found in walks if found), None):
+                return found
+            raise
+        if found := next(walks, None):
+            return found
 
 
 @dataclass
@@ -98,7 +123,12 @@ def _enabled(marking: tuple[int, ...], needed: Arcs) -> bool:
     return all(marking[p] == OMEGA or marking[p] >= w for p, w in needed)
 
 
-def _karp_miller(net: PetriNet, max_nodes: int) -> Boundedness:
+def _karp_miller(net: PetriNet, max_nodes: int) -> Generator[None, None, Boundedness]:
+    """The coverability tree, as work that rests after each node; it returns the answer.
+
+    Raises:
+        LimitError: There are more nodes, and none covers one before it.
+    """
     root = _Node(net.initial, None, -1)
     stack, nodes, bounds = [root], 1, list(net.initial)
     seen: set[tuple[int, ...]] = set()
@@ -127,6 +157,7 @@ def _karp_miller(net: PetriNet, max_nodes: int) -> Boundedness:
                     child.marking = tuple(grown)
             stack.append(child)
             nodes += 1
+            yield
             if nodes > max_nodes and pumping is None:
                 raise LimitError(f"more than {max_nodes} nodes: the limit on the coverability tree was hit")
             if nodes > max_nodes and pumping is not None:
@@ -134,6 +165,63 @@ def _karp_miller(net: PetriNet, max_nodes: int) -> Boundedness:
     if pumping is None:
         return Boundedness(True, tuple(bounds), reason="the coverability tree holds every marking")
     return Boundedness(False, tuple(bounds), *pumping, reason=REPEATED)
+
+
+def _growing(net: PetriNet) -> Iterator[Boundedness | None]:
+    """Looks for a run that adds tokens and takes none, to be repeated for ever; each turn takes little time.
+
+    A linear program proposes numbers of firings that take from no place and add to some. A walk tries to fire
+    them one after the other, wherever it is; the next turn has another proposal, by other costs.
+    """
+    draw = random.Random(net.name)
+    effects = [changes(net, t) for t in range(len(net.transitions))]
+    for _ in range(TURNS):
+        numbers = _proposed_growth(net, [draw.uniform(1, 2) for _ in effects])
+        if not numbers:
+            return  # then nothing grows, or the proposal was no whole one
+        marking, run = list(net.initial), list[int]()
+        for _ in range(TRIES):
+            before, left = len(run), dict(numbers)
+            while left and (ready := [t for t in left if net.covers(marking, t)]):
+                t = draw.choice(ready)
+                left[t] -= 1
+                if not left[t]:
+                    del left[t]
+                net.fire_in_place(marking, t)
+                run.append(t)
+            if not left:
+                names = [net.transitions[t].name for t in run]
+                yield Boundedness(False, None, (*names[:before],), (*names[before:],), reason=REPEATED)
+                return
+            for t in draw.choices(range(len(effects)), k=STRAY * len(effects)):
+                if net.covers(marking, t):
+                    net.fire_in_place(marking, t)
+                    run.append(t)
+                    if len(run) >= before + STRAY:
+                        break
+        yield None
+
+
+def _proposed_growth(net: PetriNet, costs: Sequence[float]) -> dict[int, int]:
+    """Few firings, by transition, that together add tokens and take none; nothing where none are found."""
+    rows = incidence(net)
+    total: dict[int, float] = {}
+    for row in rows:
+        for t, change in row.items():
+            total[t] = total.get(t, 0) + change
+    count = len(net.transitions)
+    wanted: list[tuple[Mapping[int, float], float, float]] = [
+        *((row, 0.0, inf) for row in rows),
+        (total, 1.0, inf),
+    ]
+    solved = minimise(costs, wanted, [0.0] * count, [inf] * count)
+    if solved.kind != "solved":
+        return {}
+    shares = [Fraction(value).limit_denominator(MOST_SHARES) for value in solved.values]
+    common = lcm(*(share.denominator for share in shares))
+    numbers = {t: int(share * common) for t, share in enumerate(shares) if share}
+    sums = [sum(numbers.get(t, 0) * change for t, change in row.items()) for row in rows]
+    return numbers if min(sums) >= 0 < max(sums) and sum(numbers.values()) <= LONGEST else {}
 
 
 def _names(net: PetriNet, node: _Node) -> tuple[str, ...]:
