@@ -266,10 +266,7 @@ class _Flattening:
         """What a block holds, and the scope of that."""
         if isinstance(block, Use):
             protocol = self.protocols[block.protocol]
-            inside = scope.into_protocol(block, protocol)
-            for each in protocol.requirements:
-                self.requirements[f"{inside.prefix}{each.name}"] = inside.prefix, each
-            return protocol.blocks, inside
+            return protocol.blocks, scope.into_protocol(block, protocol)
         return block.blocks, scope.into(block, block.parameters if isinstance(block, Recursive) else ())
 
     def entry(self, block: Block, scope: Scope) -> str:
@@ -334,6 +331,8 @@ class _Flattening:
             sections.append(self.timed(block, scope, leads))
         elif isinstance(block, Recursive | Use):
             blocks, inner = self.inside(block, scope)
+            for each in self.protocols[block.protocol].requirements if isinstance(block, Use) else ():
+                self.requirements[f"{inner.prefix}{each.name}"] = inner.prefix, each
             self.series(blocks, inner, leads.exits, sections)
 
     def timed(self, block: Block, scope: Scope, leads: Leads) -> ParallelSection:

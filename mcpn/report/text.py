@@ -343,8 +343,8 @@ def _print_summary(terminal: Terminal, check: MissionCheck) -> None:
     else:
         if check.failing:
             terminal.print(f"verdicts fail: {', '.join(check.failing)}", style="red")
-        if check.undecided:
-            terminal.print(f"not decided: {', '.join(check.undecided)}", style="yellow")
+        if unknown := [*check.undecided, *check.unanswered]:
+            terminal.print(f"not decided: {', '.join(unknown)}", style="yellow")
         if check.violated:
             terminal.print(f"requirements violated: {', '.join(check.violated)}", style="red")
 

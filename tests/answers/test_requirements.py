@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -40,11 +41,37 @@ TEXT = """<mission xmlns="urn:mcpn:mission:1" name="survey">
 
 WAITS = '<requirement name="come_first" formula="!objective(see) W happens(OBJ_come_EV_OK)"/>'
 
+CONTENDED = """<mission xmlns="urn:mcpn:mission:1" name="c">
+  <robot name="r">
+    <hardware name="arm"/>
+    <activity name="lift" consumes="arm"/>
+    <activity name="wave" consumes="arm"/>
+  </robot>
+  <requirement name="never" formula="G !failure"/>
+  <parallel name="both">
+    <objective name="x" activities="lift"/>
+    <objective name="y" activities="wave"/>
+  </parallel>
+</mission>
+"""
+
 
 def mission_file(folder: Path, around: str = "", inside: str = "") -> Path:
     path = folder / "survey.xml"
     path.write_text(TEXT.format(around=around, inside=inside))
     return path
+
+
+def test_what_is_not_decided_is_not_called_violated(tmp_path: Path) -> None:
+    """Two branches start one activity that takes what is there for one alone: composition gives no answer."""
+    path = tmp_path / "mission.xml"
+    path.write_text(CONTENDED)
+    found = check(compose(read_mission(path)), engine="local")
+    assert not found.passed
+    assert (found.violated, found.unanswered) == ([], ["never"])
+    said = mcpn("check", path, "--engine", "local").stdout
+    assert "requirements violated" not in said
+    assert re.search("^not decided: .*, never$", said, re.MULTILINE)
 
 
 @pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
@@ -172,8 +199,10 @@ def test_names_are_those_of_the_use(tmp_path: Path) -> None:
     mission_net = compose(read_mission(mission_file(tmp_path, "", WAITS)))
     north, south = asked_of(mission_net)
     assert north.formula != south.formula
-    with pytest.raises(InputError, match="no objective is named see"):  # outside it may be either
-        parse("objective(see)", MissionNames(mission_net))
+    names = MissionNames(mission_net)  # outside it means both
+    sees = [("objective", "north.see"), ("objective", "south.see")]
+    both = [place for place, said in mission_net.roles.items() if said in sees]
+    assert parse("objective(see)", names) == marked(*both)
 
 
 def test_a_name_means_all_rounds_and_tries(tmp_path: Path) -> None:

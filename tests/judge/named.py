@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mcpn.mission.model import Mission
+from mcpn.mission.model import Mission, Use, walk
 from mcpn.testing.judge.blocks import WrittenBlock, written_out
 
 Path = tuple[str, ...]
@@ -37,6 +37,18 @@ def meant(mission: Mission, *, blocks: bool = False) -> dict[Path, set[str]]:
     for name, chain in paths(mission).items():
         for path in chain if blocks else chain[-1:]:
             found.setdefault(path, set()).add(name)
+    return found
+
+
+def in_all_uses(mission: Mission) -> dict[tuple[str, str], set[str]]:
+    """By the text that holds an objective, empty for the mission, and its name there, all copies of it."""
+    texts = {"": mission.blocks, **{protocol.name: protocol.blocks for protocol in mission.protocols}}
+    found: dict[tuple[str, str], set[str]] = {}
+    for (*uses, name), copies in meant(mission).items():
+        text = ""
+        for use in uses:
+            (text,) = (b.protocol for b in walk(texts[text]) if isinstance(b, Use) and b.name == use)
+        found.setdefault((text, name), set()).update(copies)
     return found
 
 

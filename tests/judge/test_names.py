@@ -16,6 +16,7 @@ from mcpn.answers.spaces import spaces_of
 from mcpn.answers.verdicts.mission import check
 from mcpn.controller.monitors import monitors_of
 from mcpn.drawing.compose import MissionNet, compose
+from mcpn.errors import InputError
 from mcpn.logic.ltl.formulas import Happens
 from mcpn.logic.questions import Questions
 from mcpn.mission.model import Handler, Mission, Objective, Protocol, Recursive, Use
@@ -26,7 +27,7 @@ from mcpn.spaces.search.goal import Fires, Formula, marked
 from mcpn.study import Study
 from mcpn.testing.elements import LED, MISSIONS
 from tests.draws import composed
-from tests.judge.named import ambiguous, meant
+from tests.judge.named import ambiguous, in_all_uses, meant
 from tests.judge.test_faults import fault
 from tests.logic.asked import ENGINES
 from tests.small import activity, mission, robot
@@ -62,6 +63,14 @@ def names_mean_all_copies(mission: Mission) -> None:
                     assert names.word("happens", said) == Happens(transitions), said
     for path, held in meant(mission, blocks=True).items():
         assert names.word("block", ".".join(path)) == expected.places("objective", held), path
+    for (text, name), everywhere in in_all_uses(mission).items():
+        if name in {".".join(path) for path in meant(mission)}:
+            continue  # it is what the mission itself calls so
+        if sum(other == name for _, other in in_all_uses(mission)) == 1:
+            assert names.word("objective", name) == expected.places("objective", everywhere), (text, name)
+        else:
+            with pytest.raises(InputError, match="no objective is named"):
+                names.word("objective", name)
     words = vocabulary(of)
     reached = {objective.name for objective in of.graph.walk()}
     listed = [{*(word.copies or (word.name,))} for word in words.objectives]
@@ -82,6 +91,35 @@ def test_a_name_means_all_copies_where_routes_lead_to_one(mission: Mission) -> N
 @given(MISSIONS)
 def test_a_name_means_all_copies(mission: Mission) -> None:
     names_mean_all_copies(mission)
+
+
+def test_a_name_in_a_protocol_means_all_of_its_uses() -> None:
+    hand = mission(
+        robot((), activity("drive", ())),
+        Use(name="there", protocol="p"),
+        Use(name="back", protocol="p"),
+    )
+    of = compose(replace(hand, protocols=(Protocol(name="p", blocks=(one("dock", "drive"),)),)))
+    assert MissionNames(of).word("objective", "dock") == Expected(of).places(
+        "objective", ["there.dock", "back.dock"]
+    )
+
+
+def test_what_a_protocol_requires_is_asked_of_copies_that_are_run_while_others_pause() -> None:
+    """The sibling itself, to which only a pause leads, is not asked."""
+    never = Requirement(name="r", formula="G !(objective(dock) & objective(work))")
+    for uses in (1, 2):
+        of = mission(
+            OUTSIDE,
+            Recursive(name="visit", handlers=(RAIN,), blocks=(one("work", "drive"),)),
+            Recursive(name="shelter", blocks=(Use(name="inner", protocol="p"),)),
+            *(Use(name=f"home{i}", protocol="p") for i in range(1, uses)),
+        )
+        docking = Protocol(name="p", blocks=(one("dock", "cover"),), requirements=(never,))
+        of = replace(of, protocols=(docking,))
+        asked = {answer.asked.name: answer.holds for answer in check(compose(of)).requirements}
+        homes = [f"home{i}.r" for i in range(1, uses)]
+        assert asked == dict.fromkeys([*homes, "shelter_at_work.inner.r"], True)
 
 
 def one(name: str, runs: str, *handlers: Handler, **routes: object) -> Objective:

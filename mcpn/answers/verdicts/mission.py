@@ -249,14 +249,19 @@ class MissionCheck(Told):
 
     @property
     def violated(self) -> list[str]:
-        """Requirements of severity ``required`` that are not known to be met."""
-        return [answer.asked.name for answer in self.requirements if answer.required and not answer.met]
+        """Requirements of severity ``required`` that are not met."""
+        return [answer.asked.name for answer in self.requirements if answer.required and answer.met is False]
+
+    @property
+    def unanswered(self) -> list[str]:
+        """Requirements of severity ``required`` of which it is not known whether they are met."""
+        return [answer.asked.name for answer in self.requirements if answer.required and answer.met is None]
 
     @property
     def passed(self) -> bool:
         """Whether every required verdict holds, and every requirement that must be met is."""
         required = required_of(self.mission_net)
-        return all(self.verdicts[name].holds for name in required) and not self.violated
+        return all(self.verdicts[name].holds for name in required) and not (self.violated or self.unanswered)
 
 
 def check(

@@ -64,6 +64,12 @@ class Standing:
         _, *around = self.chain
         return *(each.block for each in reversed(around) if each.protocol), self.block
 
+    @property
+    def written(self) -> Written:
+        """Where the block is written."""
+        here, *around = self.chain
+        return next((each.protocol for each in around if each.protocol), ""), here.block
+
     def says(self, parts: list[str], within: str = "") -> int | None:
         """Whether a name says it: its own name, which the blocks around it may qualify, suffixes left out.
 
@@ -105,7 +111,7 @@ class Copies:
         Args:
             name: As written, or of some of the copies (``visit_3``, all tries of it); the blocks around it
                 qualify it, as they are written or as copies of them are called. Uses of protocols may be
-                left out where one objective is meant all the same.
+                left out where one objective is written so: then it is meant in all of them.
             within: What stands before all names of the use of a protocol in which the name is written; there
                 it is looked for first.
 
@@ -135,8 +141,8 @@ class Copies:
                     (loose if omitted else full).setdefault(each.path, []).append(each)
             for found in (full, loose):
                 exact = {path: these for path, these in found.items() if path[-1] == parts[-1]} or found
-                if len(exact) == 1:
-                    return next(iter(exact.values()))
+                if len({these[0].written for these in exact.values()}) == 1:
+                    return [each for these in exact.values() for each in these]
         return []
 
     def plain(self, name: str) -> str:
@@ -157,8 +163,7 @@ class Copies:
         Args:
             name: Of an objective, a block or a branch.
         """
-        here, *around = self._blocks[name].chain
-        return next((each.protocol for each in around if each.protocol), ""), here.block
+        return self._blocks[name].written
 
     def around(self, objective: str) -> frozenset[Written]:
         """An objective and the blocks that it stands in, as they are written."""

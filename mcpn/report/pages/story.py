@@ -111,10 +111,11 @@ def verdict_of_all(check: MissionCheck) -> StoryLine:
     if check.failing:
         wrong = (SENTENCES[name][1].rstrip(".") for name in check.failing if name in SENTENCES)
         return StoryLine("fails", asked, f"No. {'; '.join(wrong)}.")
-    if broken := [a.asked.name for a in check.requirements if a.required and a.met is False]:
-        return StoryLine("fails", asked, f"No. It does not meet what it requires: {enumeration(broken)}.")
+    if check.violated:
+        broken = enumeration(check.violated)
+        return StoryLine("fails", asked, f"No. It does not meet what it requires: {broken}.")
     if not check.passed:
-        unknown = len(check.undecided) + len(check.violated)
+        unknown = len(check.undecided) + len(check.unanswered)
         return StoryLine("unknown", asked, f"Not proved. {unknown} of its questions have no answer.")
     return StoryLine("holds", asked, f"Yes. All required verdicts hold{_with_requirements(check)}.")
 
