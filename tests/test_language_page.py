@@ -53,6 +53,64 @@ def test_the_missions_of_the_page_hold(text: str, tmp_path: Path) -> None:
     assert find_warnings(found.mission_net.mission) == []
 
 
+TABLED = """
+<mission name="tabled" xmlns="urn:mcpn:mission:1">
+  <robot name="pair">
+    <hardware name="sensor" repairable="false"/>
+    <hardware name="lift"/>
+    <hardware name="wheels"/>
+    <hardware name="tracks"/>
+    <software name="watched"/>
+    <event name="stop"/>
+    <activity name="watch" produces="watched" consumes="sensor"/>
+    <activity name="drive" consumes="wheels watched"/>
+    <activity name="ride" consumes="wheels lift watched"/>
+    <activity name="lift_tracks" consumes="tracks lift watched"/>
+    <activity name="confirm" consumes="watched"/>
+    <activity name="hold"/>
+    <activity name="pay"/>
+  </robot>
+  <requirement name="guarded" formula="G (oos(sensor) &amp; block(work) -> G !objective(order))"/>
+  <requirement name="alone" formula="G !(activity(ride) &amp; activity(lift_tracks))"/>
+  <requirement name="stops" formula="G (happens(stop) -> X (abort &amp; !activity(drive)))"/>
+  <requirement name="waits" formula="G (happens(OBJ_cool_EV_TIMEOUT) -> X objective(order))"/>
+  <requirement name="paid" formula="G (happens(OBJ_order_EV_OK) -> X objective(pay))"/>
+  <requirement name="the_same">
+    <reaction to="happens(OBJ_order_EV_OK)" gives="objective(pay)" when="prompt"/>
+  </requirement>
+  <on event="stop" goto="abort"/>
+  <objective name="work" failure="abort">
+    <parallel name="both">
+      <objective name="upstairs">
+        <objective name="come" activities="drive"/>
+        <objective name="go_up" activities="ride"/>
+      </objective>
+      <objective name="other" activities="lift_tracks"/>
+    </parallel>
+    <objective name="clear" activities="confirm"/>
+  </objective>
+  <objective name="cool" activities="hold" timeout="PT10M" timeout_goto="order" failure="cool"/>
+  <objective name="order" activities="pay" failure="abort"/>
+  <objective name="pay" activities="pay" failure="abort"/>
+</mission>
+"""
+"""A guard over branches, a lift for one at a time, an emergency stop, a wait: recipes without an example."""
+
+
+def test_recipes_of_the_table_do_what_they_are_for(tmp_path: Path) -> None:
+    (tmp_path / "m.xml").write_text(TABLED.lstrip())
+    found = check(compose(read_mission(tmp_path / "m.xml")), engine="local")
+    assert found.passed
+    assert {answer.asked.name for answer in found.requirements if answer.met} == {
+        "guarded",
+        "alone",
+        "stops",
+        "waits",
+        "paid",
+        "the_same",
+    }
+
+
 def run(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "mcpn.cli", *arguments]
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)

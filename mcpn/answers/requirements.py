@@ -48,7 +48,10 @@ class AskedRequirement:
     @property
     def words(self) -> str:
         """What it says, as its author describes it, else in English, else as a formula."""
-        return self.requirement.description or self.sentence or self.text
+        said = self.sentence or self.text
+        if self.requirement.expected == "fails":
+            said = f"must not hold: {said}"
+        return self.requirement.description or said
 
     @property
     def events(self) -> frozenset[str]:

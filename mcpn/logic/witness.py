@@ -27,6 +27,10 @@ from mcpn.spaces.search.goal import TRUE, And, Formula, Not, Or
 MAX_WALK = 100_000
 
 
+NEXT = "happens(e) holds in the state before e, of which e is the next event: X speaks of the state after it"
+"""Says what a formula with events means, where a run shows it."""
+
+
 @dataclass(frozen=True)
 class Note:
     """What a run shows at one of its states.
@@ -91,7 +95,8 @@ class Witness:
     @property
     def notes(self) -> list[str]:
         """What the run shows, for a reader."""
-        return [note if isinstance(note, str) else self._words(note) for note in self.shown]
+        notes = [note if isinstance(note, str) else self._words(note) for note in self.shown]
+        return [*notes, NEXT] if any("happens(" in note for note in notes) else notes
 
     def _words(self, note: Note) -> str:
         text = f"{self.moment(note.step)}, {note.where}: {show(note.formula, self.names)}"
@@ -224,8 +229,10 @@ class Explanation(ABC):
         """Records how the path goes on behind the run: by a cycle, in any way (decided), or not at all."""
         self.witness.cycle, self.witness.decided = cycle, decided and cycle is None
         if cycle is None:
-            end = "decides it: nothing that comes later changes that" if decided else "ends: nothing may fire"
-            self.witness.shown.append(f"here the run {end}")
+            end = (
+                "that decides it, whatever comes later" if decided else "here the run ends: nothing may fire"
+            )
+            self.witness.shown.append(end)
 
 
 class _InSpace(Explanation, Generic[S]):

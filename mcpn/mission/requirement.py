@@ -263,9 +263,9 @@ class Requirement(Element):
     """
 
     TAG = "requirement"
-    formula: Annotated[
-        str | None, FORMULA, "On stable states, in CTL or LTL (ask): G (oos(sonar) -> F objective(surface))."
-    ] = None
+    formula: Annotated[str | None, FORMULA, "In CTL or LTL: G (happens(leak) -> X objective(surface))."] = (
+        None
+    )
     expected: Annotated[str, TRUTH, "fails: it must not hold."] = "holds"
     severity: Annotated[str, SEVERITY, "advice: it is reported and does not fail the check."] = "required"
     fair: Annotated[bool, "true: only of runs on which every objective that runs ends some day."] = False

@@ -217,7 +217,7 @@ def _print_requirements(terminal: Terminal, check: MissionCheck) -> None:
             if answer.says_nothing_of:
                 terminal.print(answer.says_nothing_of, indent=7, style="dim")
             continue
-        if asked.sentence not in ("", asked.words):
+        if asked.sentence not in asked.words:
             terminal.print(asked.sentence, indent=7)
         terminal.print(answer.reason or f"{asked.text} {_FOUND[bool(answer.holds)]}", indent=7)
         if answer.witness is not None:

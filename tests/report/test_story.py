@@ -292,7 +292,7 @@ def test_what_defeats_it_at_the_worst_moment_alone_is_told(tmp_path: Path) -> No
     )
     assert "the loss of radio alone endangers the robot" in said
     lines = {line.asked: line for line in story(found)}
-    worst = "At the worst moment, the loss of this defeats it too: lamp; radio."
+    worst = "Lost at the worst moment, this defeats it: lamp; radio."
     assert lines["What defeats it?"].said.endswith(worst)
     assert lines["What endangers the robot?"].said.startswith(
         "At the worst moment it can neither succeed nor"

@@ -324,20 +324,27 @@ class Prospects(Generic[S]):
         """A short run in which a goal fails because of a cut set, and no other hardware fails.
 
         It leads to the failure of the mission or the objective, with all of the cut set out of service; where
-        the mission need not end, to where it can no longer succeed. ``None`` where no run leads there.
+        the mission need not end, to where it can no longer succeed. The cut set is lost before the mission
+        ends. Where that suffices, no declared event happens and no time is over, since these might defeat the
+        goal by themselves. ``None`` where no run leads there.
         """
         space, names = self.space, list(cut_set)
         losses = (self.carrying(What.OUT_OF_SERVICE, name) for name in names)
         transitions = (self.unrepaired - self.failing).union(*losses)
+        ended = space.marked(self.mission_net.ends.values())
         ends = [self.losing(goal, repairs=False)]
         whole = goal is self.mission or goal is self.safety
         if whole:
-            ended = self.mission_net.ends.values()
-            ends.insert(0, space.marked(ended) - goal.won)
+            ends.insert(0, ended - goal.won)
         oos = self.places("oos", names)
-        ways = (self._onward(goal, self.forced), self._onward(goal))
-        for end, guards in product([space.restricted(end, oos, ()) for end in ends], ways):
-            run = space.run(space.initial.pick(), end, None, transitions, guards)
+        ends = [space.restricted(end, oos, ()) for end in ends]
+        open_ = dict.fromkeys(self.failing, space.everything - ended)
+        forced, free = ({**(self._onward(goal, guards) or {}), **open_} for guards in (self.forced, None))
+        quiet = transitions - self._carrying[What.DECLARED] - self._carrying[What.TIMEOUT]
+        tries = [(quiet, end, forced) for end in ends]
+        tries += [(transitions, end, guards) for end, guards in product(ends, (forced, free))]
+        for steps, end, guards in tries:
+            run = space.run(space.initial.pick(), end, None, steps, guards)
             if run is not None:
                 if not whole:
                     fails = self.carrying(What.FAILURE, goal.name)

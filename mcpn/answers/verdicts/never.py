@@ -140,6 +140,10 @@ def _held(usage: Usage, activity: str, consumed: Sequence[str]) -> str:
     return ""
 
 
+MOST_TOLD = 12
+"""Objectives that a sentence on an ignored event names; copies of one block count as one."""
+
+
 @dataclass(frozen=True)
 class Ignored:
     """A declared event that is ignored.
@@ -185,4 +189,4 @@ def ignored_events(mission_net: MissionNet, space: Space[S]) -> Iterator[Ignored
 
 def _while(copies: Copies, names: Sequence[str], every: Sequence[str]) -> str:
     told = copies.told(names, every)
-    return f"{shortened(told)} {'runs' if len(told) == 1 else 'run'}"
+    return f"{shortened(told, MOST_TOLD)} {'runs' if len(told) == 1 else 'run'}"

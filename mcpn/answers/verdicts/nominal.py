@@ -98,11 +98,17 @@ class NominalRuns(Generic[S]):
     def succeeding(self, success: S) -> Run | None:
         """A short run to success; ``None`` where there is none, or the mission is long.
 
+        Hardware that is out of service at first comes back on it only where success needs that.
+
         Args:
             success: The states in which it has succeeded.
         """
         if sum(1 for _ in self.mission_net.graph.walk()) > MOST_READ or not self.reached & success:
             return None
+        if self._repairs:
+            run = self.space.run(self.space.initial.pick(), success, transitions=self.transitions)
+            if run is not None:
+                return self._shown(run)
         return self._shown(self._run_to(success))
 
     def decided(self) -> Nominal:

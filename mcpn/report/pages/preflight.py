@@ -137,7 +137,7 @@ def _open(findings: Findings) -> Iterator[Tick]:
         yield Tick("Find out what this page does not know.", note)
     if count := len(findings.warnings):
         yield Tick(
-            f"Read the {count} warning{'s' if count > 1 else ''} below.",
+            f"Read the {f'{count} warnings' if count > 1 else 'warning'} below.",
             "They are legal, and often not meant.",
         )
 

@@ -86,7 +86,7 @@ def _conditions(findings: Findings) -> Iterator[str]:
         else:
             yield "no single loss defeats it"
         if causes.safety is None:
-            yield "none of its failures is told to be safe"
+            yield "it has no abort, so nothing says which failures are safe"
         elif endangers:
             yield f"the loss of {_few(endangers)} alone endangers the robot"
         else:
@@ -213,13 +213,14 @@ def _lost(goal: GoalCauses, *, aborts: bool) -> StoryLine:
     if () in cut_sets:
         said = f"It {'can never succeed' if aborts else 'fails'} whatever the hardware does."
         return StoryLine("fails", asked, said)
-    later = f" At the worst moment, the loss of this defeats it too: {_listed(worst)}." if worst else ""
+    also = " too" if cut_sets else ""
+    later = f" Lost at the worst moment, this defeats it{also}: {_listed(worst)}." if worst else ""
     if cut_sets:
         lost = _listed(cut_sets)
         said = f"It can succeed no more once this hardware is lost and not repaired: {lost}.{later}"
         return StoryLine("note", asked, said)
     if later:
-        return StoryLine("note", asked, f"No loss of hardware before the start.{later}")
+        return StoryLine("note", asked, f"Lost before the start, no hardware defeats it.{later}")
     keeps = "keeps it from success" if aborts else "makes it fail"
     return StoryLine("holds", asked, f"No loss of hardware alone {keeps}.")
 
@@ -260,7 +261,7 @@ def _survived(findings: Findings) -> Iterator[StoryLine]:
             else "At the worst moment, no loss."
         )
         if lost.later:
-            said += f" And of these, where they are lost before the start: {', '.join(lost.later)}."
+            said += f" Of these only where they are lost before the start: {', '.join(lost.later)}."
         yield StoryLine("holds" if always else "note", asked, said)
         yield from _left_out(findings, causes, succeeding)
     if causes.safety is None:
@@ -297,7 +298,7 @@ def _safety(findings: Findings, goal: GoalCauses | None) -> StoryLine:
     """What makes a mission that can abort end in neither success nor abort."""
     asked = "What endangers the robot?"
     if goal is None:
-        said = "Not known: the mission never says abort, so none of its failures is told to be safe."
+        said = "Not known: the mission has no abort, so nothing says which of its failures are safe."
         return StoryLine("note", asked, said)
     verdict, cut_sets, worst = findings.check.verdicts["can_always_end_safely"], goal.cut_sets, at_worst(goal)
     if () in cut_sets:
@@ -441,7 +442,7 @@ def _requirements(check: MissionCheck) -> Iterator[dict[str, Any]]:
         asked = answer.asked
         state = {True: "holds", False: "fails", None: "unknown"}[answer.met]
         runs, notes = [], [f"{'' if asked.requirement.expected == 'holds' else 'not: '}{asked.text}"]
-        if asked.sentence not in ("", asked.words):
+        if asked.sentence not in asked.words:
             notes.insert(0, asked.sentence)
         notes += unhandled_in_words(asked, check.ignored)
         if answer.witness is not None and not answer.met:
@@ -453,7 +454,9 @@ def _requirements(check: MissionCheck) -> Iterator[dict[str, Any]]:
             "sentence": asked.words,
             "state": state if answer.required or answer.met else "note",
             "explanation": "; ".join(
-                filter(None, [*notes, answer.reason, answer.says_nothing_of, answer.advice])
+                each.rstrip(".")
+                for each in (*notes, answer.reason, answer.says_nothing_of, answer.advice)
+                if each
             ),
             "runs": runs,
         }
