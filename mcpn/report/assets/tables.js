@@ -54,7 +54,18 @@
     });
     const details = frame.closest("details");
     // What is wider than the screen is made to fit, as far as it can then be read.
-    const begin = () => { zoom("fit"); if (size < 0.55) { size = 0.55; zoom("same"); } };
+    const begin = () => {
+      zoom("fit");
+      if (size >= 0.55) return;
+      size = 0.55;
+      zoom("same");
+      const first = svg.querySelector("[data-box]");  // as far from the left as there are routes back
+      if (first) shown.scrollLeft = (first.getBBox().x - 100) * size;
+    };
+    if (Math.max(natural, svg.viewBox.baseVal.height) > 6000) {
+      shown.classList.add("vast");
+      shown.insertAdjacentHTML("afterend", '<p class="printed">The drawing is too large for paper: the page on a screen shows it.</p>');
+    }
     if (details) details.addEventListener("toggle", () => { if (details.open && size === 1) zoom("fit"); });
     if (!details) begin(); else if (details.open) zoom("fit");
   }

@@ -152,13 +152,20 @@ def story(findings: Findings) -> Iterator[StoryLine]:
     if (chance := findings.risk) is not None:
         aborts = "" if chance.abort is None else f", is aborted with {chance.abort:.6g}"
         told = (
-            f"it succeeds with probability {chance.success:.6g}{aborts} and fails with {chance.failure:.6g}"
+            f"it succeeds with probability {_near_one(chance.success)}{aborts} "
+            f"and fails with {chance.failure:.6g}"
         )
         if chance.unrated:
             told += f"; {without_a_rate(chance)}"
         yield StoryLine("note", "How probable?", f"With the given rates {told}.")
     yield _never(findings.check)
     yield _unproved(findings)
+
+
+def _near_one(chance: float) -> str:
+    """A probability; one that only rounding would make certain says by how much it is not."""
+    said = f"{chance:.6g}"
+    return f"1 - {1 - chance:.3g}" if said == "1" and chance < 1 else said
 
 
 def _nominal(findings: Findings) -> Iterator[StoryLine]:
