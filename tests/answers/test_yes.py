@@ -133,3 +133,22 @@ def test_after_an_event_begins_with_the_reaction(folder: Path) -> None:
     assert "from the reaction on" in absent.asked.sentence
     # Only runs on which the robot stands still for ever violate the last.
     assert 'fair="true"' in stops.advice
+
+
+def test_a_pause_that_ends_by_its_own_handler_leads_out(tmp_path: Path) -> None:
+    """The handler of the shelter ends the mission; one inside it ends the pause, and draws no warning."""
+    night = (
+        '<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r">'
+        '<event name="dark"/><event name="dawn"/><activity name="drive"/><activity name="sleep"/></robot>'
+        '<objective name="work" activities="drive" success="succeed">'
+        '<on event="dark" pause="night"/></objective>'
+        '<objective name="night">{}<objective name="doze" activities="sleep">{}</objective></objective>'
+        "</mission>"
+    )
+    handler = '<on event="dawn" goto="succeed"/>'
+    path = tmp_path / "night.xml"
+    path.write_text(night.format(handler, ""))
+    told = mcpn("check", path).stderr
+    assert "night runs while work pauses, and by its event dawn succeeds, which ends the block around" in told
+    path.write_text(night.format("", handler))
+    assert "runs while" not in mcpn("check", path).stderr

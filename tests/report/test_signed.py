@@ -88,8 +88,16 @@ def test_a_page_prints_on_few_sheets(browser: Any, tmp_path: Path, path: Path, m
     tab = browser.new_page()
     tab.goto(file.as_uri())
     sheets = len(re.findall(rb"/Type\s*/Page\b", tab.pdf(prefer_css_page_size=True)))
+    # Paper is narrow, as a telephone is: what holds there must not hold here.
+    tab.set_viewport_size({"width": 720, "height": 1050})
+    tab.emulate_media(media="print")
+    drawing = tab.locator(".drawing svg").first.bounding_box()
+    heads = [head.bounding_box() for head in tab.locator("h2:visible").all()]
     tab.close()
     assert 2 <= sheets <= most
+    below = [head["y"] for head in heads if head["y"] > drawing["y"]]
+    assert len(below) > 2
+    assert drawing["y"] + drawing["height"] <= min(below)
 
 
 def test_keys_move_before_a_run_is_loaded(browser: Any, tmp_path: Path, ulysse_findings: Findings) -> None:

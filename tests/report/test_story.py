@@ -48,7 +48,7 @@ def test_a_mission_that_may_fly(tmp_path: Path) -> None:
     stated = "the mission states no requirements of its own"
     assert said["May it go?"] == ("holds", f"Yes. All required verdicts hold; {stated}.")
     assert said["Can it succeed?"][0] == "holds"
-    assert said["What endangers the robot?"][1].startswith("Not known: the mission never says abort")
+    assert said["What endangers the robot?"][1].startswith("Not known: the mission has no abort")
     assert "What is taken for granted?" not in said
     assert said["What defeats it?"][1].endswith("not repaired: motor.")
     assert said["What must hold?"][1] == "The mission states no requirements of its own."
@@ -292,7 +292,7 @@ def test_what_defeats_it_at_the_worst_moment_alone_is_told(tmp_path: Path) -> No
     )
     assert "the loss of radio alone endangers the robot" in said
     lines = {line.asked: line for line in story(found)}
-    worst = "Lost at the worst moment, this defeats it: lamp; radio."
+    worst = "Lost at the worst moment, this defeats it too: lamp; radio."
     assert lines["What defeats it?"].said.endswith(worst)
     assert lines["What endangers the robot?"].said.startswith(
         "At the worst moment it can neither succeed nor"

@@ -9,7 +9,7 @@ from mcpn.errors import Problem
 from mcpn.mission.expansion.copies import grouped
 from mcpn.mission.fact_errors import fact_warnings
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, flatten
-from mcpn.mission.model import ABORT, FAIL, Block, Holder, Mission, Use, walk
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Holder, Mission, Use, walk
 from mcpn.mission.static.sharing import contention_warnings
 from mcpn.mission.static.usage import Usage
 
@@ -111,7 +111,10 @@ def _warnings(usage: Usage) -> Iterator[Problem]:
 
 
 def _leading_out(mission: Mission) -> Iterator[Problem]:
-    """Siblings that are run while blocks pause, or to recover them, and lead elsewhere when time is over."""
+    """Siblings that run while blocks pause, or to recover them, and then leave the block around both.
+
+    Some do so when their time is over, some succeed by an event that they handle themselves.
+    """
     for blocks in (mission.blocks, *(protocol.blocks for protocol in mission.protocols)):
         named = {block.name: block for block in walk(blocks)}
         for block in named.values():
@@ -125,6 +128,14 @@ def _leading_out(mission: Mission) -> Iterator[Problem]:
                         f"over: {block.name} does not go on then"
                     )
                     yield Problem(sibling.source, message)
+                ended = () if sibling is None else sibling.handlers
+                for handler in (handler for handler in ended if handler.goto == SUCCEED):
+                    message = (
+                        f"{name} runs while {block.name} {why}, and by its event {handler.event} succeeds, "
+                        f"which ends the block around both: {block.name} does not go on then; let the event "
+                        f"lead out of an objective inside {name}"
+                    )
+                    yield Problem(handler.source, message)
 
 
 def _vain(mission: Mission) -> Iterator[Problem]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -460,13 +460,14 @@ def _requirements(check: MissionCheck) -> Iterator[dict[str, Any]]:
             "name": asked.name,
             "sentence": asked.words,
             "state": state if answer.required or answer.met else "note",
-            "explanation": "; ".join(
-                each.rstrip(".")
-                for each in (*notes, answer.reason, answer.says_nothing_of, answer.advice)
-                if each
-            ),
+            "explanation": _joined((*notes, answer.reason, answer.says_nothing_of, answer.advice)),
             "runs": runs,
         }
+
+
+def _joined(parts: Iterable[str]) -> str:
+    """Sentences one after the other, and what is no sentence behind a semicolon."""
+    return "; ".join(filter(None, parts)).replace(".; ", ". ")
 
 
 def _verdicts(check: MissionCheck) -> Iterator[dict[str, Any]]:
