@@ -7,7 +7,7 @@ from functools import cached_property
 from itertools import chain
 from typing import Literal, NamedTuple, TypeAlias
 
-from mcpn._kernel import Store, Zdd
+from mcpn._kernel import Store, Zdd, clustered
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.sections import Element, LocalPart
 from mcpn.mission.expansion.faults import noticed
@@ -150,7 +150,7 @@ class Layout:
         self.slots: dict[Element, range] = {}
         self.late = tuple(h.name for h in mission_net.mission.late)
         # What is said of one resource stands together: apart it makes diagrams large.
-        pairs = ((kind, name) for name in self.hardware for kind in ("hardware", "known"))
+        pairs = ((kind, name) for name in self._standing() for kind in ("hardware", "known"))
         elements = [(kind, name) for kind, name in pairs if kind != "known" or name in self.late]
         elements += [("once", name) for name in self.once]
         elements += [("fact", flag) for flag in self.flags]
@@ -158,6 +158,25 @@ class Layout:
             begin, end = end, end + len(self.said[kind])
             self.slots[kind, name] = range(begin, end)
         self.store = Store(end, DEFAULT_MEMORY)
+
+    def _standing(self) -> list[str]:
+        """The order in which slots of hardware stand: where some of it is a crash or a common cause, by use.
+
+        A section often ends because what one alternative consumes has failed, or what another one does. Sets
+        of such states are small where the two stand apart and each stands together; a crash, or a common
+        cause, is declared far from the hardware that is consumed with it.
+        """
+        mission, number = self.mission_net.mission, {name: i for i, name in enumerate(self.hardware)}
+        if not mission.faults and not mission.crashes:
+            return [*self.hardware]
+        groups = list[list[int]]()
+        for activity in mission.activities:
+            ways = [
+                [number[name] for name in way.consumes if name in number] for way in activity.alternatives
+            ]
+            groups += [*ways, sorted(set(chain.from_iterable(ways)))]
+        order = clustered([group for group in groups if len(group) > 1], [*range(len(number))])
+        return [self.hardware[i] for i in order]
 
     @cached_property
     def idle(self) -> list[int]:

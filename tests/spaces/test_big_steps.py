@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from mcpn._kernel import BigSteps, Store, Zdd, choices
 from mcpn.drawing.compose import compose
 from mcpn.mission.model import Mission, Objective, Parallel
+from mcpn.mission.robot import Fault
 from mcpn.nets.events import Event, What
 from mcpn.nets.petri import PetriNet, Place, Transition
 from mcpn.spaces.diagrams.encoding import Encoding
@@ -214,6 +215,34 @@ def test_producers_that_crash_are_a_sum() -> None:
         assert found is not None
         lengths.append(max(map(len, found[1].values())))
     assert lengths[1] < lengths[0] * 8  # 5**count where the ways of each are multiplied
+
+
+def test_a_choice_that_is_come_to_by_many_ways_is_made_once() -> None:
+    """Each of overlapping faults puts off two alternatives: so there are many ways to each but the first."""
+
+    def steps_of_start(count: int) -> int:
+        hardware = hw(*(f"h{i}" for i in range(count + 1)))
+        work = activity("work", *((f"h{i}",) for i in range(count)))
+        faults = tuple(Fault(name=f"f{i}", affects=(f"h{i}", f"h{i + 1}")) for i in range(count))
+        one = replace(robot(hardware, work), faults=faults)
+        net = compose(mission(one, Objective(name="o", activities=("work",)))).net
+        found = stepped(net, 0, clustered(net))
+        assert found is not None
+        space = found[0]
+        encoding, prepared = space.encoding, KernelNet(net)
+        levels = [(place, encoding.level[kept]) for place, kept in encoding.partner.items()]
+        kernel = BigSteps(prepared.kernel, prepared.initial, [*encoding.places], levels, 1 << 30, 100)
+        label, start = next(
+            (label, t)
+            for label, t in enumerate(prepared.transitions)
+            if (of := net.transitions[t].event) is not None and of.what is What.START
+        )
+        after = kernel.after(space.enabling([start]), label)
+        assert after is not None
+        assert not after[1]
+        return encoding.store.steps
+
+    assert steps_of_start(9) < 5 * steps_of_start(5)  # of as many ways as there are it would be sixteen times
 
 
 def rows_in(steps: bytes) -> int:

@@ -8,7 +8,9 @@ namespace mcpn {
 
 namespace {
 
+constexpr std::size_t kNever = ~std::size_t(0);
 constexpr std::size_t kMostFirings = 100'000;  // behind one event
+constexpr std::uint32_t kOften = 4;            // of one transition: it is looked ahead from then on
 constexpr std::size_t kMostParts = 2'000'000;  // of functions
 constexpr std::size_t kMostCases = 300;        // that tell apart where a transition may fire alone
 constexpr std::size_t kAtATime = 16;           // functions that are composed before they are with those before them
@@ -80,6 +82,9 @@ void SetEvolution::begin(Store& store) {
   won_.clear();
   std::fill(has_won_.begin(), has_won_.end(), 0);
   fired_.clear();
+  ahead_.clear();
+  times_.assign(net_.firings_.size(), 0);
+  next_look_ = kNever;
 }
 
 // Runs markings on until none of them enables anything; notes those from which they cannot all be run so.
@@ -103,33 +108,145 @@ bool SetEvolution::run(Store& store, Held& markings, Held& left, std::uint32_t e
   return true;
 }
 
-// Fires a transition of the first rank of those that have won a token, the newest first: one that may fire alone wherever it is
-// enabled, or else where it may.
+// Fires a transition of the first rank of those that have won a token: one that may fire alone wherever it is enabled, or
+// else where it may. The newest comes first; what another one that is enabled leads to waits, once it is looked ahead.
 SetEvolution::Went SetEvolution::fire_first(Store& store, Held& markings, std::uint32_t end) {
+  if (fired_.size() >= next_look_) see_ahead(store, markings);
+  const auto enabled_in = [&](std::uint32_t t) { return step(store, t).never ? 0 : store.filter(markings, step(store, t).enabled); };
+  const auto forget = [&](std::uint32_t t) {
+    std::erase(won_, t);
+    has_won_[t / 64] &= ~(Word(1) << t % 64);
+  };
+  const auto waits = [&](std::uint32_t t) {
+    return !ahead_.empty() && std::any_of(won_.begin(), won_.end(), [&](std::uint32_t u) {
+      return u != t && net_.rank_end_[u] == end && leads(u, t) && enabled_in(u) != 0;
+    });
+  };
   bool any = false;
   std::optional<Fired> partly;
   Held where(store, 0);
-  for (const bool always : {true, false})
-    for (std::size_t i = won_.size(); i-- > 0;) {
-      const std::uint32_t t = won_[i];
-      if (net_.rank_end_[t] != end || has_bit(stubborn_.always().data(), t) != always) continue;
-      const Held enabled(store, step(store, t).never ? 0 : store.filter(markings, step(store, t).enabled));
-      any |= enabled != 0;
-      if (enabled) {
-        std::vector<Way> beside = not_alone(store, enabled, t);
-        if (!beside.empty()) {
-          if (partly) continue;
-          where = without(store, enabled, beside);
-          if (where) partly = {t, std::move(beside)};
+  for (const bool waiting : {false, true})
+    for (const bool always : {true, false}) {
+      const Places asked(won_.rbegin(), won_.rend());
+      for (const std::uint32_t t : asked) {
+        if (net_.rank_end_[t] != end || has_bit(stubborn_.always().data(), t) != always) continue;
+        const Held enabled(store, enabled_in(t));
+        if (!enabled) {
+          forget(t);
           continue;
         }
+        any = true;
+        if (waits(t) != waiting) continue;
+        std::vector<Way> beside = not_alone(store, enabled, t);
+        if (beside.empty()) {
+          forget(t);
+          return fire(store, markings, enabled, {t, {}}) ? Went::kOn : Went::kUnsafe;
+        }
+        if (partly) continue;
+        where = without(store, enabled, beside);
+        if (where) partly = {t, std::move(beside)};
       }
-      won_.erase(won_.begin() + std::ptrdiff_t(i));
-      has_won_[t / 64] &= ~(Word(1) << t % 64);
-      if (enabled) return fire(store, markings, enabled, {t, {}}) ? Went::kOn : Went::kUnsafe;
     }
   if (partly) return fire(store, markings, where, std::move(*partly)) ? Went::kOn : Went::kUnsafe;
   return any ? Went::kStuck : Went::kEnd;
+}
+
+// Which transitions may lead to which from some markings on. What leads to another one fires before it: so all markings
+// that come to a choice by several ways have come there before it is made. Of those that lead to each other, what is enabled
+// now comes first. What fires may have ended that, so it is looked at again after twice as many firings.
+void SetEvolution::see_ahead(Store& store, Node markings) {
+  const std::size_t count = net_.firings_.size();
+  std::vector<Word> marked(net_.words_);
+  const std::vector<bool> support = store.support(markings);
+  for (std::uint32_t p = 0; p < levels_.size(); ++p) {
+    const auto [at, reverse] = levels_[p];
+    if (reverse ? store.filter(markings, suffix_of(store, {literal(p, true)})) != 0 : support[at]) set_bit(marked.data(), p);
+  }
+  // In reach, if no token is taken.
+  Places queue;
+  std::vector<bool> in_reach(count);
+  const auto reach = [&](const std::vector<std::uint32_t>& some) {
+    for (const std::uint32_t u : some)
+      if (!in_reach[u] && net_.covers(marked.data(), u)) {
+        in_reach[u] = true;
+        queue.push_back(u);
+      }
+  };
+  reach(won_);
+  std::vector<bool> now(in_reach);
+  while (!queue.empty()) {
+    const std::uint32_t t = queue.back();
+    queue.pop_back();
+    for (const std::uint32_t p : net_.firings_[t].put) set_bit(marked.data(), p);
+    reach(net_.winners_[t]);
+    reach(won_);
+  }
+  // Whether another one must fire in between, for places of one unit are not marked at a time.
+  const auto excludes = [&](std::uint32_t t, std::uint32_t u) {
+    const std::vector<std::uint32_t>&put = net_.firings_[t].put, &need = net_.firings_[u].need;
+    return std::any_of(need.begin(), need.end(), [&](std::uint32_t q) {
+      return std::any_of(put.begin(), put.end(), [&](std::uint32_t p) { return p != q && stubborn_.share_unit(p, q); });
+    });
+  };
+  // Strongly connected components (Tarjan 1972), each behind those that it leads to.
+  struct Visit { std::uint32_t t; std::size_t next; };
+  std::vector<std::uint32_t> number, low, whole(count), part(count);
+  std::vector<bool> open(count);
+  Places stack;
+  std::vector<Visit> visits;
+  const auto components = [&](std::vector<std::uint32_t>& of, auto follows, auto found) {
+    std::uint32_t visited = 0, components_found = 0;
+    number.assign(count, 0);
+    low.assign(count, 0);
+    const auto visit = [&](std::uint32_t t) {
+      number[t] = low[t] = ++visited;
+      stack.push_back(t);
+      open[t] = true;
+      visits.push_back({t, 0});
+    };
+    for (const std::uint32_t first : won_) {
+      if (in_reach[first] && !number[first]) visit(first);
+      while (!visits.empty()) {
+        Visit& at = visits.back();
+        const std::uint32_t t = at.t;
+        if (at.next < net_.winners_[t].size()) {
+          const std::uint32_t u = net_.winners_[t][at.next++];
+          if (!in_reach[u] || !follows(t, u) || excludes(t, u)) continue;
+          if (!number[u]) visit(u);
+          else if (open[u]) low[t] = std::min(low[t], number[u]);
+          continue;
+        }
+        visits.pop_back();
+        if (!visits.empty()) low[visits.back().t] = std::min(low[visits.back().t], low[t]);
+        if (low[t] != number[t]) continue;
+        const auto begin = std::find(stack.rbegin(), stack.rend(), t).base() - 1;
+        const Places members(begin, stack.end());
+        stack.erase(begin, stack.end());
+        for (const std::uint32_t u : members) {
+          open[u] = false;
+          of[u] = components_found;
+        }
+        ++components_found;
+        found(members);
+      }
+    }
+  };
+  bool cyclic = false;
+  components(whole, [](std::uint32_t, std::uint32_t) { return true; }, [&](const Places& members) { cyclic |= members.size() > 1; });
+  next_look_ = cyclic ? fired_.size() * 2 : kNever;
+  const auto follows = [&](std::uint32_t t, std::uint32_t u) { return whole[t] != whole[u] || !now[u]; };
+  ahead_words_ = count / 64 + 1;
+  ahead_.assign(count * ahead_words_, 0);
+  components(part, follows, [&](const Places& members) {
+    std::vector<Word> all(ahead_words_);
+    for (const std::uint32_t t : members)
+      for (const std::uint32_t u : net_.winners_[t]) {
+        if (!in_reach[u] || !follows(t, u) || excludes(t, u) || part[u] == part[t]) continue;
+        set_bit(all.data(), u);
+        for (std::size_t w = 0; w < ahead_words_; ++w) all[w] |= ahead_[u * ahead_words_ + w];
+      }
+    for (const std::uint32_t t : members) std::copy(all.begin(), all.end(), ahead_.begin() + std::ptrdiff_t(t * ahead_words_));
+  });
 }
 
 // Fires a transition in markings that enable it; false where that is unsafe in one, or leaves it enabled and it fires again.
@@ -145,6 +262,7 @@ bool SetEvolution::fire(Store& store, Held& markings, Node where, Fired fired) {
   }
   markings = store.image(markings, event);
   fired_.push_back(std::move(fired));
+  if (++times_[t] == kOften && ahead_.empty()) next_look_ = fired_.size();
   for (const std::uint32_t won : net_.winners_[t]) {
     if (has_bit(has_won_.data(), won)) continue;
     set_bit(has_won_.data(), won);

@@ -55,6 +55,10 @@ class SetEvolution {
 
   bool run(Store& store, Held& markings, Held& left, std::uint32_t event);
   Went fire_first(Store& store, Held& markings, std::uint32_t end);
+  void see_ahead(Store& store, Node markings);
+  bool leads(std::uint32_t t, std::uint32_t u) const {
+    return !ahead_.empty() && has_bit(ahead_.data() + t * ahead_words_, u);
+  }
   bool fire(Store& store, Held& markings, Node where, Fired fired);
   std::vector<Way> not_alone(Store& store, Node enabled, std::uint32_t t);
   std::vector<Way> others(Store& store, Node enabled, std::uint32_t t);
@@ -78,6 +82,9 @@ class SetEvolution {
   std::vector<bool> of_place_;        // levels
   std::vector<std::uint32_t> won_;    // that have won a token, and may be enabled; the newest last
   std::vector<Word> has_won_;
+  std::vector<Word> ahead_;           // by transition, those that it may lead to
+  std::size_t ahead_words_ = 0, next_look_ = 0;  // after so many firings it is looked ahead
+  std::vector<std::uint32_t> times_;  // by transition, how often it has fired
   std::vector<Fired> fired_;          // the event and what has fired since
   std::unordered_map<std::uint64_t, Id> among_;
 };
