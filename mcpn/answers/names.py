@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import NoReturn
@@ -119,7 +120,7 @@ class MissionNames(Names):
             return {Event.parse(self._element(name, sorted(map(str, known)), "event"))}
         about = self._copies.meant(said.element, self.within)
         about = about or self._copies.blocks(said.element, self.within)  # whose time may be over
-        found = {Event(said.what, each) for each in about} & known
+        found = {said.of(each) for each in about} & known
         return found or self._unknown(name, sorted(map(str, known)), "event")
 
     def _fact(self, kind: str, name: str, value: str | None) -> str:
@@ -151,7 +152,7 @@ class MissionNames(Names):
         def plain(name: str) -> str:
             event = Event.parse(name)
             if event.what in ENDING:
-                return str(Event(event.what, self._copies.plain(event.element)))
+                return str(event.of(self._copies.plain(event.element)))
             return self._copies.plain(name)
 
         return grouped(names, plain)
@@ -183,12 +184,15 @@ def progress(mission_net: MissionNet) -> tuple[Justice, ...]:
 
     Returns:
         For the start: infinitely often the mission has begun, or the start happens. For each objective:
-        infinitely often it does not run, or its ``OK``, ``FAIL`` or ``TIMEOUT`` happens.
+        infinitely often it does not run, or its ``OK``, ``TIMEOUT`` or a ``FAIL`` happens.
     """
     waits = {mission_net.beginning: {START}}
+    events, ends = [t.event for t in mission_net.net.transitions], defaultdict[str, set[Event]](set)
+    for event in events:
+        if event is not None and event.what in ENDING:
+            ends[event.element].add(event)
     for place, name in mission_net.saying("objective").items():
-        waits[place] = {Event(what, name) for what in ENDING}
-    events = [t.event for t in mission_net.net.transitions]
+        waits[place] = ends[name]
     return tuple(
         Justice(~marked(place), tuple(t for t, event in enumerate(events) if event in endings))
         for place, endings in waits.items()

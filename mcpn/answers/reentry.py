@@ -15,7 +15,7 @@ from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
 from mcpn.mission.expansion.routes import GO_ON
 from mcpn.mission.flatten import Branch, ObjectivesGraph, ParallelSection, Section
-from mcpn.mission.graph import TIMED_OUT
+from mcpn.mission.graph import TIMED_OUT, failed_for
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.static.handover import entries
 from mcpn.nets.events import What
@@ -212,7 +212,8 @@ class Reentry(Generic[S]):
                 continue
             if event.what in _OUTCOMES and event.element in levels:
                 section, around = levels[event.element]
-                yield t, [(around, set(_moves(around, section.led(_OUTCOMES[event.what]))))]
+                outcome = failed_for(event.reason) if event.reason else _OUTCOMES[event.what]
+                yield t, [(around, set(_moves(around, section.led(outcome))))]
             elif event.what is What.DECLARED:
                 origins = (net.places[place].provenance for place, _ in transition.consume)
                 names = {o.name for o in origins if o is not None and o.kind in ("objective", "parallel")}

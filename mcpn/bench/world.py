@@ -311,8 +311,9 @@ class World:
                 objective = self._objectives[event.element]
                 rate = 1.0 / self._mean(objective)
                 rates[text] = rate * (1.0 - objective.failure_probability)
-                rates[str(Event(What.FAILURE, event.element))] = rate * objective.failure_probability
-            elif event.what is What.FAILURE:
+                for (reason, _), share in zip(objective.failures, objective.shares, strict=True):
+                    rates[str(Event(What.FAILURE, event.element, reason))] = rate * share
+            elif event.what is What.FAILURE and not event.reason:
                 success = str(Event(What.SUCCESS, event.element))
                 if success not in possible and self._seems_well(event.element, inside):
                     rates[text] = 1.0 / self._mean(self._objectives[event.element])

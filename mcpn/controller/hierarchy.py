@@ -387,4 +387,4 @@ _KIND_OF_ELEMENT = {
 def _renamed(event: Event, names: Mapping[str, Mapping[str, str]]) -> Event:
     """An event of a type with the names of one of its sections; an event of no element stays as it is."""
     kind = _KIND_OF_ELEMENT.get(event.what)
-    return event if kind is None else Event(event.what, names[kind].get(event.element, event.element))
+    return event if kind is None else event.of(names[kind].get(event.element, event.element))

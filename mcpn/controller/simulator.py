@@ -11,7 +11,7 @@ import random
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, repeat
 
 from mcpn.answers.verdicts.modes import Situation, situation
 from mcpn.controller.machine import Ordering, PlannedAction
@@ -30,22 +30,25 @@ Likelihood = Callable[[Event], float]
 def likelihood(mission_net: MissionNet) -> Likelihood:
     """The weight of each event of a mission; the start of the mission is more likely than all else."""
     mission = mission_net.mission
-    given: dict[tuple[What, str], float | None] = {}
+    given: dict[tuple[What, str, str], float | None] = {}
     for hardware in mission.hardware:
-        given[What.OUT_OF_SERVICE, hardware.name] = hardware.failure_rate
-        given[What.LOST, hardware.name] = hardware.failure_rate
-        given[What.REPAIRED, hardware.name] = hardware.repair_rate
+        given[What.OUT_OF_SERVICE, hardware.name, ""] = hardware.failure_rate
+        given[What.LOST, hardware.name, ""] = hardware.failure_rate
+        given[What.REPAIRED, hardware.name, ""] = hardware.repair_rate
     for activity in mission.activities:
         for name in activity.detects:
-            given[What.DETECTED, name] = activity.detection_rate
+            given[What.DETECTED, name, ""] = activity.detection_rate
     for event in mission.events:
-        given[What.DECLARED, event.name] = event.rate
+        given[What.DECLARED, event.name, ""] = event.rate
     for section in mission_net.graph.walk():
         rate = 1 / section.duration if section.duration else USUAL
         fails = section.failure_probability or SELDOM / (USUAL + SELDOM)
-        given[What.SUCCESS, section.name] = rate * (1 - fails)
-        given[What.FAILURE, section.name] = rate * fails
-        given[What.TIMEOUT, section.name] = rate * SELDOM
+        given[What.SUCCESS, section.name, ""] = rate * (1 - fails)
+        even = fails / (1 + len(section.reasons))  # where the file does not say how often which
+        shares = section.shares if any(section.shares[1:]) else repeat(even)
+        for (reason, _), share in zip(section.failures, shares, strict=False):
+            given[What.FAILURE, section.name, reason] = rate * share
+        given[What.TIMEOUT, section.name, ""] = rate * SELDOM
     default_rates: Mapping[What, float] = {
         What.START: 10 * (1 + len(given)),
         What.REPAIRED: USUAL,
@@ -53,7 +56,7 @@ def likelihood(mission_net: MissionNet) -> Likelihood:
     }
 
     def weight(event: Event) -> float:
-        rate = given.get((event.what, event.element))
+        rate = given.get((event.what, event.element, event.reason))
         return default_rates.get(event.what, SELDOM) if rate is None else rate
 
     return weight

@@ -21,7 +21,7 @@ from mcpn.errors import InputError, LimitError, Problem
 from mcpn.mission.expansion.faults import Crash, noticed
 from mcpn.mission.expansion.routes import Interrupted, exits_by_facts, exits_on
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
-from mcpn.mission.graph import TIMED_OUT
+from mcpn.mission.graph import TIMED_OUT, failed_for
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Activity, Fact, Hardware, Software
 from mcpn.mission.static.usage import Usage
@@ -278,6 +278,8 @@ class LocalPart:
             gated = section.name in self.usage.handover.gated
             if isinstance(section, ElementarySection):
                 inside = tuple(task[a] for a in section.activities)
+                if section.reasons:  # names of events, which the nets of one type share
+                    inside = inside, tuple(reason for reason, _ in section.reasons)
             else:
                 branches = tuple((b.mandatory, self._shape(b.graph, number, task)) for b in section.branches)
                 shelters = tuple(
@@ -452,7 +454,8 @@ def _routed(section: Section, kept: set[str]) -> Section:
     if routed.timed_out is not None and routed.timed_out not in kept:
         routed = replace(routed, timed_out=TIMED_OUT)
     if isinstance(routed, ElementarySection):
-        return routed
+        named = tuple((why, to if to in kept else failed_for(why)) for why, to in routed.reasons)
+        return replace(routed, reasons=named) if named else routed
     abort = routed.abort if routed.abort is None or routed.abort in kept else ABORT
     away = tuple((of, target if target in kept else of) for of, target in routed.away)
     return replace(routed, abort=abort, away=away)

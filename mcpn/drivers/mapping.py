@@ -14,6 +14,7 @@ from mcpn.drivers.functions import function_of
 from mcpn.drivers.processes import program_of
 from mcpn.errors import InputError, Problem, Source
 from mcpn.mission.near import did_you_mean
+from mcpn.nets.events import Event, What
 from mcpn.runtime.tables import START, Tables
 
 Kind = Literal["process", "python", "mqtt", "zenoh", "nothing"]
@@ -158,8 +159,33 @@ ENDINGS = {SUCCESS: "OK", FAILURE: "FAIL"}
 
 
 def ending(objective: str, word: str) -> str:
-    """The event of an objective that ``success`` or ``failure`` stands for."""
-    return f"OBJ_{objective}_EV_{ENDINGS[word]}"
+    """The event of an objective that ``success`` or ``failure`` stands for, or ``failure REASON``."""
+    how, _, reason = word.partition(" ")
+    return f"OBJ_{objective}_EV_{ENDINGS[how]}{'_' * bool(reason)}{reason}"
+
+
+def is_ending(word: str) -> bool:
+    """Whether a word stands for an end of the objective that an activity is started for."""
+    return word in ENDINGS or word.startswith(f"{FAILURE} ")
+
+
+def endings(known: Iterable[str]) -> dict[str, dict[str, str]]:
+    """By objective the events with which it ends that its activities may tell, each with its word.
+
+    Args:
+        known: All events of the controller.
+    """
+    found: dict[str, dict[str, str]] = {}
+    for text in known:
+        if (word := ended(Event.parse(text))) is not None:
+            found.setdefault(Event.parse(text).element, {})[text] = word
+    return found
+
+
+def ended(event: Event) -> str | None:
+    """What a driver says for an end of an objective; ``None`` for other events."""
+    words = {What.SUCCESS: SUCCESS, What.FAILURE: f"{FAILURE} {event.reason}".rstrip()}
+    return words.get(event.what)
 
 
 def event_of(text: str, known: Iterable[str]) -> str | None:
@@ -193,6 +219,7 @@ class _Check:
         for name, row in self.laws.objectives.items():
             for activity in row["activities"]:
                 self.objectives.setdefault(activity, []).append(name)
+        self.endings = endings(tables.known)
         rows = self.laws.activities.items()
         self.unused = {name for name, row in rows if not row["produces"] and name not in self.objectives}
         """Activities of the robot that this mission has no use for."""
@@ -288,9 +315,11 @@ class _Check:
             for key, rows in (("lines", spec.lines), ("ends", spec.ends)):
                 for text, event in rows.items():
                     place = (*spec.place, key, text)
-                    if event in ENDINGS:
+                    if is_ending(event):
                         if not (spec.place[0] == "activities" and spec.place[1] in may_end):
                             yield self._at(place, f"{event}: {'.'.join(spec.place)} is of no objective")
+                        elif event not in ENDINGS:
+                            yield from self._reason(place, event, spec.place[1])
                     elif (found := event_of(event, known)) is None:
                         hint = did_you_mean(event, known)
                         yield self._at(place, f"{event!r} is no event of the mission's controller{hint}")
@@ -298,10 +327,8 @@ class _Check:
                         yield self._at(place, f"{event}: the controller's own timers tell this")
                     else:
                         told.add(found)
-        for word in ENDINGS:
-            told |= {
-                ending(name, word) for name, row in self.laws.objectives.items() if self._ends(row, word)
-            }
+        for name, row in self.laws.objectives.items():
+            told |= {event for event, word in self.endings.get(name, {}).items() if self._ends(row, word)}
         for text in self.plan.never:
             named = event_of(text, known) or text
             if not any(fnmatchcase(event, named) for event in known):
@@ -310,6 +337,14 @@ class _Check:
         for event in sorted(known - told - {START}):
             if not event.endswith("_EV_TIMEOUT"):
                 yield None, f"no driver tells the event {event}: name it in one, or in never"
+
+    def _reason(self, place: Place, word: str, activity: str) -> Found:
+        """A reason for which no objective fails that the activity is started for."""
+        objectives = self.objectives.get(activity, [])
+        known = {each for name in objectives for each in self.endings.get(name, {}).values()}
+        if word not in known:
+            message = f"no objective that runs {activity} fails so{did_you_mean(word, known)}"
+            yield self._at(place, f"{word}: {message}")
 
     def _ends(self, row: dict[str, list[str]], word: str) -> bool:
         """Whether some activity of an objective tells how it ends, whichever alternative runs."""
@@ -329,6 +364,10 @@ def starts_by_itself(plan: Plan) -> bool:
 
 def tells(spec: DriverSpec, said: str, objective: str | None, tables: Tables) -> str | None:
     """The text of an event that a driver's file calls so."""
-    if said in ENDINGS:
-        return None if objective is None else ending(objective, said)
+    if is_ending(said):
+        if objective is None:
+            return None
+        # For an objective that does not fail for the reason it is a failure like any other.
+        event = ending(objective, said)
+        return event if event in tables.known else ending(objective, FAILURE)
     return event_of(said, tables.known)

@@ -23,6 +23,7 @@ from mcpn.drivers.mapping import (
     Plan,
     Repeat,
     Topics,
+    endings,
 )
 from mcpn.errors import InputError, Problem, Source
 from mcpn.files import read_bounded
@@ -359,10 +360,12 @@ def skeleton(tables: Tables) -> str:
     events = sorted(e for e in tables.known if not e.startswith("OBJ_") and e != START)
     never = "".join(f"\n    {_text(event)}," for event in events)
     rows = [HEAD.format(mission=tables.mission, never=f"{never}\n" if never else "")]
-    return "\n".join((*rows, *("\n".join(_activity(tables, name)) + "\n" for name in tables.laws.activities)))
+    ends = endings(tables.known)
+    activities = ("\n".join(_activity(tables, name, ends)) + "\n" for name in tables.laws.activities)
+    return "\n".join((*rows, *activities))
 
 
-def _activity(tables: Tables, name: str) -> Iterator[str]:
+def _activity(tables: Tables, name: str, ends: Mapping[str, Mapping[str, str]]) -> Iterator[str]:
     laws = tables.laws
     row = laws.activities[name]
     objectives = [of for of, said in laws.objectives.items() if name in said["activities"]]
@@ -384,7 +387,10 @@ def _activity(tables: Tables, name: str) -> Iterator[str]:
         yield f"# consumes {', '.join(consumed)}"
     yield f"process = [{', '.join(map(_text, command))}]"
     if objectives:
-        yield f'ends = {{ 0 = "{SUCCESS}", {OTHER} = "{FAILURE}" }}'
+        words = {word for of in objectives for word in ends.get(of, {}).values()}
+        reasons = enumerate(sorted(words - {SUCCESS, FAILURE}), 3)
+        named = "".join(f', {number} = "{word}"' for number, word in reasons)
+        yield f'ends = {{ 0 = "{SUCCESS}"{named}, {OTHER} = "{FAILURE}" }}'
         yield 'repeat = "fail" # or "safe": it may be begun again when a run that was interrupted goes on'
 
 

@@ -11,10 +11,11 @@ from types import MappingProxyType
 from typing import Any
 
 from mcpn.drivers.inbox import Turns
-from mcpn.drivers.mapping import FAILURE, SUCCESS, DriverSpec, Plan, ending, starts_by_itself, tells
+from mcpn.drivers.mapping import FAILURE, DriverSpec, Plan, ended, ending, starts_by_itself, tells
 from mcpn.drivers.processes import Warden
 from mcpn.drivers.starts import Started
 from mcpn.drivers.topics import StopMessage, buses_of, tell_to_stop
+from mcpn.nets.events import Event
 from mcpn.runtime.controller import Controller
 from mcpn.runtime.tables import START, Action, Refused, Tables
 
@@ -209,7 +210,8 @@ class RobotRun:
     def _is_own_end(self, waiting: Waiting) -> bool:
         """Whether a driver tells that the objective has ended that it runs for."""
         of = None if waiting.by is None else waiting.by.objective
-        return of is not None and waiting.event in (ending(of, SUCCESS), ending(of, FAILURE))
+        event = Event.parse(waiting.event)
+        return of is not None and event.element == of and ended(event) is not None
 
     def _failure(self) -> str | None:
         """The failure of an objective that has an activity in error: nothing else may come of it."""

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from mcpn.editor.scan import ScannedElement
 from mcpn.mission.language.forms import Field, form_of, language
-from mcpn.mission.language.references import VALUED, WORDS, happening, references
+from mcpn.mission.language.references import VALUED, WORDS, happening, reason_in, references
 from mcpn.mission.model import Protocol, Use
 from mcpn.mission.robot import BOOLEAN_VALUES, Activity, Element
 
@@ -26,7 +26,7 @@ class Symbol:
 
     Args:
         kind: What it names: ``resource``, ``activity``, ``block``, ``protocol``, ``event``, ``alternative``,
-            ``fact``. As it is read, before it is known what is declared, also what
+            ``fact``, ``reason``. As it is read, before it is known what is declared, also what
             :func:`mcpn.mission.language.references.references` says of formulas and conditions.
         scope: Where it is unique: the name of the protocol of a block, the activity of an alternative; empty
             where that is the mission. ``None`` where several protocols have what it may name.
@@ -106,14 +106,16 @@ def _of(file: str, element: ScannedElement) -> Iterator[Symbol]:
         field = known.get(attribute.name)
         if field is None:
             continue
-        declares = form.NAMED if attribute.name == "name" and issubclass(form, Element) else ""
-        if declares and attribute.value:
-            scope = scope_of(declares, element)
-            yield Symbol(declares, scope, attribute.value, file, attribute.place, True, element)
+        named = form.NAMED if attribute.name == "name" and issubclass(form, Element) else ""
+        if named and attribute.value:
+            scope = scope_of(named, element)
+            yield Symbol(named, scope, attribute.value, file, attribute.place, True, element)
         elif field.type is not None and field.datatype.refers:
             for kind, name, place, of in references(field.datatype.refers, attribute.value):
                 scope = of if kind in ("alternative", "value") else scope_of(kind, element)
-                yield Symbol(kind, scope, name, file, attribute.place + place, False, element)
+                # A reason is declared wherever something is said to fail for it.
+                declares = kind == "reason" and field.several
+                yield Symbol(kind, scope, name, file, attribute.place + place, declares, element)
 
 
 _LOOSE = ("objective", "block path", "loss", "happening")
@@ -162,7 +164,12 @@ class _Meaning:
             case "happening":
                 of = happening(symbol.name)
                 found = replace(symbol, kind=of.kind, name=of.name, place=symbol.place + of.place)
-                return (replace(found, scope=""),) if of.kind == "event" else self.of(found)
+                if of.kind == "event":
+                    return (replace(found, scope=""),)
+                why = reason_in(symbol.name)
+                named = [] if why is None else [replace(symbol, kind="reason", scope="", name=why.name)]
+                named = [replace(each, place=symbol.place + why.place) for each in named if why]
+                return *self.of(found), *named
             case "alternative" if (symbol.scope or "") not in self.alternatives.get(symbol.name, ()):
                 # An activity that says no alternative has one of its own name.
                 return (
@@ -383,10 +390,25 @@ class _Declared:
                 for word in self.named("objective", scope, begun.removeprefix("OBJ_")):
                     yield Offer(f"OBJ_{word.text}_EV_OK", f"{word.text} succeeds", True)
                     yield Offer(f"OBJ_{word.text}_EV_FAIL", f"{word.text} fails", True)
+                    for reason in self.reasons(word.text, scope):
+                        told = f"{word.text} fails for {reason}"
+                        yield Offer(f"OBJ_{word.text}_EV_FAIL_{reason}", told, True)
             case _:
                 found = self._of(kind, scope if kind in ("block", "alternative") else "")
                 for symbol in {s.name: s for s in found}.values():
                     yield Offer(symbol.name, _description(symbol), True)
+
+    def reasons(self, path: str, scope: str) -> Iterator[str]:
+        """The reasons for which an objective fails, by its name in a text."""
+        name = path.rpartition(".")[2]
+        every = {s.name: s.element.texts.get("failures", "") for s in self._of("activity", "")}
+        for symbol in self.symbols:
+            texts = symbol.element.texts
+            if symbol.kind == "block" and symbol.name == name and ("." in path or symbol.scope == scope):
+                said = [every.get(activity, "") for activity in texts.get("activities", "").split()]
+                words = " ".join((*said, texts.get("failures", ""))).split()
+                yield from dict.fromkeys(word.partition("=")[0] for word in words)
+                return
 
     def values(self, kind: str, of: str) -> Iterator[Offer]:
         """Alternatives of an activity, or values of a fact."""

@@ -70,8 +70,6 @@ class _FactChecks:
                 who = f"a route of {block.name} asks for"
                 yield from self.condition(route.source, who, route.when)
                 yield from self.both(route.source, who, route.when)
-                if not route.when:
-                    yield Problem(route.source, f"a route of {block.name} asks for no fact")
                 if not OUTCOME.allows(route.on):
                     found = f"on of a route of {block.name} is {route.on}"
                     yield Problem(route.source, f"{found}, expected {OUTCOME.allowed}")

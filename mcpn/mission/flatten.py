@@ -19,7 +19,7 @@ from functools import partial
 from mcpn.errors import InputError, Source
 from mcpn.mission.expansion.copies import Copies
 from mcpn.mission.expansion.guards import guarded
-from mcpn.mission.expansion.leads import Lead, Leads, by_facts
+from mcpn.mission.expansion.leads import Lead, Leads, Named, by_facts, failing_for, reasons_led
 from mcpn.mission.expansion.pauses import PAUSE, sheltered, suffix_at
 from mcpn.mission.expansion.recovery import entered, following, helping
 from mcpn.mission.expansion.routes import GO_ON, Interruption
@@ -46,6 +46,7 @@ from mcpn.mission.model import (
     Recursive,
     Use,
 )
+from mcpn.mission.reasons import probabilities, reasons_of
 from mcpn.mission.requirement import Requirement
 from mcpn.mission.robot import BOOLEAN_VALUES
 from mcpn.mission.validate import valid
@@ -113,6 +114,7 @@ class _Flattening:
         self.requirements: dict[str, tuple[str, Requirement]] = {}
         self.standing = Copies()
         self.protocols: dict[str, Protocol] = {p.name: p for p in mission.protocols}
+        self.activities = {activity.name: activity for activity in mission.activities}
         self.facts = facts_of(mission)
         self.pauses: dict[str, str] = {}
         """By placeholder for the target of a pause, the name of the sibling that is run meanwhile."""
@@ -139,8 +141,12 @@ class _Flattening:
         exits: dict[str, Lead],
         sections: list[Section],
         around: tuple[Handler, ...] = (),
+        copied: Mapping[str, Named] | None = None,
     ) -> None:
-        """Adds the sections of sibling blocks, under handlers that lead to them as well."""
+        """Adds the sections of sibling blocks, under handlers that lead to them as well.
+
+        One copy of a block is a series, too, where named failures lead as ``copied`` says.
+        """
         routes = guarded(blocks, partial(self.entry, scope=scope), exits, self.facts)
         scope = self.handling(scope, around, routes, "")
         after, named = following(blocks), {block.name: block for block in blocks}
@@ -153,10 +159,9 @@ class _Flattening:
             inner = self.handling(scope, block.handlers, routes, block.name)
             failure = block.failure or FAIL
             late = block.timeout_goto or failure
-            leads = Leads(*(routes[to] for to in (success, failure, block.abort or ABORT, late)))
+            leads = Leads(routes[success], routes[failure], routes[block.abort or ABORT], routes[late])
             before = len(sections)
-            if block.routes:
-                leads = self.deciding(block, routes, leads)
+            leads = leads._replace(named=copied) if copied else self.deciding(block, routes, leads, exits)
             if block.recover is None:
                 self.block(block, inner, leads, sections)
             else:
@@ -166,13 +171,30 @@ class _Flattening:
             if runs := {i.target: named[self.pauses[i.target]] for i in own if i.target in self.pauses}:
                 self.paused(before, runs, (scope, routes), leads.failure, sections)
 
-    def deciding(self, block: Block, routes: Mapping[str, Lead], leads: Leads) -> Leads:
-        """The leads of a block, its routes with a condition on facts put before the others."""
-        own: dict[str, list[tuple[Condition, Lead]]] = {"success": [], "failure": []}
+    def deciding(
+        self, block: Block, routes: Mapping[str, Lead], leads: Leads, exits: Mapping[str, Lead]
+    ) -> Leads:
+        """The leads of a block, its routes with a condition on facts or a reason put before the others."""
+        own: dict[str, list[tuple[Condition, str]]] = {"success": [], "failure": []}
+        named = {reason: list[tuple[Condition, str]]() for reason in reasons_led(exits)}
         for route in block.routes:
-            own[route.on].append((resolved(route.when, self.facts), routes[route.goto]))
-        success, failure = by_facts(own["success"], leads.success), by_facts(own["failure"], leads.failure)
-        return Leads(success, failure, leads.abort, leads.timed_out if block.timeout_goto else failure)
+            of = own[route.on] if route.reason is None else named.setdefault(route.reason, [])
+            of.append((resolved(route.when, self.facts), route.goto))
+        if not block.routes and not named:
+            return leads
+
+        def led(cases: list[tuple[Condition, str]], failing: Lead) -> tuple[tuple[Condition, Lead], ...]:
+            return tuple((when, failing if goto == FAIL else routes[goto]) for when, goto in cases)
+
+        success = by_facts(led(own["success"], routes[FAIL]), leads.success)
+        failure = by_facts(led(own["failure"], routes[FAIL]), leads.failure)
+        found = dict[str, Named]()
+        for reason, cases in named.items():
+            # What fails so fails the block around for the same reason.
+            around = exits.get(failing_for(reason), routes[FAIL])
+            default = around if block.failure in (None, FAIL) else leads.failure
+            found[reason] = Named(led(cases, around), by_facts(led(own["failure"], around), default))
+        return Leads(success, failure, leads.abort, leads.timed_out if block.timeout_goto else failure, found)
 
     def recovered(
         self,
@@ -187,10 +209,11 @@ class _Flattening:
         runs = list(copies(block, scope))
         for number, ((blocks, inside), again) in enumerate(zip(runs, (*runs[1:], None), strict=True), 1):
             if again is None:
-                self.series(blocks, inside, leads.exits, sections)
+                self.series(blocks, inside, leads.exits, sections, copied=leads.named)
                 return
             here = around.copy(by, f"{block.name}{number}")
-            self.series(blocks, inside, leads._replace(failure=Lead(self.entry(by, here))).exits, sections)
+            run = leads.failing(Lead(self.entry(by, here)))
+            self.series(blocks, inside, run.exits, sections, copied=run.named)
             back = Lead(self.entry(again[0][0], again[1]))
             self.helper(by, here, routes, (back, leads.failure), sections)
 
@@ -286,6 +309,9 @@ class _Flattening:
         elif isinstance(block, Objective):
             parameters = scope.in_force(block.parameters)
             self.count(len(parameters), block.source)
+            reasons = reasons_of(block, self.activities)
+            leads = leads.of_reasons(each.name for each in reasons)
+            whole, parts = probabilities(block, reasons)
             self.standing.objectives[scope.name(block)] = scope.standing(block)
             sections.append(
                 ElementarySection(
@@ -297,12 +323,14 @@ class _Flattening:
                     parameters,
                     block.description,
                     block.duration,
-                    block.failure_probability or 0.0,
+                    whole,
                     scope.interruptions,
                     block.timeout,
                     None if block.timeout is None else leads.timed_out.target,
                     self.settings(block),
                     leads.cases,
+                    tuple((each.name, leads.named[each.name].lead.target) for each in reasons),
+                    parts,
                 )
             )
         elif isinstance(block, Parallel):
@@ -371,10 +399,11 @@ class _Flattening:
             if following is None:
                 each_leads = leads
             elif tries:
-                each_leads = leads._replace(failure=Lead(following))
+                each_leads = leads.failing(Lead(following))
             else:
                 each_leads = leads._replace(success=Lead(following))
-            self.series(blocks, inner, each_leads.exits, sections)
+            copied = each_leads.named if tries or block.repeat is not None else None
+            self.series(blocks, inner, each_leads.exits, sections, copied=copied)
 
     def branch(self, child: Block, scope: Scope) -> Branch:
         alone = replace(child, success=None, failure=None, routes=())

@@ -24,6 +24,11 @@ IN_TIME = ".0"
 """Ends the name of the one branch of a block whose time may be over; no name begins with a digit."""
 
 
+def failed_for(reason: str) -> str:
+    """The outcome of an objective that fails for a reason."""
+    return f"failure {reason}"
+
+
 @dataclass(frozen=True, slots=True)
 class ElementarySection(Routes):
     """An elementary objective with its place in the graph.
@@ -45,6 +50,8 @@ class ElementarySection(Routes):
         timed_out: Where that leads; ``None`` where it never does.
         sets: Facts that it changes.
         cases: With its outcome, where that leads instead if facts are so; the first that fits counts.
+        reasons: The reasons for which it may fail, each with where that leads.
+        shares: The parts of ``failure_probability``: failures for no reason, then those for each reason.
     """
 
     name: str
@@ -61,16 +68,25 @@ class ElementarySection(Routes):
     timed_out: str | None = None
     sets: tuple[Setting, ...] = ()
     cases: tuple[tuple[str, FactCase], ...] = ()
+    reasons: tuple[tuple[str, str], ...] = ()
+    shares: tuple[float, ...] = (0.0,)
 
     @property
     def outcomes(self) -> tuple[tuple[str, str], ...]:
         """How it may end by itself, each with where that leads; timed out only where it has a timeout."""
-        ended = (("success", self.success), ("failure", self.failure))
+        named = ((failed_for(reason), target) for reason, target in self.reasons)
+        ended = (("success", self.success), ("failure", self.failure), *named)
         return ended if self.timed_out is None else (*ended, (TIMED_OUT, self.timed_out))
+
+    @property
+    def failures(self) -> Iterator[tuple[str, str]]:
+        """The reasons for which it may fail, none first (an empty text), each with the outcome that it is."""
+        yield "", "failure"
+        yield from ((reason, failed_for(reason)) for reason, _ in self.reasons)
 
     def setting(self, on: str) -> dict[str, str]:
         """The facts that it changes on an occasion, with their new values; a timeout is a failure."""
-        occasion = "failure" if on == TIMED_OUT else on
+        occasion = on if on in ("success", "start") else "failure"
         return {setting.fact: setting.value for setting in self.sets if setting.on == occasion}
 
     def walk(self) -> Iterator[ElementarySection]:
@@ -221,7 +237,8 @@ def rerouted(section: Section, to: Callable[[str], str]) -> Section:
     success, failure = to(section.success), to(section.failure)
     late = section.timed_out and to(section.timed_out)
     if isinstance(section, ElementarySection):
-        led = replace(section, success=success, failure=failure, timed_out=late)
+        reasons = tuple((reason, to(target)) for reason, target in section.reasons)
+        led = replace(section, success=success, failure=failure, timed_out=late, reasons=reasons)
         return replace(led, cases=cases, interruptions=interruptions)
     abort, away = section.abort and to(section.abort), tuple((of, to(target)) for of, target in section.away)
     parallel = replace(section, success=success, failure=failure, abort=abort, away=away)
@@ -357,7 +374,8 @@ class ObjectivesGraph(Drawn):
 
         Returns:
             Nodes with ``kind`` (``objective``, ``parallel``, ``exit``), objectives with ``activities``;
-            edges with ``outcome`` (``success``, ``failure``, ``abort``, ``timed out``, ``event NAME``), or
+            edges with ``outcome`` (``success``, ``failure``, ``failure REASON``, ``abort``, ``timed out``,
+            ``event NAME``), or
             ``branch`` from a block to its children.
         """
         import networkx

@@ -37,9 +37,11 @@ from mcpn.mission.language.datatypes import (
     Hours,
     Probability,
     ProtocolName,
+    ReasonName,
     Rounds,
     Route,
     Seconds,
+    Shares,
     Times,
     Tries,
     Values,
@@ -96,12 +98,20 @@ class Handler(Described):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FactRoute(Described):
-    """Where the block around it leads when facts are so as it ends. The first that fits counts."""
+    """Where the block around it leads when facts are so as it ends, or as it fails for a reason.
+
+    The first that fits counts, of those that name the reason before others.
+    """
 
     TAG = "route"
-    when: Annotated[When, "Facts that must all hold: battery=low !holding."]
+    when: Annotated[When, "Facts that must all hold: battery=low !holding. Required without reason."] = ()
     goto: Annotated[str, ROUTE, "Where the block leads."]
     on: Annotated[str, OUTCOME, "The outcome of the block."] = "success"
+    reason: Annotated[
+        ReasonName,
+        "With on=failure: one of the failures of an objective in the block. The route is followed at once, "
+        "before any further try or recovery.",
+    ] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -182,6 +192,11 @@ class Objective(BlockElement):
     failure_probability: Annotated[
         Probability, "Risk: the probability, 0 to 1, that it fails though it could succeed."
     ] = None
+    failures: Annotated[
+        Shares,
+        "Reasons for which it may fail, with those of its activities; each perhaps with its part of "
+        "failure_probability: no_path=0.02 blocked.",
+    ] = ()
     sets: tuple[FactChange, ...] = ()
     parameters: tuple[Parameter, ...] = ()
 

@@ -24,6 +24,7 @@ from mcpn.mission.language.datatypes import (
     Name,
     Probability,
     Rate,
+    Reasons,
     Resources,
     Values,
     When,
@@ -194,6 +195,7 @@ class Activity(Element):
     switch_back: Annotated[bool, "true: it changes back when a better alternative is available again."] = (
         False
     )
+    failures: Annotated[Reasons, "Reasons for which an objective that runs it may fail."] = ()
     detects: Annotated[Resources, "Hardware detected late whose loss it may notice while it runs."] = ()
     detection_rate: Annotated[
         Rate,

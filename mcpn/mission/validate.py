@@ -40,6 +40,7 @@ from mcpn.mission.model import (
     walk,
 )
 from mcpn.mission.near import Hints
+from mcpn.mission.reasons import ReasonChecks
 from mcpn.mission.requirement import Requirement
 from mcpn.mission.robot import Activity, Described, Element, Parameter
 
@@ -158,6 +159,7 @@ class _Checks:
         self.named = {*self.resources, *(fault.name for fault in mission.faults)}
         self.protocols: Mapping[str, Protocol] = {p.name: p for p in mission.protocols}
         self.events = {e.name: e for e in mission.events}
+        self.reasons = ReasonChecks(self.activities, self.protocols)
         self.parameters: dict[str, frozenset[str]] = {}
         self.hints = Hints()
         self.producers: dict[str, list[Activity]] = {}
@@ -192,6 +194,7 @@ class _Checks:
             for activity in robot.activities:
                 yield from self.activity(activity)
                 yield from crash_errors(activity, self.named)
+                yield from self.reasons.activity(activity)
                 yield from detection_errors(activity, self.hardware, self.named, self.hints)
         yield from cycles(
             "activities need each other's resources",
@@ -308,8 +311,10 @@ class _Checks:
                 yield Problem(block.source, message)
             if block.name in (SUCCEED, FAIL, ABORT):
                 yield Problem(block.source, f"a block cannot be called {block.name}, the name of a route")
+            yield from self.reasons.routes(block)
             if isinstance(block, Objective):
                 yield from self.objective(block)
+                yield from self.reasons.objective(block)
             elif isinstance(block, Use):
                 yield from self.use(block)
             elif isinstance(block, Parallel):
@@ -332,7 +337,8 @@ class _Checks:
                 what = f"the guard of {block.name} when {' '.join(guard.when)}"
                 yield from self.route(guard.source, what, guard.otherwise, names)
             for each in block.routes:
-                what = f"the route of {block.name} when {' '.join(each.when)}"
+                asked = f" when {' '.join(each.when)}" if each.when else f" for {each.reason}"
+                what = f"the route of {block.name}{asked}"
                 yield from self.route(each.source, what, each.goto, names)
 
     def route(

@@ -3,11 +3,14 @@
 >>> str(Event(What.OUT_OF_SERVICE, "GPS_sensor"))
 'GPS_sensor_EV_OOS'
 >>> Event.parse("OBJ_diving_EV_OK")
-Event(what=<What.SUCCESS: 'success'>, element='diving')
+Event(what=<What.SUCCESS: 'success'>, element='diving', reason='')
+>>> Event.parse("OBJ_diving_EV_FAIL_too_deep").reason
+'too_deep'
 """
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import total_ordering
@@ -57,6 +60,8 @@ _FORMS = {
 """Text before and after the element; no text ends like two of them."""
 
 _START = "MISSION_EV_START"
+_REASON = re.compile(r"OBJ_(.+)_EV_FAIL_([A-Za-z_][A-Za-z0-9_]*)", re.ASCII)
+"""A failure with its reason, in which no other form of an event may occur."""
 
 
 @total_ordering
@@ -68,6 +73,7 @@ class Event:
         what: What happens.
         element: To which element: an objective, hardware, the declared name; of a named event its whole
             text, of the start nothing.
+        reason: Of a failure for which the mission has a name, that name; else nothing.
 
     Raises:
         ValueError: The text of these would be read as another event.
@@ -75,8 +81,11 @@ class Event:
 
     what: What
     element: str = ""
+    reason: str = ""
 
     def __post_init__(self) -> None:
+        if self.reason and (self.what is not What.FAILURE or not self.element):
+            raise ValueError(f"{self.what.name} of {self.element!r} has a reason: only a failure has one")
         if self.what is What.NAMED and _parse(self.element) is not None:
             raise ValueError(f"{self.element!r} is the text of a typed event: parse it")
         if (self.what is What.START) != (not self.element) and self.what is not What.NAMED:
@@ -88,7 +97,7 @@ class Event:
         if self.what is What.START:
             return _START
         before, after = _FORMS[self.what]
-        return f"{before}{self.element}{after}"
+        return f"{before}{self.element}{after}{'_' * bool(self.reason)}{self.reason}"
 
     def __lt__(self, other: Event) -> bool:
         return str(self) < str(other)
@@ -96,18 +105,22 @@ class Event:
     @staticmethod
     def parse(text: str) -> Event:
         """The event that a text from a file or from people says."""
-        what, element = _parse(text) or (What.NAMED, text)
-        return Event(what, element)
+        return Event(*(_parse(text) or (What.NAMED, text)))
+
+    def of(self, element: str) -> Event:
+        """The same of another element."""
+        return Event(self.what, element, self.reason)
 
 
-def _parse(text: str) -> tuple[What, str] | None:
-    """What happens and to which element, or ``None`` for a text of no typed event."""
+def _parse(text: str) -> tuple[What, str, str] | None:
+    """What happens, to which element and for what reason, or ``None`` for a text of no typed event."""
     if text == _START:
-        return What.START, ""
+        return What.START, "", ""
     for what, (before, after) in _FORMS.items():
         if text.startswith(before) and text.endswith(after) and len(text) > len(before) + len(after):
-            return what, text[len(before) : -len(after)]
-    return None
+            return what, text[len(before) : -len(after)], ""
+    named = _REASON.fullmatch(text)
+    return None if named is None else (What.FAILURE, named[1], named[2])
 
 
 START = Event(What.START)

@@ -67,7 +67,7 @@ def what_happens(event: Event, mission: str) -> str:
         case What.SUCCESS:
             return f"objective {name} succeeds"
         case What.FAILURE:
-            return f"objective {name} fails"
+            return f"objective {name} fails{f' for {event.reason}' * bool(event.reason)}"
         case What.TIMEOUT:
             return f"the time of {name} is over"
         case What.OUT_OF_SERVICE:

@@ -27,6 +27,7 @@ from mcpn.mission.model import (
     Use,
     walk,
 )
+from mcpn.mission.reasons import ReasonChecks, reason
 from mcpn.mission.robot import DeclaredEvent, Robot
 from mcpn.testing.drawing import TEXTS
 from mcpn.testing.robots import Island, RobotDrawing
@@ -168,7 +169,9 @@ class MissionDrawing(RobotDrawing):
         abort = self.draw(route) if self.rarely(self.shape.aborts) else None
         block = replace(block, success=success, failure=failure, abort=abort, handlers=handlers)
         siblings = [b.name for b in blocks[0 if self.shape.loops else index + 1 :]]
-        return replace(self.timed(block, targets), routes=self.routes(siblings))
+        return replace(
+            self.timed(block, targets), routes=(*self.routes(siblings), *self.for_reasons(block, siblings))
+        )
 
     def timed(self, block: Block, targets: list[str | None]) -> Block:
         """A block that leads to some of these where its time is over, if it has one."""
@@ -189,13 +192,30 @@ class MissionDrawing(RobotDrawing):
             for _ in range(self.number(0, 5) - 3 if self.facts else 0)
         )
 
+    def for_reasons(self, block: Block, siblings: list[str]) -> tuple[FactRoute, ...]:
+        """Where a block leads that fails for some reason, none or a few routes."""
+        if isinstance(block, Parallel) or not self.rarely(self.shape.reasons):
+            return ()
+        reasons = [*self.failing.of((block,))]
+        found = list[FactRoute]()
+        for of in self.draw(st.permutations(reasons))[:2]:
+            goto = st.sampled_from([SUCCEED, FAIL, *siblings])
+            if self.facts and self.chance():
+                route = FactRoute(when=self.condition(), goto=self.draw(goto), on="failure", reason=of)
+                found.append(route)
+            if len(found) < 2 and self.number(0, 3):
+                found.append(FactRoute(goto=self.aborting(self.draw(goto)), on="failure", reason=of))
+        return tuple(found)
+
+    @property
+    def failing(self) -> ReasonChecks:
+        """Says for which reasons blocks may fail."""
+        protocols = {protocol.name: protocol for protocol, _, _ in self.protocols}
+        return ReasonChecks({activity.name: activity for activity in self.activities}, protocols)
+
     def aborting(self, route: Route) -> Route | Literal["abort"]:
         """A route, or abort in its place."""
         return ABORT if self.rarely(self.shape.aborts) else route
-
-    def rarely(self, of_ten: int) -> bool:
-        """Whether something is to be that is so some times of ten; nothing is drawn where it never is."""
-        return of_ten > 0 and self.number(0, 9) >= 10 - of_ten
 
     def block(self, depth: int, islands: list[Island], budget: int) -> tuple[Block, int]:
         """A block, once or in rounds and tries."""
@@ -276,6 +296,8 @@ class MissionDrawing(RobotDrawing):
                 island.startable = [a for a in island.startable if a not in activities]
         name, sets = self.name("obj"), self.changes(("success", "failure", "start"))
         self.done.append(name)
+        failures = self.reasons(shares=True)
+        least = sum(reason(text).probability or 0.0 for text in failures)
         return Objective(
             name=name,
             sets=sets,
@@ -283,7 +305,8 @@ class MissionDrawing(RobotDrawing):
             parameters=self.parameters(),
             description=self.description(),
             duration=self.value(1e-6, 1e6),
-            failure_probability=self.value(0, 1),
+            failures=failures,
+            failure_probability=self.value(least, 1),
             timeout=self.draw(st.integers(1, 90)) / 2 if self.rarely(self.shape.timeouts) else None,
         )
 

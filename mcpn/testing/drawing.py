@@ -51,6 +51,10 @@ class MissionDrawer:
         name = self.draw(st.sampled_from(PARAMETERS))
         return (Parameter(name=name, value=self.draw(TEXTS), unit=unit),)
 
+    def rarely(self, of_ten: int) -> bool:
+        """Whether something is to be that is so some times of ten; nothing is drawn where it never is."""
+        return of_ten > 0 and self.number(0, 9) >= 10 - of_ten
+
     def value(self, least: float, most: float) -> float | None:
         """A number for numbers of risk, or none."""
         return self.draw(st.none() | st.floats(least, most)) if self.shape.numbers else None

@@ -109,6 +109,28 @@ PAUSING_IN_TIME = missions(
     UNCONTENDED, sections=7, branches=3, depth=3, events=2, aborts=1, pauses=9, early=3, timed_blocks=6
 )
 """The same where nothing contends, with pauses."""
+NAMED = st.integers(0, 2).flatmap(
+    lambda facts: missions(
+        sections=6,
+        depth=3,
+        hardware=1,
+        producers=1,
+        alternatives=2,
+        events=1,
+        facts=min(facts, 1),
+        aborts=1,
+        early=1,
+        recovers=3,
+        pauses=1,
+        timeouts=1,
+        guards=2,
+        reasons=7,
+    )
+)
+"""Objectives that fail for reasons, and blocks around them that have routes for these."""
+NAMED_APART = missions(
+    UNCONTENDED, sections=6, depth=3, branches=3, outputs=3, recovers=2, early=2, reasons=7
+)
 WORLD = missions(sections=5, hardware=2, producers=2, facts=2, events=1)
 """Facts that objectives and events change, and that routes and alternatives read."""
 WORLD_ABORTED = missions(sections=6, hardware=2, producers=1, branches=3, facts=2, aborts=4, early=3)
@@ -152,6 +174,7 @@ MISSIONS: st.SearchStrategy[Mission] = st.one_of(
     TIMED,
     IN_TIME,
     PAUSING_IN_TIME,
+    NAMED,
     WORLD,
     WORLD_ABORTED,
     WORLD_APART,

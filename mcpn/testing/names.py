@@ -20,8 +20,8 @@ def renamed(mission: Mission, rename: Callable[[str, str], str]) -> Mission:
     Args:
         mission: A valid mission.
         rename: From a kind (``resource``, ``activity``, ``alternative``, ``block``, ``protocol``, ``event``,
-            ``fact``) and a name to the new name, which must be unique in its kind. An alternative that has
-            the name of its activity gets the activity's new name.
+            ``fact``, ``reason``) and a name to the new name, which must be unique in its kind. An alternative
+            that has the name of its activity gets the activity's new name.
     """
 
     def reworded(text: str) -> str:
@@ -33,6 +33,9 @@ def renamed(mission: Mission, rename: Callable[[str, str], str]) -> Mission:
     def other(kind: str, value: Any) -> Any:
         if kind == "condition":
             return tuple(map(reworded, value))
+        if kind == "reason" and isinstance(value, tuple):
+            words = (text.partition("=") for text in value)
+            return tuple("".join((rename(kind, name), *share)) for name, *share in words)
         if isinstance(value, tuple):
             return tuple(rename(kind, name) for name in value)
         exits = (None, SUCCEED, FAIL, ABORT) if kind == "block" else (None,)
@@ -63,6 +66,7 @@ _AWKWARD = (
     *("a_idle", "a_error", "a_wait1", "a_start", "OBJ_a", "OBJ_a_ok", "PAR_a", "PAR_a_exit_0", "MISSION"),
     *("MISSION_success", "EV", "OK", "b", "sel1", "start", "b_sel1", "answer"),
 )
+_AWKWARD_REASONS = ("OK", "FAIL", "a", "OOS", "a_b", "b", "OBJ_a", "a_OK")
 
 
 def awkwardly_named(mission: Mission) -> st.SearchStrategy[Mission]:
@@ -83,7 +87,8 @@ def awkwardly_named(mission: Mission) -> st.SearchStrategy[Mission]:
         def rename(kind: str, name: str) -> str:
             if (kind, name) not in given:
                 known = taken.setdefault(kind, set())
-                left = [new for new in _AWKWARD if new not in known] or [f"a_{len(known)}"]
+                some = _AWKWARD_REASONS if kind == "reason" else _AWKWARD
+                left = [new for new in some if new not in known] or [f"a_{len(known)}"]
                 given[kind, name] = draw(st.sampled_from(left))
                 known.add(given[kind, name])
             return given[kind, name]

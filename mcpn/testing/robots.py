@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from mcpn.mission.robot import Activity, Alternative, Fault, Hardware, Software
 from mcpn.testing.data import WorldDrawing
-from mcpn.testing.shape import Shape
+from mcpn.testing.shape import REASONS, Shape
 
 
 @dataclass
@@ -157,8 +157,18 @@ class RobotDrawing(WorldDrawing):
             description=self.description(),
             detects=detects,
             detection_rate=self.value(0, 1e6) if detects else None,
+            failures=() if produces else self.reasons(),
             **self.crashing(),
         )
+
+    def reasons(self, *, shares: bool = False) -> tuple[str, ...]:
+        """Reasons for failures, none or a few, with shares of one half and less where numbers are drawn."""
+        if not self.rarely(self.shape.reasons):
+            return ()
+        drawn = self.draw(st.permutations(REASONS))[: self.number(1, 2)]
+        if not shares or not self.shape.numbers:
+            return tuple(drawn)
+        return tuple(f"{name}={self.number(0, 4) / 16}" if self.chance() else name for name in drawn)
 
     def detected(self) -> tuple[str, ...]:
         """Hardware whose loss an activity finds out, that no other does."""

@@ -14,6 +14,8 @@ from mcpn.mission.writer import written
 
 PARAMETERS = ("speed", "depth", "round")
 """Names of parameters that are drawn: few, so that blocks one in the other say the same."""
+REASONS = ("stuck", "no_path", "blocked")
+"""Reasons for failures that are drawn: few, so that objectives fail for the same."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,8 @@ class Shape:
             blocks route what aborts in them: with none nothing aborts.
         timeouts: How many of ten objectives end by themselves when their time is over.
         timed_blocks: The same of blocks that hold others.
+        reasons: How many of ten objectives and activities fail for reasons, how many of ten blocks around
+            them have a route for one.
         recovers: How many of ten series have a block that recovers by another one.
         pauses: How many of ten series have a block that pauses on an event, while another one is run.
         led: In how many of ten series with a block that is run for another a route leads to it as well.
@@ -82,6 +86,7 @@ class Shape:
     aborts: int = 0
     timeouts: int = 0
     timed_blocks: int = 0
+    reasons: int = 0
     early: int = 0
     recovers: int = 0
     pauses: int = 0

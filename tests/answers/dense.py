@@ -320,7 +320,8 @@ class Jumps:
         """The rate of an edge; in states that are left at once a share."""
         what, name = edge.event.what, edge.event.element
         if edge.source in self.hasty:
-            return float(what is What.FAILURE and edge.source not in possible[name])
+            alone = what is What.FAILURE and not edge.event.reason
+            return float(alone and edge.source not in possible[name])
         if what not in (What.SUCCESS, What.FAILURE):
             return self.own_rate(edge.event, rates)
         objective = self.of.objectives[name]
@@ -329,7 +330,9 @@ class Jumps:
         if what is What.SUCCESS:
             return (1 - failing) / objective.duration
         if (edge.source, name) in self.of.misused:
-            return 1 / objective.duration
+            return float(not edge.event.reason) / objective.duration
+        named = dict(zip((reason for reason, _ in objective.reasons), objective.shares[1:], strict=True))
+        failing = named[edge.event.reason] if edge.event.reason else failing - sum(named.values())
         return failing / objective.duration if (edge.source, name) in self.of.may_succeed else 0.0
 
     def mode(self, state: int) -> tuple[frozenset[str], frozenset[str]]:
@@ -397,7 +400,11 @@ def with_numbers(draw: st.DrawFn, mission: Mission, *, demands: bool = False) ->
         if not isinstance(block, Objective):
             return block
         values = draw(st.tuples(st.sampled_from([0.5, 1.0, 4.0]), st.sampled_from([0.0, 0.25])))
-        return replace(block, duration=values[0], failure_probability=values[1])
+        shares = [draw(st.sampled_from([None, 0.0, 0.0625, 0.125])) for _ in block.failures]
+        said = zip(block.failures, shares, strict=True)
+        named = tuple(text if share is None else f"{text}={share}" for text, share in said)
+        failing = None if any(shares) and draw(st.booleans()) else max(values[1], sum(filter(None, shares)))
+        return replace(block, duration=values[0], failure_probability=failing, failures=named)
 
     def often(event: DeclaredEvent) -> DeclaredEvent:
         return replace(event, rate=draw(st.sampled_from([None, 0.0, 0.2, 1.0])))
@@ -540,6 +547,8 @@ def any_missions(draw: st.DrawFn) -> Mission:
             missions(aborting, own_hardware=True, shared_activities=False),
             missions(small, facts=2, sections=4),
             missions(aborting, facts=2, own_hardware=True, shared_activities=False),
+            missions(small, reasons=7, recovers=2, sections=4),
+            missions(aborting, reasons=7, own_hardware=True, shared_activities=False),
         )
     )
     return draw(with_numbers(chosen, demands=draw(st.booleans())))

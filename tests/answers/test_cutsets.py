@@ -231,7 +231,8 @@ def test_an_objective_is_entered_where_each_of_its_runs_begins(mission: Mission,
 @settings(max_examples=max(settings().max_examples, 60))  # of few the critical mode says something
 @given(
     missions(max_objectives=2, max_sections=3, max_hardware=3, max_producers=1, max_activities=3)
-    | fragile_missions(max_objectives=2, max_sections=3, max_hardware=3),
+    | fragile_missions(max_objectives=2, max_sections=3, max_hardware=3)
+    | fragile_missions(max_objectives=2, max_sections=3, max_hardware=2, reasons=8),
     st.sampled_from(ENGINES),
     st.booleans(),
 )

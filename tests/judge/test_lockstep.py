@@ -204,6 +204,27 @@ def test_blocks_whose_time_may_be_over_and_that_pause(of: Mission) -> None:
     assert check(of) != "undetermined"
 
 
+def routed(of: Mission) -> str:
+    """How many routes for reasons a mission has, and on what."""
+    blocks = [*walk(of.blocks), *(b for p in of.protocols for b in walk(p.blocks))]
+    routes = [(block, route) for block in blocks for route in block.routes if route.reason]
+    inner = sum(not isinstance(block, Objective) or block.retries > 0 for block, _ in routes)
+    return f"routes for reasons: {min(len(routes), 3)}, of blocks or tries: {min(inner, 2)}"
+
+
+@given(drawn.NAMED)
+def test_failures_for_reasons(of: Mission) -> None:
+    event(routed(of))
+    check(of)
+
+
+@fewer(0.5)
+@given(drawn.NAMED_APART)
+def test_failures_for_reasons_where_nothing_contends(of: Mission) -> None:
+    event(routed(of))
+    assert check(of) != "undetermined"
+
+
 @fewer(0.25)
 @given(drawn.IN_ROUNDS)
 def test_handlers_in_rounds_and_uses(of: Mission) -> None:

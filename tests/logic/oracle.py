@@ -11,10 +11,16 @@ from hypothesis import strategies as st
 
 from mcpn.drawing.compose import MissionNet
 from mcpn.mission.model import Block, Holder, Mission, Objective
+from mcpn.nets.events import Event, What
 from mcpn.nets.petri import Marking
 from mcpn.testing import missions
 
 Edge = tuple[str, Marking]
+
+
+def fails(text: str) -> bool:
+    """Whether an event is the failure of an objective, for whatever reason."""
+    return Event.parse(text).what in (What.FAILURE, What.TIMEOUT)
 
 
 class Play:
@@ -132,7 +138,7 @@ class Play:
             only = any(map(aborted, onward)) and not any(map(succeeded, onward))
             return f"{name}_EV_OK" in into or only
 
-        failures = [text for text in into if text.endswith(("_EV_FAIL", "_EV_TIMEOUT"))]
+        failures = filter(fails, into)
         return {text for text in failures if shelter(text.rpartition("_EV_")[0])}
 
     def ends_safely(self, marking: Marking, dead: frozenset[str]) -> bool:
@@ -158,7 +164,7 @@ class Play:
             if stop is not None and stop(m):
                 continue
             for event, after in self.edges(m):
-                if event.startswith("OBJ_") and event.endswith(("_EV_FAIL", "_EV_TIMEOUT")):
+                if fails(event):
                     name = event.removeprefix("OBJ_").rpartition("_EV_")[0]
                     if self.objective_survives(m, name, frozenset(self.hardware)):
                         continue

@@ -249,6 +249,8 @@ REFERS = {
     "when": "condition",
     "event": "event",
     "protocol": "protocol",
+    "failures": "reason",
+    "reason": "reason",
 }
 """What each attribute that refers to something names."""
 REQUIRED = {

@@ -43,8 +43,8 @@ class EdgeRates:
     Args:
         listed: The states and edges.
         rates: Failures per hour in service and repairs per hour out of service, of each of its resources.
-        ending: By objective, its ends per hour while its success is possible, and the probability that such
-            an end is a failure.
+        ending: By objective, its ends per hour while its success is possible, and the probabilities that
+            such an end is a failure: for no reason, then for each of its reasons.
         demands: By resource, how probable it is that it fails on demand.
         number: Makes a number of the kind that the arguments are: :func:`decimal`, else it makes floats.
 
@@ -59,7 +59,7 @@ class EdgeRates:
         self,
         listed: ListedChain,
         rates: Sequence[tuple[Number, Number]],
-        ending: Sequence[tuple[Number, Number]],
+        ending: Sequence[tuple[Number, ...]],
         demands: Sequence[Number] = (),
         number: Callable[[float], Number] = float,
     ) -> None:
@@ -86,18 +86,20 @@ class EdgeRates:
         self.moving: Mask = np.asarray(self.rates > 0, np.bool_) & changing
         self.rates[~self.moving] = number(0.0)
 
-    def _run_objectives(self, ending: Sequence[tuple[Number, Number]]) -> Mask:
+    def _run_objectives(self, ending: Sequence[tuple[Number, ...]]) -> Mask:
         """Gives rates to edges that end objectives; those of objectives that fail at once are returned."""
         listed, sources, targets = self._listed, self._graph.sources, self._graph.targets
         may_happen = ((self.rates > 0) | listed.ending) & (self._weights > 0)
         failed = np.zeros(self._graph.edges, np.bool_)
         objectives = listed.prospects.objectives.items()
-        for (name, goal), (rate, failure) in zip(objectives, ending, strict=True):
+        for (name, goal), (rate, *failures) in zip(objectives, ending, strict=True):
             if goal.running:
-                well, badly = listed.carrying(What.SUCCESS, name), listed.carrying(What.FAILURE, name)
+                well, badly = listed.carrying(What.SUCCESS, name), listed.carrying(What.FAILURE, name, "")
                 running, won, misused = goal.running.mask, goal.won.mask, listed.misused[name]
-                self.rates[well] = rate * (1 - failure)
-                self.rates[badly & won[sources]] = rate * failure
+                self.rates[well] = rate * (1 - sum(failures))
+                reasons = ("", *(reason for reason, _ in listed.prospects.sections[name].reasons))
+                for reason, failure in zip(reasons, failures, strict=True):
+                    self.rates[listed.carrying(What.FAILURE, name, reason) & won[sources]] = rate * failure
                 self.rates[badly & misused[sources]] = rate
                 # What ends the present run may lead back into the objective: that is another run.
                 going_on = running[sources] & running[targets] & may_happen & ~listed.ending_run(goal)
@@ -245,9 +247,9 @@ class ListedChain:
                 number[list(self.prospects.carrying(what, name))] = i
         return number[self.graph.labels]
 
-    def carrying(self, what: What, element: str = "") -> Mask:
-        """Edges of an event."""
-        return self.of(self.prospects.carrying(what, element))
+    def carrying(self, what: What, element: str = "", reason: str | None = None) -> Mask:
+        """Edges of an event; of a failure for any reason or none, unless one is said."""
+        return self.of(self.prospects.carrying(what, element, reason))
 
     def of(self, transitions: Iterable[int]) -> Mask:
         """Edges of some transitions."""
@@ -330,8 +332,8 @@ class Chain:
     Args:
         listed: Its states.
         rates: Failures per hour in service and repairs per hour out of service, of each of its resources.
-        ending: By objective, its ends per hour while its success is possible, and the probability that such
-            an end is a failure.
+        ending: By objective, its ends per hour while its success is possible, and the probabilities that
+            such an end is a failure: for no reason, then for each of its reasons.
         demands: By resource, how probable it is that it fails on demand.
 
     Attributes:
@@ -344,7 +346,7 @@ class Chain:
         self,
         listed: ListedChain,
         rates: Sequence[tuple[float, float]],
-        ending: Sequence[tuple[float, float]],
+        ending: Sequence[tuple[float, ...]],
         demands: Sequence[float] = (),
     ) -> None:
         self.listed, self.graph = listed, listed.graph

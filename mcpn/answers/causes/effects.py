@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import NamedTuple, TypeAlias
 
@@ -176,6 +176,17 @@ Around: TypeAlias = Sequence[tuple[ParallelSection, Branch]]
 
 
 def route(section: ElementarySection, around: Around) -> str:
+    """Where the failure of an objective leads, and where that for a reason leads elsewhere."""
+    ways: dict[str, list[str]] = {}
+    for reason, target in section.reasons:
+        elsewhere = _route(replace(section, failure=target), around)
+        ways.setdefault(elsewhere, []).append(reason)
+    plain = _route(section, around)
+    named = (f"{way} for {' or '.join(reasons)}" for way, reasons in ways.items() if way != plain)
+    return ", ".join((plain, *named))
+
+
+def _route(section: ElementarySection, around: Around) -> str:
     """Where the failure of an objective leads."""
     if section.failure not in _ENDS:
         return f"its failure leads to {section.failure}"

@@ -130,7 +130,8 @@ class _Table(Generic[S]):
                     for here in shelter.graph.sections:
                         if isinstance(here, ElementarySection):
                             to = away.get(here.failure, here.failure)
-                            self.sections[here.name] = replace(here, failure=to)
+                            reasons = tuple((why, away.get(at, at)) for why, at in here.reasons)
+                            self.sections[here.name] = replace(here, failure=to, reasons=reasons)
         self._modes: dict[str, dict[int, S]] = {}
         self._facts: Alike[_Facts | None] = Alike()
         self._lost_by_section = [

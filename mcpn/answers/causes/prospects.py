@@ -72,7 +72,7 @@ class CriticalEvent:
         """A copy with other names of objectives."""
         event = self.event
         if event.what in ENDING:
-            event = Event(event.what, names.get(event.element, event.element))
+            event = event.of(names.get(event.element, event.element))
         return CriticalEvent(event, tuple(names[n] for n in self.objectives), self.mode, self.edges)
 
 
@@ -103,11 +103,12 @@ class Prospects(Generic[S]):
             h.name for h in mission_net.mission.hardware if ("oos", h.name) in mission_net.by_role
         )
         self.sections = {section.name: section for section in mission_net.graph.walk()}
-        self._carrying = defaultdict[Event | What, set[int]](set)
+        self._carrying = defaultdict[Event | What | tuple[What, str], set[int]](set)
         for t, transition in enumerate(mission_net.net.transitions):
             if (event := transition.event) is not None:
                 self._carrying[event].add(t)
                 self._carrying[event.what].add(t)
+                self._carrying[event.what, event.element].add(t)
         self.failing = frozenset(self._carrying[What.OUT_OF_SERVICE])
         self.dying = frozenset(self._carrying[What.LOST])
         self.everything = frozenset[int]().union(*self._carrying.values()) - self.dying
@@ -116,9 +117,10 @@ class Prospects(Generic[S]):
         self._alike: Alike[Counted] = Alike()
         self._critical: Alike[list[CriticalEvent]] = Alike()
 
-    def carrying(self, what: What, element: str = "") -> frozenset[int]:
-        """Transitions that carry an event."""
-        return frozenset(self._carrying.get(Event(what, element), ()))
+    def carrying(self, what: What, element: str = "", reason: str | None = None) -> frozenset[int]:
+        """Transitions that carry an event; a failure for any reason or none, unless one is said."""
+        asked = (what, element) if reason is None else Event(what, element, reason)
+        return frozenset(self._carrying.get(asked, ()))
 
     def places(self, kind: Kind, names: Iterable[str]) -> list[int]:
         """Places that say something of some elements."""
@@ -296,7 +298,9 @@ class Prospects(Generic[S]):
             return compute()
         ends = event.what in ENDING
         element = piece.names.index(event.element) if ends else event.element
-        found, names = self._alike.known((event.what, element, piece.kind), piece.names, compute)
+        found, names = self._alike.known(
+            (event.what, event.reason, element, piece.kind), piece.names, compute
+        )
         return {(tuple(names[n] for n in running), mode): count for (running, mode), count in found.items()}
 
     @memoized
@@ -347,7 +351,7 @@ class Prospects(Generic[S]):
             run = space.run(space.initial.pick(), end, None, steps, guards)
             if run is not None:
                 if not whole:
-                    fails = self.carrying(What.FAILURE, goal.name)
+                    fails = self.carrying(What.FAILURE, goal.name, "")
                     run.append(next(e for e in space.edges(run[-1].target) if e.transition in fails))
                 return self._run(run)
         return None

@@ -11,7 +11,8 @@ The model, all durations exponential and independent, hours the unit of time:
 - hardware fails with its ``demand_probability`` at once when an alternative that consumes it starts
   (:mod:`mcpn.answers.causes.demands`);
 - an objective of mean duration ``d`` ends at rate ``1/d`` while its success is possible: with its
-  ``failure_probability`` in failure, else in success;
+  ``failure_probability`` in failure, else in success; of these failures each reason has the part that the
+  mission gives it (``failures``), all others are for no reason, as are those of the next kinds;
 - a declared event happens at its ``rate`` wherever something handles it; one without a rate never happens;
 - an objective whose *present run* cannot succeed any more fails at once (the activity's error to the
   controller, paper 6.2); one that only waits for a resource waits. Of several that fail at once, each is as

@@ -192,9 +192,7 @@ class Outlook:
             own = tuple(rates.get(of, (0.0, 0.0)) for of in section.carried)
             others = model.used[name][: len(model.used[name]) - len(own)]
             beside = tuple(self._beside(of, others) for of in others if of[0] != "known")
-            ending = tuple(
-                (1.0 / o.duration if o.duration else 0.0, o.failure_probability) for o in section.objectives
-            )
+            ending = tuple((1.0 / o.duration if o.duration else 0.0, *o.shares) for o in section.objectives)
             asked = tuple(demands.get(of, 0.0) for of in section.carried) if section.listed.split else ()
             key = section.listed, own, ending, asked
             if key not in self._chains:

@@ -100,7 +100,7 @@ def whole_chain(
     )
     each = ((known[name].failure_rate or 0.0, known[name].repair_rate or 0.0) for name in hardware)
     ending = [
-        (1 / number(o.duration) if o.duration else number(0.0), number(o.failure_probability or 0.0))
+        (1 / number(o.duration) if o.duration else number(0.0), *map(number, o.shares))
         for o in prospects.sections.values()
     ]
     found = EdgeRates(listed, [(number(a), number(b)) for a, b in each], ending, demands, number)

@@ -14,7 +14,14 @@ from typing import NamedTuple
 
 from mcpn.errors import Problem
 from mcpn.mission.expansion.copies import Written, grouped
-from mcpn.mission.graph import TIMED_OUT, ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.graph import (
+    TIMED_OUT,
+    ElementarySection,
+    ObjectivesGraph,
+    ParallelSection,
+    Section,
+    failed_for,
+)
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission
 from mcpn.mission.static.warnings import names_of_objectives
 from mcpn.nets.events import Event, What
@@ -166,6 +173,7 @@ class Routing:
         """The outcomes of a section that happen."""
         if isinstance(section, ElementarySection):
             known = {outcome: Event(what, section.name) for outcome, what in _EVENTS.items()}
+            known |= {of: Event(What.FAILURE, section.name, why) for why, of in section.failures}
             never = {outcome for outcome, event in known.items() if event not in self._happens}
             return frozenset(outcome for outcome, _ in section.outcomes if outcome not in never)
         ends = [(branch.mandatory, self._ends(branch.name, branch.graph)) for branch in section.branches]
@@ -276,7 +284,8 @@ class Routing:
                     f"event {by.element} never happens while {subject} {'run' if several else 'runs'}"
                 )
             else:
-                said.append(f"{subject} can never {_VERBS[by]}")
+                verb = _VERBS.get(by) or f"fail for {by.removeprefix(failed_for(''))}"
+                said.append(f"{subject} can never {verb}")
         return f": {shortened(said)}" if said else ""
 
     def _whole(self, objectives: Sequence[str]) -> str:

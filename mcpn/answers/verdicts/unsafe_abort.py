@@ -5,13 +5,14 @@ Such an abort is no safe end. So neither the verdict nor the cut sets of safe en
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
 from typing import Generic
 
 from mcpn.answers.verdicts.nominal import nominal_transitions
 from mcpn.drawing.compose import MissionNet
+from mcpn.mission.graph import ElementarySection
 from mcpn.nets.events import Event, What
 from mcpn.spaces.algebra import S, Space
 from mcpn.spaces.run import Run, transitions_of
@@ -53,7 +54,7 @@ def aborts(mission_net: MissionNet, space: Space[S]) -> Aborts[S]:
             carrying.setdefault(transition.event, []).append(t)
     failing: dict[str, dict[int, S]] = {
         section.name: {
-            t: into[t] for what in _FAILURES for t in carrying.get(Event(what, section.name), ()) if t in into
+            t: into[t] for event in _failures(section) for t in carrying.get(event, ()) if t in into
         }
         for section in mission_net.graph.walk()
     }
@@ -82,7 +83,10 @@ def aborts(mission_net: MissionNet, space: Space[S]) -> Aborts[S]:
     return Aborts(unsafe, badly, {t: states for t, states in left if states})
 
 
-_FAILURES = (What.FAILURE, What.TIMEOUT)
+def _failures(section: ElementarySection) -> Iterator[Event]:
+    """The events by which an objective fails."""
+    yield from (Event(What.FAILURE, section.name, why) for why, _ in section.failures)
+    yield Event(What.TIMEOUT, section.name)
 
 
 def _running(mission_net: MissionNet, space: Space[S], objective: str) -> S:
@@ -106,7 +110,7 @@ def abort_by_failure(
     if not found.unsafe:
         return (), None
     first = found.unsafe[0]
-    ends = [Event(what, first) for what in _FAILURES]
+    ends = [e for section in mission_net.graph.walk() if section.name == first for e in _failures(section)]
     events = [transition.event for transition in space.net.transitions]
     own = next((t for event in ends for t in found.badly if events[t] == event), None)
     running = _running(mission_net, space, first)

@@ -88,17 +88,17 @@ class _Control(Interrupting):
                 pen.transition(f"start{number}", [starts, *way.consume], begun, read=way.read, rank=rank)
         stops = self.stops(section)
         running = [running_place(self.canvas, usage.activities[a]) for a in section.activities]
-        for what, part, outcome, read in (
-            (What.SUCCESS, "EV_OK", "success", [p for p in running if p is not None]),
-            (What.FAILURE, "EV_FAIL", "failure", []),
-            (What.TIMEOUT, "EV_TIMEOUT", TIMED_OUT, []),
+        for event, part, outcome, read in (
+            (Event(What.SUCCESS, name), "EV_OK", "success", [p for p in running if p is not None]),
+            *((Event(What.FAILURE, name, why), "EV_FAIL", of, []) for why, of in section.failures),
+            (Event(What.TIMEOUT, name), "EV_TIMEOUT", TIMED_OUT, []),
         ):
             if (outcome, section.timed_out) == (TIMED_OUT, None):
                 continue
             for number, way, entered in self.led(section, outcome, section.setting(outcome)):
                 after = [*stops, *entered, *way.produce, *self.canvas.resting]
-                asked, event = [*read, *way.read], Event(what, name)
-                pen.transition(f"{part}{number}", [place, *way.consume], after, read=asked, event=event)
+                asked, called = [*read, *way.read], "_".join(filter(None, (f"{part}{number}", event.reason)))
+                pen.transition(called, [place, *way.consume], after, read=asked, event=event)
 
     def parallel(self, section: ParallelSection) -> None:
         """Each child marks that it is done; when all are, internal transitions leave the block."""

@@ -5,10 +5,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
-from mcpn.mission.graph import TIMED_OUT
+from mcpn.mission.graph import TIMED_OUT, failed_for
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.world.decisions import Condition, FactCase
 
@@ -28,10 +28,14 @@ class Lead(NamedTuple):
 def by_facts(cases: Iterable[tuple[Condition, Lead]], default: Lead) -> Lead:
     """One lead that chooses by facts: the lead of the first condition that holds, else the default.
 
+    A condition that asks for nothing always holds.
     Cases of the leads chosen from are joined with the condition before them, so that the result is one list.
     """
     flat = list[FactCase]()
     for when, lead in cases:
+        if not when:
+            default = lead
+            break
         inner = ((_both(when, case.when), case.target) for case in lead.cases)
         flat += (FactCase(both, target) for both, target in inner if both is not None)
         flat.append(FactCase(when, lead.target))
@@ -46,13 +50,59 @@ def _both(one: Condition, other: Condition) -> Condition | None:
     return tuple(both.items())
 
 
+class Named(NamedTuple):
+    """Where a failure for a reason leads.
+
+    Args:
+        own: Routes of the block that name the reason, with their conditions.
+        otherwise: Where it leads where none of these fits.
+    """
+
+    own: tuple[tuple[Condition, Lead], ...]
+    otherwise: Lead
+
+    @property
+    def lead(self) -> Lead:
+        """Both in one."""
+        return by_facts(self.own, self.otherwise)
+
+
+def failing_for(reason: str) -> str:
+    """The name of the exit by which blocks are left that fail for a reason; no block is called so."""
+    return f"{FAIL} {reason}"
+
+
+def reasons_led(exits: Iterable[str]) -> list[str]:
+    """The reasons that some exits have, of the names of all exits."""
+    return [exit_.removeprefix(f"{FAIL} ") for exit_ in exits if exit_.startswith(f"{FAIL} ")]
+
+
 class Leads(NamedTuple):
-    """Where the outcomes of a block lead."""
+    """Where the outcomes of a block lead.
+
+    Args:
+        success: Its success.
+        failure: Its failure.
+        abort: That something in it aborts.
+        timed_out: That its time is over.
+        named: By reason, its failure for that reason, where this may lead elsewhere.
+    """
 
     success: Lead
     failure: Lead
     abort: Lead
     timed_out: Lead
+    named: Mapping[str, Named] = {}
+
+    def failing(self, lead: Lead) -> Leads:
+        """The same of a copy of the block whose failure leads to the next, whatever routes name no reason."""
+        named = {reason: each._replace(otherwise=lead) for reason, each in self.named.items()}
+        return self._replace(failure=lead, named=named)
+
+    def of_reasons(self, reasons: Iterable[str]) -> Leads:
+        """The same of an objective that fails for these: where nobody asks, as it fails for none."""
+        plain = Named((), self.failure)
+        return self._replace(named={reason: self.named.get(reason, plain) for reason in reasons})
 
     @property
     def cases(self) -> tuple[tuple[str, FactCase], ...]:
@@ -62,6 +112,7 @@ class Leads(NamedTuple):
             "failure": self.failure,
             "abort": self.abort,
             TIMED_OUT: self.timed_out,
+            **{failed_for(reason): each.lead for reason, each in self.named.items()},
         }
         return tuple((outcome, case) for outcome, lead in leads.items() for case in lead.cases)
 
@@ -69,4 +120,5 @@ class Leads(NamedTuple):
     def exits(self) -> dict[str, Lead]:
         """For the blocks inside: by the name of an exit as their routes say it, where that exit leads."""
         exits = {SUCCEED: self.success, FAIL: self.failure, ABORT: self.abort}
+        exits |= {failing_for(reason): each.lead for reason, each in self.named.items()}
         return exits | {TIMED_OUT: self.timed_out}

@@ -87,6 +87,13 @@ LOCATIONS = Datatype(
     refers="objective",
 )
 """Objectives by their names in formulas, which uses of protocols qualify."""
+_NO_REASON = frozenset(("EV", "EARLIER"))
+REASON = replace(NAME, name="reason", refers="reason").within(
+    "letters, digits and _, no digit first, with none of the words EV and EARLIER between its _",
+    lambda name: _NO_REASON.isdisjoint(name.split("_")),
+)
+"""Why an objective fails: the end of the text of an event, in which no other event may be read."""
+REASONS = replace(NAMES, name="reasons", refers="reason")
 VALUES = Datatype(
     "values",
     "values",
@@ -183,6 +190,17 @@ HOURS = NUMBER.within(
 PROBABILITY = NUMBER.within(
     "a number from 0 to 1", lambda share: 0 <= share <= 1 and not isinstance(share, Interval)
 )
+_SHARE = rf"{_LETTER}{_CHARACTER}*(={_NUMBER})?"
+SHARES = Datatype(
+    "shares",
+    "names, each perhaps with a probability",
+    rf"\s*({_SHARE}\s+)*({_SHARE})?",
+    "names of letters, digits and _, each perhaps with a probability: no_path=0.02 blocked",
+    _split,
+    " ".join,
+    refers="reason",
+)
+"""Reasons of an objective, each perhaps with its part of the probability that it fails."""
 _MINUTES = f"([0-9]+M({_DECIMAL}S)?|{_DECIMAL}S)"
 _CLOCK = f"T([0-9]+H({_MINUTES})?|{_MINUTES})"
 
@@ -277,6 +295,9 @@ EventName = Annotated[str, NAME.to("event")]
 ProtocolName = Annotated[str, NAME.to("protocol")]
 Route = Annotated[str | None, ROUTE]
 Resources = Annotated[tuple[str, ...], NAMES.to("resource")]
+ReasonName = Annotated[str | None, REASON]
+Reasons = Annotated[tuple[str, ...], REASONS]
+Shares = Annotated[tuple[str, ...], SHARES]
 Activities = Annotated[tuple[str, ...], NAMES.to("activity")]
 Values = Annotated[tuple[str, ...], VALUES]
 Rate = Annotated[float | None, RATE]

@@ -35,12 +35,14 @@ VALUED = {"alternative": "alternative", "waiting": "alternative", "fact": "value
 """By word of formulas that a value may follow, what the value is."""
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
+_REASON = re.compile(r"(?<![\w.=+-])[A-Za-z_]\w*")
+"""One that a probability may follow, in which a letter is no name: ``no_path=2e-4``."""
 _PATH = re.compile(r"[A-Za-z_][\w.]*")
 _SAID = re.compile(
     r"(?<![\w.\"])(?P<word>" + "|".join(WORDS) + r")\s*\(\s*\"?(?P<name>[A-Za-z_][\w.]*)\"?\s*\)"
     r"(?:\s*=\s*\"?(?P<value>\w+))?"
 )
-_ENDING = re.compile(r"OBJ_(?P<name>[\w.]+)_EV_(?:OK|FAIL|TIMEOUT)")
+_ENDING = re.compile(r"OBJ_(?P<name>[\w.]+)_EV_(?:OK|FAIL(?:_(?P<reason>[A-Za-z_]\w*))?|TIMEOUT)")
 _CHANGING = re.compile(r"(?P<name>[\w.]+)_EV_(?:OOS|RD|DEATH|DETECTED)")
 
 
@@ -78,7 +80,7 @@ def references(refers: str, text: str) -> Iterator[Reference]:
     elif refers == "condition":
         yield from _in_condition(text)
     elif refers:
-        for word in (_PATH if refers == "objective" else _NAME).finditer(text):
+        for word in {"objective": _PATH, "reason": _REASON}.get(refers, _NAME).finditer(text):
             if refers != "block" or word[0] not in EXITS:
                 yield Reference(refers, word[0], word.start())
 
@@ -106,6 +108,19 @@ def _in_condition(text: str) -> Iterator[Reference]:
             yield Reference("fact", said["fact"], said.start("fact"))
             if said["value"]:
                 yield Reference("value", said["value"], said.start("value"), said["fact"])
+
+
+def reason_in(name: str) -> Reference | None:
+    """The reason that an event has which is a failure for one.
+
+    Examples:
+        >>> reason_in("OBJ_dive_EV_FAIL_too_deep")
+        Reference(kind='reason', name='too_deep', place=17, of='')
+    """
+    ending = _ENDING.fullmatch(name)
+    if ending is None or ending["reason"] is None:
+        return None
+    return Reference("reason", ending["reason"], ending.start("reason"))
 
 
 def happening(name: str) -> Reference:

@@ -209,12 +209,13 @@ class Losses:
             changed = False
             for section in reversed(graph.sections):
                 well, badly = ways[section.name]
-                failed = lost[section.failure]
-                if section.failure == ABORT and section.name in self.unsafe:
-                    failed = self.always
+                unsafe = {ABORT: self.always} if section.name in self.unsafe else {}
+                failed = unsafe.get(section.failure, lost[section.failure])
                 now = (well | lost[section.success]) & (badly | failed)
-                if section.timed_out is not None:
-                    now = now & lost[section.timed_out]  # its time may always be over
+                named = section.reasons if isinstance(section, ElementarySection) else ()
+                late = () if section.timed_out is None else (section.timed_out,)
+                for target in (*late, *(target for _, target in named)):
+                    now = now & unsafe.get(target, lost[target])  # a time may be over, a reason come about
                 if isinstance(section, ParallelSection) and section.abort is not None:
                     now = now & (self._aborting(section) | lost[section.abort])
                 changed |= now != lost[section.name]

@@ -175,9 +175,12 @@ def _expanded(block: Block, scope: Scope, *, whole: bool = False) -> Iterator[Sc
 
 
 def facts_said(routes: Iterable[FactRoute]) -> Iterator[tuple[FactRoute, str]]:
-    """Routes with a condition on facts, each with a label that says it."""
+    """Routes with a condition on facts or a reason, each with a label that says it."""
     for route in routes:
-        yield route, f"{route.on + ' ' if route.on == 'failure' else ''}when {' '.join(route.when)}"
+        said = [route.on] if route.on == "failure" else []
+        said += [f"for {route.reason}"] if route.reason is not None else []
+        said += [f"when {' '.join(route.when)}"] if route.when else []
+        yield route, " ".join(said)
 
 
 def _notes(block: Block, within: str) -> Iterator[str]:

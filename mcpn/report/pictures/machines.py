@@ -286,7 +286,7 @@ def _happens(event: Event) -> str:
     if event.what is What.SUCCESS:
         return f"{_last(event.element)} succeeds"
     if event.what is What.FAILURE:
-        return f"{_last(event.element)} fails"
+        return f"{_last(event.element)} fails{f' for {event.reason}' * bool(event.reason)}"
     if event.what is What.TIMEOUT:
         return f"the time of {_last(event.element)} is over"
     return what_happens(event, "")

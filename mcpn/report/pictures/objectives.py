@@ -160,10 +160,13 @@ class _Drawn:
 def _routes(section: Section) -> Iterator[tuple[str, tuple[str, ...], str]]:
     """Where a section may lead, with what stands beside the arrow, and of which kind that is."""
     meanwhile = dict(section.away) if isinstance(section, ParallelSection) else {}
+    named = {of: why for why, of in section.failures if why} if isinstance(section, ElementarySection) else {}
     for outcome, route in section.outcomes:
         if outcome in meanwhile:
             continue  # what runs meanwhile leads there by itself
         lines, kind = ((outcome,), "event") if outcome in ("abort", TIMED_OUT) else ((), outcome)
+        if outcome in named:
+            lines, kind = (f"for {named[outcome]}",), "failure"
         yield from _by_facts(route, section.cases_of(outcome), lines, kind)
     for interruption in section.interruptions:
         if interruption.pauses is None:

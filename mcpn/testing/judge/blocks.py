@@ -62,6 +62,7 @@ class WrittenBlock:
         written: Its name in the text; that of a copy is its block's.
         copy: Whether it is a copy of its parent: a round, a try, a run or a value of it.
         use: Whether what it holds is written in a protocol.
+        failures: The reasons for which an elementary objective may fail.
         sets: Facts that an elementary objective changes.
         guards: What must be for it to be entered by a route, and where that leads else, in order.
         deciding: Its own routes that facts decide, in order.
@@ -90,6 +91,7 @@ class WrittenBlock:
     written: str = ""
     copy: bool = False
     use: bool = False
+    failures: tuple[str, ...] = ()
     sets: tuple[FactChange, ...] = ()
     guards: tuple[EntryGuard, ...] = ()
     deciding: tuple[FactRoute, ...] = ()
@@ -234,7 +236,8 @@ class _Writing:
         found = self.block(by, node.parent, scope)
         found.success, found.failure = success, node.failure
         found.abort, found.handlers = by.abort or ABORT, by.handlers
-        found.deciding = tuple(route for route in node.deciding if route.on == "failure")
+        on_failure = (route for route in node.deciding if route.on == "failure")
+        found.deciding = tuple(route for route in on_failure if route.reason is None)
         found.timed_out = by.timeout_goto
         return found
 
@@ -272,7 +275,10 @@ class _Writing:
                 self.series(round_, block.blocks, inside.copy(value, {block.bound: value}))
             self.copies(node, values)
         elif isinstance(block, Objective):
-            node.activities, node.sets = block.activities, block.sets
+            said = [name for a in self.of.activities if a.name in block.activities for name in a.failures]
+            said += [text.split("=")[0] for text in block.failures]
+            node.activities, node.failures = block.activities, tuple(dict.fromkeys(said))
+            node.sets = block.sets
             node.parameters = {**scope.defaults, **scope.said, **_values(block.parameters)}
         elif isinstance(block, Parallel):
             node.parallel, node.hasty = True, block.failure_when == "any"

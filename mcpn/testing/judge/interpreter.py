@@ -27,7 +27,10 @@ ABORTED = "abort"
 ENDS = {SUCCEED: SUCCESS, FAIL: FAILURE, ABORT: ABORTED}
 
 Happening = tuple[str, str]
-"""An event: what happens, in the words above, and to which element; the start is of none."""
+"""An event: what happens, in the words above, and to which element; the start is of none.
+
+A failure for a reason says it, ``failure no_path``, and so does the exit by which a block fails for it.
+"""
 
 
 class Undetermined(Exception):
@@ -148,6 +151,7 @@ class Interpreter:
         found |= {(TIMEOUT, name) for name, block in self.timed.items() if self.under_way(block, state)}
         for name in state.running:
             found.add((FAILURE, name))
+            found |= {(f"{FAILURE} {why}", name) for why in self.objectives[name].failures}
             if runs.issuperset(self.objectives[name].activities) and not self.misused(state, name):
                 found.add((SUCCESS, name))
         found.update(
@@ -238,8 +242,8 @@ class Interpreter:
             done = f"done({node.written})"
             if what == SUCCESS and done in dict(state.facts):
                 state = changed(state, {done: "true"})
-            by = {SUCCESS: SUCCEED, FAILURE: FAIL, TIMEOUT: TIMED_OUT}[what]
-            routes = [(node, led(state, node, by))]
+            by = {SUCCESS: SUCCEED, TIMEOUT: TIMED_OUT}.get(what) or what.replace(FAILURE, FAIL, 1)
+            routes = [led(state, node, by)]
         # All that is left stops first, what aborts with it; then what follows begins.
         for node, route in routes:
             pausing = what == DECLARED and isinstance(route, WrittenBlock)
@@ -325,7 +329,7 @@ class Interpreter:
             return self.enter(state, route)
         parent = self.root if node is self.root else node.parent
         assert parent is not None
-        if route in ENDS or route == TIMED_OUT:
+        if route == TIMED_OUT or unnamed(route) in ENDS:
             if not parent.parallel:
                 return self.end(state, parent, route, aborted)
             if route != ABORT:
@@ -387,8 +391,9 @@ class Interpreter:
     def end(self, state: State, node: WrittenBlock, by: str, aborted: list[WrittenBlock]) -> State:
         """A block ends by one of its exits; with the mission's own blocks the mission does."""
         if node is self.root:
-            return replace(state, outcome=ENDS[by])
-        return self.follow(state, node, led(state, node, by), aborted)
+            return replace(state, outcome=ENDS[unnamed(by)])
+        # What is ended as one, however much it held, fails for no reason.
+        return self.follow(state, *led(state, node, unnamed(by) if node.whole else by), aborted)
 
     def enter(self, state: State, node: WrittenBlock) -> State:
         """A block is entered: at its first, or at all its children."""
@@ -468,15 +473,36 @@ def changed(state: State, facts: Mapping[str, str]) -> State:
     return replace(state, facts=frozenset({**dict(state.facts), **facts}.items())) if facts else state
 
 
-def led(state: State, node: WrittenBlock, by: str) -> str | WrittenBlock:
-    """Where an outcome of a block leads: the first of its routes whose facts are so, else the default."""
+def unnamed(exit_: str) -> str:
+    """An exit without the reason for which a block fails by it."""
+    return FAIL if exit_.startswith(f"{FAIL} ") else exit_
+
+
+def led(state: State, node: WrittenBlock, by: str) -> tuple[WrittenBlock, str | WrittenBlock]:
+    """Where an outcome of a block leads: the first of its routes whose facts are so, else the default.
+
+    What fails for a reason asks first the routes for that, of the whole block where it is a copy. Where it
+    leads to ``fail``, the block around fails for the same reason.
+
+    Returns:
+        The block that is left, the whole one where a route of that counts, and the route.
+    """
     if by == TIMED_OUT and node.timed_out is not None:
-        return node.timed_out
-    outcome = {SUCCEED: SUCCESS, FAIL: FAILURE, TIMED_OUT: FAILURE}.get(by)
-    for route in node.deciding:
-        if route.on == outcome and so(state.facts, route.when):
-            return route.goto
-    return {SUCCEED: node.success, FAIL: node.failure, TIMED_OUT: node.failure, ABORT: node.abort}[by]
+        return node, node.timed_out
+    whole = node
+    while unnamed(by) != by:
+        for route in whole.deciding:
+            if f"{FAIL} {route.reason}" == by and so(state.facts, route.when):
+                return whole, by if route.goto == FAIL else route.goto
+        if not whole.copy:
+            break
+        assert whole.parent is not None
+        whole = whole.parent
+    outcome = {SUCCEED: SUCCESS, FAIL: FAILURE, TIMED_OUT: FAILURE}.get(unnamed(by))
+    asked = (r for r in node.deciding if r.on == outcome and r.reason is None)
+    ways = {SUCCEED: node.success, FAIL: node.failure, TIMED_OUT: node.failure, ABORT: node.abort}
+    to = next((route.goto for route in asked if so(state.facts, route.when)), ways[unnamed(by)])
+    return node, by if (to, unnamed(by)) == (FAIL, FAIL) else to
 
 
 def _read_of_objectives(mission: Mission) -> Iterator[str]:

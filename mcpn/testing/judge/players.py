@@ -38,7 +38,7 @@ class Player(Protocol[Key]):
 def happening(event: Event | None) -> Happening:
     """An event of a net in the interpreter's words."""
     assert event is not None
-    return event.what.value, event.element
+    return " ".join(filter(None, (event.what.value, event.reason))), event.element
 
 
 def seen_of(

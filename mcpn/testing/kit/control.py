@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import strategies as st
 from hypothesis.stateful import invariant, precondition, rule
 
-from mcpn.nets.events import What
+from mcpn.nets.events import START, Event, What
 from mcpn.testing.kit.contract import CHOICE, TemplateMachine, told
 
 
@@ -19,6 +19,7 @@ class ControlMachine(TemplateMachine):
         """Activities that have been started, and not stopped."""
         self.ways = {s.name: s.activities for s in self.of.graph.walk()}
         self.timed = {s.name for s in self.of.graph.walk() if s.timed_out is not None}
+        self.reasons = {s.name: [why for why, _ in s.failures] for s in self.of.graph.walk()}
         self.activities = sorted({a for used in self.ways.values() for a in used})
 
     def marked(self, part: str) -> list[str]:
@@ -116,12 +117,12 @@ class ControlMachine(TemplateMachine):
             self.of.require(not left, f"the mission has ended, and these are not as before: {told(left)}")
 
     def _events_are_those_of(self, running: list[str]) -> None:
-        expected = {(What.FAILURE, name) for name in running}
-        expected |= {(What.TIMEOUT, name) for name in running if name in self.timed}
-        expected |= {(What.SUCCESS, name) for name in running if all(map(self.runs, self.ways[name]))}
-        expected |= set() if self.begun else {(What.START, "")}
-        found = {(e.what, e.element) for e in self.of.events if e.what is not What.DECLARED}
-        wrong = sorted(f"{name} {what.value}".strip() for what, name in expected ^ found)
+        expected = {Event(What.FAILURE, name, why) for name in running for why in self.reasons[name]}
+        expected |= {Event(What.TIMEOUT, name) for name in running if name in self.timed}
+        expected |= {Event(What.SUCCESS, name) for name in running if all(map(self.runs, self.ways[name]))}
+        expected |= set() if self.begun else {START}
+        found = {e for e in self.of.events if e.what is not What.DECLARED}
+        wrong = sorted(" ".join(filter(None, (e.element, e.what, e.reason))) for e in expected ^ found)
         self.of.require(not wrong, f"{', '.join(wrong)} may happen, or not, against what runs")
         heard = [e for e in self.of.events if e.what is What.DECLARED]
         self.of.require(not heard or bool(running), "an event is handled, and nothing runs")

@@ -214,6 +214,15 @@ MISSIONS: dict[str, Mission] = {
         replace(objective("x", "a"), timeout=5.0, timeout_goto="y", failure="fail"),
         objective("y", "b"),
     ),
+    "fails for reasons": mission(
+        robot(hw("h"), replace(activity("a", ("h",)), failures=("lost",)), activity("b", ())),
+        Recursive(
+            name="r",
+            blocks=(replace(objective("x", "a"), failures=("stuck",), retries=1),),
+            routes=(FactRoute(on="failure", reason="lost", goto="y"),),
+        ),
+        objective("y", "b"),
+    ),
     "pauses": mission(
         robot(hw("h"), activity("a", ("h",)), activity("b", ()), events=("rain",)),
         replace(objective("x", "a"), handlers=(Handler(event="rain", pause="shelter"),)),

@@ -28,7 +28,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import invariant, precondition, rule, run_state_machine_as_test
 
 from mcpn.drawing.templates import TemplateSet
-from mcpn.mission.model import Handler, Objective, Parallel, Recursive
+from mcpn.mission.model import FactRoute, Handler, Objective, Parallel, Recursive
 from mcpn.testing.kit.contract import CHOICE, TemplateMachine
 from mcpn.testing.kit.control import ControlMachine, FactMachine
 from mcpn.testing.kit.corpus import MISSIONS, objective
@@ -203,7 +203,14 @@ _CONTROL = mission(
         *(activity(name, ("h",)) for name in "abcd"),
         events=("leak", "rain"),
     ),
-    replace(objective("x", "a", failure="y"), retries=1, timeout=5.0, timeout_goto="z"),
+    replace(
+        objective("x", "a", failure="y"),
+        retries=1,
+        timeout=5.0,
+        timeout_goto="z",
+        failures=("stuck", "lost"),
+        routes=(FactRoute(on="failure", reason="stuck", goto="z"),),
+    ),
     Parallel(
         name="y",
         success_when="any",
