@@ -27,7 +27,7 @@ from mcpn.mission.model import (
     Use,
     walk,
 )
-from mcpn.mission.reasons import ReasonChecks, reason
+from mcpn.mission.reasons import ReasonChecks, is_whole, reason
 from mcpn.mission.robot import DeclaredEvent, Robot
 from mcpn.testing.drawing import TEXTS
 from mcpn.testing.robots import Island, RobotDrawing
@@ -169,9 +169,8 @@ class MissionDrawing(RobotDrawing):
         abort = self.draw(route) if self.rarely(self.shape.aborts) else None
         block = replace(block, success=success, failure=failure, abort=abort, handlers=handlers)
         siblings = [b.name for b in blocks[0 if self.shape.loops else index + 1 :]]
-        return replace(
-            self.timed(block, targets), routes=(*self.routes(siblings), *self.for_reasons(block, siblings))
-        )
+        timed = self.timed(block, targets)
+        return replace(timed, routes=(*self.routes(siblings), *self.for_reasons(timed, siblings)))
 
     def timed(self, block: Block, targets: list[str | None]) -> Block:
         """A block that leads to some of these where its time is over, if it has one."""
@@ -194,7 +193,7 @@ class MissionDrawing(RobotDrawing):
 
     def for_reasons(self, block: Block, siblings: list[str]) -> tuple[FactRoute, ...]:
         """Where a block leads that fails for some reason, none or a few routes."""
-        if isinstance(block, Parallel) or not self.rarely(self.shape.reasons):
+        if is_whole(block) or not self.rarely(self.shape.reasons):
             return ()
         reasons = [*self.failing.of((block,))]
         found = list[FactRoute]()

@@ -123,6 +123,7 @@ NAMED = st.integers(0, 2).flatmap(
         recovers=3,
         pauses=1,
         timeouts=1,
+        timed_blocks=1,
         guards=2,
         reasons=7,
     )

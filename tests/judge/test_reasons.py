@@ -70,7 +70,19 @@ USED = replace(
     mission(ROBOT, Use(name="u", protocol="p", routes=(on("lost", "b"),), success="succeed"), one("b")),
     protocols=(Protocol(name="p", blocks=(named("a"),)),),
 )
-MISSIONS = (PLAIN, TRIES, RECOVERS, OUTER, ANOTHER_WAY, BRANCH, VALUES, USED)
+IN_TIME = mission(
+    ROBOT,
+    Recursive(
+        name="o",
+        blocks=(
+            Recursive(name="r", blocks=(named("a", on("stuck", "c")), one("c")), timeout=5.0, retries=1),
+        ),
+        success="succeed",
+        failure="b",
+    ),
+    one("b"),
+)
+MISSIONS = (PLAIN, TRIES, RECOVERS, OUTER, ANOTHER_WAY, BRANCH, VALUES, USED, IN_TIME)
 
 
 @pytest.mark.parametrize("of", MISSIONS)
@@ -103,6 +115,8 @@ def test_all_that_play_it_agree(of: Mission) -> None:
         (VALUES, [(SUCCESS, "a_x"), failed("a_y", "lost")], {"b"}, None),
         (USED, [failed("u.a", "lost")], {"b"}, None),
         (USED, [failed("u.a", "stuck")], set(), "failure"),
+        (IN_TIME, [failed("r_try1.a", "stuck")], {"r_try1.c"}, None),
+        (IN_TIME, [failed("r_try1.a", "lost")], {"r_try2.a"}, None),
     ],
 )
 def test_what_a_named_failure_leads_to(
@@ -161,6 +175,18 @@ END = "</objective>"
         (
             STUCK,
             f'<objective name="o">\n{GO}<parallel name="p">{NONE}{END}</parallel>{END}',
+            3,
+            "for which nothing in o fails",
+        ),
+        (
+            STUCK,
+            f'<objective name="o" timeout="5">\n{GO}{NONE}{END}{END}',
+            3,
+            "though o holds blocks and has a timeout",
+        ),
+        (
+            STUCK,
+            f'<objective name="o">\n{GO}<objective name="p" timeout="5">{NONE}{END}{END}{END}',
             3,
             "for which nothing in o fails",
         ),
