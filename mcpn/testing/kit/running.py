@@ -110,7 +110,7 @@ SMALL_SHAPES: Mapping[str, Shape] = {
     "facts": replace(_LEAST, facts=2, events=1, guards=3),
     "losses": replace(_LEAST, lasting=True, faults=1, crashes=True),
     "late": replace(_LEAST, hardware=1, late=True),
-    "ends": replace(_LEAST, branches=3, aborts=3, early=5, timeouts=4, reasons=3, events=1),
+    "ends": replace(_LEAST, branches=3, aborts=3, early=5, timeouts=4, timed_blocks=2, reasons=3, events=1),
     "pauses": replace(_LEAST, pauses=8, recovers=3, led=3, events=1, rounds=False),
     "contended": replace(_LEAST, own_hardware=False, shared_activities=True, events=1),
 }
