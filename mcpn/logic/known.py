@@ -107,8 +107,12 @@ class Known:
         if formula == SOME_DEADLOCK:  # no bound makes it smaller
             return formula
         if formula not in self._simple:
-            always = (lambda _: None) if self._facts is None else self._always
-            self._simple[formula] = simplified(formula, self.net, self.bounds, always)
+            if self._facts is None:
+                self._simple[formula] = simplified(formula, self.net, self.bounds)
+            else:
+                self._simple[formula] = simplified(
+                    formula, self.net, self.bounds, self._always, spelled=not self.net.priorities
+                )
         return self._simple[formula]
 
     def _always(self, part: Formula) -> bool | None:

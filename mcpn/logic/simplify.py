@@ -7,13 +7,13 @@ formulae for efficient model checking of Petri nets*, Petri Nets 2018.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 
 from mcpn.logic.formulas import EG, EU, EX, some_path
 from mcpn.logic.ltl.formulas import SomePath
 from mcpn.nets.petri import PetriNet
-from mcpn.nets.structure import needs
+from mcpn.nets.structure import changes, needs
 from mcpn.spaces.search.goal import (
     DEADLOCK,
     FALSE,
@@ -26,6 +26,9 @@ from mcpn.spaces.search.goal import (
     Not,
     Or,
     Stable,
+    as_goal,
+    asks_dead,
+    fireable,
     joined,
 )
 
@@ -35,6 +38,8 @@ def simplified(
     net: PetriNet,
     bounds: Sequence[float],
     always: Callable[[Formula], bool | None] = lambda _: None,
+    *,
+    spelled: bool = False,
 ) -> Formula:
     """A formula that holds in the same states.
 
@@ -44,6 +49,8 @@ def simplified(
         bounds: Most tokens of each place of the net in any reachable marking; infinity where not known.
         always: The value of a part, on markings or on paths, where it is the same in every reachable marking;
             else ``None``.
+        spelled: Whether ``EX`` of a condition on markings becomes one itself, where that is not long; the net
+            has no priorities.
 
     Returns:
         The formula without constants inside, double negations and operators that change nothing; comparisons
@@ -74,6 +81,9 @@ def simplified(
                 return ~settled(DEADLOCK)
             case EX((Or(()),)):
                 return FALSE
+            case EX((operand,)) if spelled and says_one_state(operand):
+                before = after_one_step(operand, net)
+                return part if before is None else simple(before)
             case EU((left, right)):
                 return _until(left, right)
             case EG((And(()) | Or(()) | EG() | Not((EU((And(()), _)),)) as inside,)):
@@ -94,6 +104,32 @@ def simplified(
         return all(weight <= bounds[place] for place, weight in needs(net, transition).items())
 
     return simple(formula)
+
+
+MOST_SPELLED = 400
+"""Comparisons in a condition that says what may hold after one firing."""
+
+
+def after_one_step(condition: Formula, net: PetriNet) -> Formula | None:
+    """The markings of a net without priorities from which one firing leads to where a condition holds.
+
+    Some transition may fire, and the sums of tokens that the condition compares are right with what that
+    changes. Nothing is returned where that would be long.
+    """
+    goal = as_goal(condition, net)
+    if goal is None or asks_dead(goal):
+        return None
+    count = len(net.transitions)
+    arcs = sum(len(t.consume) + len(t.read) for t in net.transitions)
+    if arcs + count * sum(isinstance(part, AtMost) for part in goal.walk()) > MOST_SPELLED:
+        return None
+
+    def shifted(part: Formula, by: Mapping[int, int]) -> Formula:
+        if isinstance(part, AtMost):
+            return AtMost(part.weights, part.bound - sum(w * by.get(place, 0) for place, w in part.weights))
+        return part.mapped(partial(shifted, by=by))
+
+    return Or(*(And(fireable(net, t), shifted(goal, changes(net, t))) for t in range(count)))
 
 
 def _until(left: Formula, right: Formula) -> Formula:

@@ -296,7 +296,7 @@ class _Answers:
             if part in self.nested:
                 self.nested.remove(part)
                 self.known.forget()
-                yield from self.rewritten(HOME)
+                yield from self.rewritten(*ways, HOME)
         for name, asked in list(self.waiting.items()):
             if name not in self.waiting:
                 continue
@@ -333,15 +333,21 @@ class _Answers:
             engine = self.questions.choice.engine if safe else self.questions.engine
             yield from self.learn(ONE_SAFE, safe, _technique(engine))
 
-    def rewritten(self, by: str = REWRITING) -> Iterator[ContestAnswer]:
-        """Answers what rewriting and the initial marking decide; of others keeps what is left to ask."""
+    def rewritten(self, *by: str) -> Iterator[ContestAnswer]:
+        """Answers what rewriting and the initial marking decide; of others keeps what is left to ask.
+
+        Args:
+            by: How what is put into formulas was had; by default they are read for the first time.
+        """
         for name, formula in list(self.waiting.items()):
             if isinstance(formula, Formula) and name in self.waiting:
-                how = by if self.known.simple(formula) in (TRUE, FALSE) else INITIAL_STATE
+                how = (
+                    (by or (REWRITING,)) if self.known.simple(formula) in (TRUE, FALSE) else (INITIAL_STATE,)
+                )
                 rest = self.known.rest(formula)
-                if by != REWRITING and rest != formula:
-                    self.ways[name][by] = None
-                yield from self.left(name, rest, how)
+                if rest != formula:
+                    self.ways[name].update(dict.fromkeys(by))
+                yield from self.left(name, rest, *how)
 
     def bounds_by_space(self) -> Iterator[ContestAnswer]:
         """Answers bounds and examinations where the space is there at once, each within a short slice."""
@@ -411,21 +417,25 @@ class _Answers:
         Args:
             short: Whether there is no more than one search, for a short run.
         """
-        yield from self.bounded()
-        parts = [*self.parts(), *self.bounding]
-        goals = {part: goal for part in parts if (goal := self.known.goal(part)) is not None}
-        if not goals:
-            return
-        from mcpn.spaces.search.portfolio import ROUNDS, SHORT, Portfolio
+        tried: set[Formula] = set()
+        brief = self.questions.brief
+        while True:  # what one search decides may bring up parts for another
+            yield from self.bounded()
+            parts = [part for part in (*self.parts(), *self.bounding) if part not in tried]
+            goals = {part: goal for part in parts if (goal := self.known.goal(part)) is not None}
+            if not goals or (tried and not self.nested & goals.keys()):
+                return
+            from mcpn.spaces.search.portfolio import ROUNDS, SHORT, Portfolio
 
-        budgets = [self.limited(budget) for budget in ([SHORT] if short else ROUNDS)]
-        searched, brief = list(goals), self.questions.brief
-        for index, found in Portfolio(self.net, self.searches).decide(
-            list(goals.values()), budgets, go_on=lambda: not brief()
-        ):
-            if found.run is not None:
-                self.known.runs[searched[index]] = found.run
-            yield from self.learn(searched[index], found.reachable, *found.techniques)
+            tried |= goals.keys()
+            budgets = [self.limited(budget) for budget in ([SHORT] if short else ROUNDS)]
+            searched = list(goals)
+            for index, found in Portfolio(self.net, self.searches).decide(
+                list(goals.values()), budgets, go_on=lambda: not brief()
+            ):
+                if found.run is not None:
+                    self.known.runs[searched[index]] = found.run
+                yield from self.learn(searched[index], found.reachable, *found.techniques)
 
     def limited(self, budget: Round) -> Round:
         """A budget within the user's limit on markings that are listed."""

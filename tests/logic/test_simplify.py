@@ -20,7 +20,7 @@ from mcpn.spaces.search.facts import Facts
 from mcpn.spaces.search.goal import FALSE, TRUE, And, AtMost, Deadlock, Not, Or, as_goal, holds
 from tests.draws import fewer
 from tests.logic.formulas import Written, edges_of, formulas, read, satisfying
-from tests.nets.nets import nets, reachable, state_machines
+from tests.nets.nets import graph_of, nets, reachable, state_machines, token_nets
 
 NETS = nets(max_places=5, max_transitions=6) | state_machines().map(lambda drawn: drawn[0])
 PLAIN = nets(max_places=5, max_transitions=6, events=False) | state_machines().map(lambda drawn: drawn[0])
@@ -49,6 +49,25 @@ def test_simplified_formulas_hold_in_the_same_states(net: PetriNet, data: st.Dat
             found.add(evaluation.space.marking(state))
             left = left - evaluation.space.single(state)
         assert found == satisfying(formula, net, edges)
+
+
+@fewer(0.5)
+@given(PLAIN | token_nets(), st.data())
+def test_next_is_spelled_out_as_a_condition_on_markings(net: PetriNet, data: st.DataObject) -> None:
+    graph = graph_of(net)
+    assume(graph is not None)
+    assert graph is not None
+    of_states = formulas([p.name for p in net.places], [t.name for t in net.transitions], of_paths=False)
+    condition = read(data.draw(of_states), net)
+    infinite = [float("inf")] * len(net.places)
+    spelled = simplified(EX(EX(condition)), net, infinite, spelled=True)
+    goal, after_two = as_goal(spelled, net), as_goal(condition, net)
+    assert after_two is not None
+    assume(goal is not None)  # what asks whether anything fires stays as it is
+    assert goal is not None
+    for marking, edges in graph.items():
+        ends = [end for _, after in edges for _, end in graph[after]]
+        assert holds(goal, net, marking) == any(holds(after_two, net, end) for end in ends)
 
 
 @fewer(0.5)

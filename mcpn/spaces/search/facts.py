@@ -21,15 +21,20 @@ from mcpn.nets.structure import incidence, needs, repeatable
 from mcpn.spaces.search.equation import Ceiling, StateEquation
 from mcpn.spaces.search.goal import AtMost, Fires, Formula, Goal, as_goal, asks_dead, fireable, holds, marked
 from mcpn.spaces.search.home import Home, proved_home
-from mcpn.spaces.search.portfolio import INITIAL_STATE, RANDOM_WALK, STATE_EQUATION, TRAPS
+from mcpn.spaces.search.portfolio import (
+    FIRINGS,
+    INITIAL_STATE,
+    MOST_COUNTED,
+    RANDOM_WALK,
+    STATE_EQUATION,
+    TRAPS,
+)
 from mcpn.spaces.search.searches import Searches
 
 STRUCTURE, HOME = "STRUCTURAL", "HOME_MARKING"
 STEPS = 20_000
 """Firings of walks for each sum; as many for all transitions together, and some for each."""
 STEPS_OF_TRANSITION = 50
-MOST_COUNTED = 1_000_000
-"""Firings of a walk by the numbers that the equation proposes."""
 MOST_WORK, WORK_OF_CALL = 2_000_000, 500
 """How much work the equation is asked for of all transitions, of all places and of all atoms: calls times
 arcs, as if each net had some more."""
@@ -295,9 +300,9 @@ class Facts:
     def _counted(self, goal: Goal, counts: Sequence[int]) -> bool:
         """Whether a walk by proposed numbers of firings meets a goal."""
         firings = sum(counts)
-        if not self.searches.fits or firings > MOST_COUNTED:
+        if not self.searches.fits or FIRINGS * firings > MOST_COUNTED:
             return False
-        return bool(self.searches.met([goal], steps=STEPS + 4 * firings, counts=counts))
+        return bool(self.searches.met([goal], steps=STEPS + FIRINGS * firings, counts=counts))
 
 
 def exceeding(places: Sequence[int], bound: int) -> Goal:

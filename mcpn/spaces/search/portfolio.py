@@ -59,6 +59,8 @@ ALONE = 3
 """How many times as many markings a lone goal has before the equation, whose solver takes as long to load."""
 STEPS_OF_TRANSITION = 20
 """Firings of a walk beyond those of its round, for each transition of the net."""
+FIRINGS, MOST_COUNTED = 4, 4_000_000
+"""Firings tried for each that the state equation proposes, and in all."""
 SHORT = Round(0, 20_000)
 """A search alone, whose runs are shorter than those of walks."""
 ROUNDS = (Round(20_000, 2_000), Round(60_000, 20_000, equation=True), Round(200_000, 200_000))
@@ -189,7 +191,8 @@ class _Task:
             traps = (TRAPS,) if solution.traps else ()
             return SearchResult(False, None, (*self.techniques, STATE_EQUATION, *traps))
         if solution.kind == "possible":
-            walked = self.searches.walk([self.inner], steps=budget.steps, seed=seed, counts=solution.counts)
+            steps = max(budget.steps, min(FIRINGS * sum(solution.counts), MOST_COUNTED))
+            walked = self.searches.walk([self.inner], steps=steps, seed=seed, counts=solution.counts)
             if walked:
                 return self._reached(walked[0], STATE_EQUATION, RANDOM_WALK)
         return None
