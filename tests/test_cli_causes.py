@@ -13,7 +13,7 @@ from lxml import etree
 
 from tests.answers.test_cutsets import ULYSSE as CUT_SETS
 from tests.commands import mcpn, output
-from tests.conftest import ULYSSE
+from tests.conftest import ROOT, ULYSSE
 
 TIMED = """<mission name="m" xmlns="urn:mcpn:mission:1">
 <robot name="r">
@@ -72,6 +72,17 @@ def test_a_person_reads_conditions(tmp_path: Path) -> None:
     assert (
         "transect.filming, transect.measuring_temperature can succeed whatever hardware fails" in run.stdout
     )
+
+
+def test_a_run_after_which_the_mission_need_not_end_says_so() -> None:
+    """The glider's last call is tried again without end: no outcome follows the loss of its radio."""
+    run = mcpn("causes", ROOT / "experiments" / "glider" / "mission.xml")
+    assert run.returncode == 0, run.stderr
+    radio = run.stdout.partition("no success by satellite_radio:")[2].partition("no safe end")[0]
+    assert "from here on only a repair helps; the mission need not end" in radio
+    pump = run.stdout.partition("no success by buoyancy_pump:")[2].partition("no success")[0]
+    assert "the mission ends in abort" in pump
+    assert "need not end" not in pump
 
 
 def test_fmeca_and_fault_tree_are_written(tmp_path: Path) -> None:

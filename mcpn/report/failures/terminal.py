@@ -237,7 +237,10 @@ def _print_run(terminal: Terminal, mission_net: MissionNet, what: str, run: Run 
         return
     terminal.print()
     terminal.print(f"{what}:", style="bold")
-    print_steps(terminal, in_words(mission_net, run), indent=2)
+    steps = list(in_words(mission_net, run))
+    print_steps(terminal, steps, indent=2)
+    if not any("the mission ends in" in words for _, words in steps):
+        terminal.print("from here on only a repair helps; the mission need not end", indent=2, style="dim")
 
 
 def _print_critical(terminal: Terminal, causes: Causes, goal: GoalCauses, heading: str) -> None:
