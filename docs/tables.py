@@ -65,7 +65,7 @@ def kind(node: dict[str, Any]) -> str:
 def keys(node: dict[str, Any], way: str, optional: bool) -> Iterator[str]:
     """A row for each key of a JSON value, those inside others too."""
     if way and "description" in node:
-        yield f"| `{way}` | {'optional' if optional else ''} | {kind(node)} | {node['description']} |"
+        yield f"| `{way}`{' (optional)' if optional else ''} | {kind(node)} | {node['description']} |"
     for key, inner in node.get("properties", {}).items():
         yield from keys(inner, f"{way}.{key}".lstrip("."), key not in node.get("required", ()))
     if isinstance(inner := node.get("additionalProperties"), dict):
@@ -77,11 +77,11 @@ def keys(node: dict[str, Any], way: str, optional: bool) -> Iterator[str]:
 def format_table(name: str) -> str:
     """The tables of one JSON format, parts that it names after it."""
     schema = json_schema(FORMATS[name])
-    head = ["| key | | value | meaning |", "|---|---|---|---|"]
+    head = ["| key | value | meaning |", "|---|---|---|"]
     lines = [f"`{schema['title']}`: {schema['description']}", "", *head, *keys(schema, "", False)]
     for part, node in schema.get("$defs", {}).items():
         lines += ["", f"*{part}*: {node['description']}", "", *head]
-        lines += list(keys(node, "", False)) or [f"| | | {kind(node)} | {node['description']} |"]
+        lines += list(keys(node, "", False)) or [f"| | {kind(node)} | {node['description']} |"]
     return "\n".join(lines)
 
 
