@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import combinations
 
 from hypothesis import strategies as st
@@ -30,6 +30,9 @@ class Play:
         self.net = found.net
         self.place = found.net.place_index
         self.hardware = [h.name for h in found.mission.hardware if h.faulty]
+        blocks = found.graph.timed_blocks()
+        self.timed = {f"OBJ_{block.name}_EV_TIMEOUT": [f"OBJ_{n}" for n in block.held] for block in blocks}
+        """By event of a block whose time is over, the objectives in it."""
         self._edges: dict[Marking, list[Edge]] = {}
         self._left: dict[tuple[Marking, Marking, str], frozenset[int]] = {}
         self.initial = self.settle(self.net.initial)
@@ -121,9 +124,15 @@ class Play:
         reached = self.reach([marking], [f"{h}_EV_RD" for h in dead])
         return any(end(m) for m in reached for end in ended)
 
+    def fail(self, marking: Marking, text: str) -> list[str]:
+        """The places of the objectives that fail with an event; all in a block as its time is over."""
+        if text in self.timed:
+            return [place for place in self.timed[text] if self.marks(place)(marking)]
+        return [text.rpartition("_EV_")[0]] if text.startswith("OBJ_") and fails(text) else []
+
     @cached_property
-    def unsafe(self) -> set[str]:
-        """The failures of objectives that should make the robot safe, where they lead to abort.
+    def unsafe(self) -> set[tuple[Marking, str]]:
+        """Where the failure of an objective that should make the robot safe leads to abort.
 
         Such an objective ends the mission in abort by its success, too; or after its success objectives that
         succeed lead to abort, and never to success.
@@ -131,22 +140,23 @@ class Play:
         aborted, succeeded = self.marks("MISSION_abort"), self.marks("MISSION_success")
         edges = [(m, *edge) for m in self.reach([self.initial]) for edge in self.edges(m)]
         others = {text for _, text, _ in edges if not text.endswith("_EV_OK")}
-        into = {text for m, text, target in edges if aborted(target) and not aborted(m)}
+        into = [(m, text) for m, text, target in edges if aborted(target) and not aborted(m)]
+        ending = {text for _, text in into}
 
+        @cache
         def shelter(name: str) -> bool:
             onward = self.reach([target for _, text, target in edges if text == f"{name}_EV_OK"], others)
             only = any(map(aborted, onward)) and not any(map(succeeded, onward))
-            return f"{name}_EV_OK" in into or only
+            return f"{name}_EV_OK" in ending or only
 
-        failures = filter(fails, into)
-        return {text for text in failures if shelter(text.rpartition("_EV_")[0])}
+        return {(m, text) for m, text in into if any(map(shelter, self.fail(m, text)))}
 
     def ends_safely(self, marking: Marking, dead: frozenset[str]) -> bool:
         """Whether the mission may still succeed, or abort by what is no failure of what should make safe."""
         aborted, succeeded = self.marks("MISSION_abort"), self.marks("MISSION_success")
         reached = self.reach([marking], [f"{h}_EV_RD" for h in dead])
         return any(map(succeeded, reached)) or any(
-            aborted(target) and not aborted(m) and text not in self.unsafe
+            aborted(target) and not aborted(m) and (m, text) not in self.unsafe
             for m in reached
             for text, target in self.edges(m)
         )
@@ -164,10 +174,10 @@ class Play:
             if stop is not None and stop(m):
                 continue
             for event, after in self.edges(m):
-                if fails(event):
-                    name = event.removeprefix("OBJ_").rpartition("_EV_")[0]
-                    if self.objective_survives(m, name, frozenset(self.hardware)):
-                        continue
+                failing = [place.removeprefix("OBJ_") for place in self.fail(m, event)]
+                dead = frozenset(self.hardware)
+                if failing and all(self.objective_survives(m, name, dead) for name in failing):
+                    continue
                 if not event.endswith("_EV_RD") and after not in seen:
                     seen.add(after)
                     stack.append(after)

@@ -20,7 +20,7 @@ from mcpn.answers.reentry import Reentry
 from mcpn.answers.verdicts.modes import Mode, said_by
 from mcpn.answers.verdicts.unsafe_abort import Aborts, aborts
 from mcpn.drawing.compose import MissionNet
-from mcpn.mission.flatten import ElementarySection, Section
+from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, Section
 from mcpn.mission.static.handover import entries
 from mcpn.nets.events import ENDING, Event, What
 from mcpn.spaces.algebra import Alike, Edge, Piece, S, Space, Without, partition
@@ -229,14 +229,20 @@ class Prospects(Generic[S]):
     def forced(self) -> Mapping[int, S]:
         """By transition with which an objective fails or times out, states in which it can only fail.
 
-        As guards they leave runs in which objectives fail only where the lost hardware makes them fail.
+        As guards they leave runs in which objectives fail only where the lost hardware makes them fail. The
+        time of a block is over only where something that runs in it can only fail.
         """
-        return {
+        found = {
             t: self.losing(goal, repairs=False)
             for name, goal in self.objectives.items()
             for what in (What.FAILURE, What.TIMEOUT)
             for t in self.carrying(what, name)
         }
+        for block in self.mission_net.graph.timed_blocks():
+            losing = (self.losing(self.objectives[name], repairs=False) for name in block.held)
+            late = self.carrying(What.TIMEOUT, block.name)
+            found |= dict.fromkeys(late, reduce(or_, losing, self.space.nothing))
+        return found
 
     # --- critical events -----------------------------------------------------------------------------------
 
@@ -245,11 +251,12 @@ class Prospects(Generic[S]):
 
         Returns:
             The key, equal for goals whose runs pass alike pieces of the space, and the objectives of these
-            pieces; ``None`` where nothing is known to be alike.
+            pieces with their timed blocks; ``None`` where nothing is known to be alike.
         """
         pieces = [list(self.space.pieces(some)) for some in (goal.running, *states)]
-        if len(pieces[0]) != 1 or goal.name not in (names := pieces[0][0].names) or pieces[0][0].kind is None:
+        if len(pieces[0]) != 1 or goal.name not in pieces[0][0].names or pieces[0][0].kind is None:
             return None
+        names = self._ending_in(pieces[0][0])
         return (names.index(goal.name), *(tuple(piece.kind for piece in some) for some in pieces)), names
 
     def critical(self, goal: Goal[S], *, repairs: bool) -> list[CriticalEvent]:
@@ -296,12 +303,23 @@ class Prospects(Generic[S]):
 
         if piece.kind is None:
             return compute()
-        ends = event.what in ENDING
-        element = piece.names.index(event.element) if ends else event.element
-        found, names = self._alike.known(
-            (event.what, event.reason, element, piece.kind), piece.names, compute
-        )
+        own = self._ending_in(piece)
+        element = own.index(event.element) if event.what in ENDING else event.element
+        found, names = self._alike.known((event.what, event.reason, element, piece.kind), own, compute)
         return {(tuple(names[n] for n in running), mode): count for (running, mode), count in found.items()}
+
+    def _ending_in(self, piece: Piece[S]) -> tuple[str, ...]:
+        """What may end in a piece: its objectives, then blocks whose time may be over."""
+        return (*piece.names, *(block for name in piece.names[:1] for block in self._timed_beside[name]))
+
+    @cached_property
+    def _timed_beside(self) -> Mapping[str, tuple[str, ...]]:
+        """By objective the blocks of its section whose time may be over."""
+        found = dict[str, tuple[str, ...]]()
+        for section in self.mission_net.graph.sections:
+            blocks = tuple(block.name for block in ObjectivesGraph((section,), section.name).timed_blocks())
+            found |= dict.fromkeys((objective.name for objective in section.walk()), blocks)
+        return found
 
     @memoized
     def _concerned(self, event: Event) -> set[str]:
