@@ -43,6 +43,7 @@ SHAPE = Shape(
     recovers=3,
     pauses=3,
     timeouts=2,
+    timed_blocks=4,
     aborts=2,
     crashes=True,
     late=True,

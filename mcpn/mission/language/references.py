@@ -42,7 +42,7 @@ _SAID = re.compile(
     r"(?<![\w.\"])(?P<word>" + "|".join(WORDS) + r")\s*\(\s*\"?(?P<name>[A-Za-z_][\w.]*)\"?\s*\)"
     r"(?:\s*=\s*\"?(?P<value>\w+))?"
 )
-_ENDING = re.compile(r"OBJ_(?P<name>[\w.]+)_EV_(?:OK|FAIL(?:_(?P<reason>[A-Za-z_]\w*))?|TIMEOUT)")
+_ENDING = re.compile(r"OBJ_(?P<name>[\w.]+)_EV_(?P<how>OK|FAIL(?:_(?P<reason>[A-Za-z_]\w*))?|TIMEOUT)")
 _CHANGING = re.compile(r"(?P<name>[\w.]+)_EV_(?:OOS|RD|DEATH|DETECTED)")
 
 
@@ -126,6 +126,8 @@ def reason_in(name: str) -> Reference | None:
 def happening(name: str) -> Reference:
     """What an event is of that nobody declares by its name: an objective that ends, a loss; else an event.
 
+    The time of any block may be over.
+
     Examples:
         >>> happening("OBJ_dive_EV_OK")
         Reference(kind='objective', name='dive', place=4, of='')
@@ -133,7 +135,8 @@ def happening(name: str) -> Reference:
         ('loss', 'event')
     """
     if (ending := _ENDING.fullmatch(name)) is not None:
-        return Reference("objective", ending["name"], ending.start("name"))
+        kind = "block path" if ending["how"] == "TIMEOUT" else "objective"
+        return Reference(kind, ending["name"], ending.start("name"))
     if (changing := _CHANGING.fullmatch(name)) is not None:
         return Reference("loss", changing["name"], 0)
     return Reference("event", name, 0)
