@@ -49,6 +49,7 @@ WATCH = ROOT / "tests" / "controller" / "watch.xml"
 UNTIMED = missions(disjoint_branches=True, protocols=False, timeouts=0, hardware=3, objectives=3, sections=5)
 """Numbers of risk know no timeouts."""
 LATE = missions(hardware=2, objectives=2, sections=4, producers=1, timeouts=0, late=True)
+NAMED = missions(hardware=1, objectives=3, sections=4, producers=1, timeouts=0, reasons=7, recovers=2)
 NEVER = 1 - 1e-7
 """Confidence of intervals that tests ask for: a false alarm in ten million comparisons."""
 
@@ -64,6 +65,7 @@ def world(mission_net: MissionNet, duration: float | None = None) -> World:
         UNTIMED.flatmap(lambda of: with_numbers(of, demands=True)),
         interrupted_missions(),
         LATE.flatmap(lambda of: with_numbers(of, demands=True)),
+        NAMED.flatmap(with_numbers),
     )
 )
 def test_frequencies_are_those_of_risk(mission: Mission) -> None:

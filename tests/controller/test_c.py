@@ -208,7 +208,16 @@ def test_sizes_in_the_header_are_those_of_the_compiler(
     phases=(Phase.explicit, Phase.reuse, Phase.generate),  # each example is compiled: shrinking takes minutes
 )
 @given(
-    missions(max_objectives=3, max_depth=1, events=1, timeouts=3, faults=1, awkward_names=True, text=True)
+    missions(
+        max_objectives=3,
+        max_depth=1,
+        events=1,
+        timeouts=3,
+        faults=1,
+        reasons=3,
+        awkward_names=True,
+        text=True,
+    )
     | missions(max_objectives=3, max_depth=1, max_sections=6, events=1, pauses=9)
     | missions(max_objectives=3, max_depth=1, max_sections=6, facts=2)
     | missions(max_objectives=3, max_depth=1, max_sections=6, faults=1, lasting=True, crashes=True)

@@ -92,7 +92,7 @@ def test_ulysse(name: str, form: str, ulysse_net: MissionNet, tmp_path: Path) ->
     phases=(Phase.explicit, Phase.reuse, Phase.generate),
 )
 @given(
-    missions(max_objectives=3, max_depth=1, events=1, awkward_names=True)
+    missions(max_objectives=3, max_depth=1, events=1, reasons=3, awkward_names=True)
     | missions(max_objectives=3, max_depth=1, max_sections=6, events=1, facts=2)
     | missions(max_objectives=3, max_depth=1, max_sections=6, faults=1, lasting=True, crashes=True)
     | missions(max_objectives=2, max_depth=1, max_sections=5, late=True, lasting=True, facts=1),

@@ -221,3 +221,45 @@ def applied(text: str, edits: Sequence[lsp.TextEdit]) -> str:
 
 def unasked(mission: Mission) -> Mission:
     return renamed(mission, lambda kind, name: name)
+
+
+REASONS = """<mission name="m" xmlns="urn:mcpn:mission:1">
+<robot name="r"><activity name="go" failures="stuck"/></robot>
+<requirement name="one" formula="G !happens(OBJ_x_EV_FAIL_stuck)"/>
+<objective name="x" activities="go" failures="stuck=2e-4 lost" failure_probability="0.1">
+<route on="failure" reason="stuck" goto="fail"/></objective>
+</mission>
+"""
+
+
+def test_a_reason_is_renamed_wherever_it_stands() -> None:
+    asked = answers(REASONS)
+    reasons = [s for s in asked.symbols(FILE) if s.kind == "reason"]
+    assert [(s.name, s.declares) for s in reasons] == [
+        ("stuck", True),
+        ("stuck", False),
+        ("stuck", True),
+        ("lost", True),
+        ("stuck", False),
+    ]
+    for symbol in (s for s in reasons if s.name == "stuck"):
+        edit = asked.renamed(FILE, asked.range(FILE, symbol.begin, symbol.end).start, "caught")
+        assert edit.changes is not None
+        assert applied(REASONS, edit.changes[FILE.as_uri()]) == REASONS.replace("stuck", "caught")
+    with pytest.raises(ValueError, match="lost is taken"):
+        asked.renamed(FILE, asked.range(FILE, reasons[0].begin, reasons[0].end).start, "lost")
+    with pytest.raises(ValueError, match="with the name EV the mission is wrong"):
+        asked.renamed(FILE, asked.range(FILE, reasons[0].begin, reasons[0].end).start, "EV")
+
+
+@pytest.mark.parametrize(
+    ("before", "has"),
+    [
+        ('reason="', {"stuck", "lost"}),
+        ("happens(", {"OBJ_x_EV_FAIL", "OBJ_x_EV_FAIL_stuck", "OBJ_x_EV_FAIL_lost"}),
+    ],
+)
+def test_reasons_are_offered(before: str, has: set[str]) -> None:
+    asked, at = answers(REASONS), REASONS.index(before) + len(before)
+    found = asked.completion(FILE, asked.range(FILE, at, at).start)
+    assert has <= {item.label for item in found}

@@ -7,10 +7,11 @@ One object with these keys, all of them always, whether there is something to sa
   ``minimised``: true where states that cannot be told apart have been merged;
 - ``hardware``: the hardware that can fail; ``initial``: the section entered at the mission's start;
 - ``sections``: each with ``name``, ``type`` (index in ``types``), ``routes`` (outcome, ``success``,
-  ``failure``, ``abort`` where a branch of it may abort, ``timed out`` where its time may be over, or ``on E``
-  for an event ``E`` that interrupts the section, ``on E 2`` for its second handler of it, to the section
-  entered next, or ``succeed``, ``fail`` or ``abort``), ``events`` (its own text of each event of the type)
-  and ``names`` (by kind, from names in the type to its own; a name that is missing stays);
+  ``failure``, ``failure R`` for a reason ``R`` for which it may fail, ``abort`` where a branch of it may
+  abort, ``timed out`` where its time may be over, or ``on E`` for an event ``E`` that interrupts the section,
+  ``on E 2`` for its second handler of it, to the section entered next, or ``succeed``, ``fail`` or
+  ``abort``), ``events`` (its own text of each event of the type) and ``names`` (by kind, from names in the
+  type to its own; a name that is missing stays);
 - ``types``: machines, each with ``hardware``, ``once`` (handlers of the type that happen once, by where they
   are written: ``go_home.leak``), ``facts`` (what may be true of its facts), ``entering`` (how many of these,
   the first ones, have bits in the numbers of entries, behind those of the hardware), ``events``, ``states``,
