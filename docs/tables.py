@@ -44,7 +44,7 @@ def table(name: str) -> str:
     tag = language()[name]
     own = rows((a for a in tag.attributes.values() if a.owner not in GROUPS), tag.required)
     children = ", ".join(dict.fromkeys(f"`<{child.TAG}>`" for of in tag.forms for child in inside(of)))
-    return "\n".join([tag.words, "", *own, *[""] * bool(own), f"Inside: {children or 'nothing'}."])
+    return "\n".join([tag.words, "", *own, *(["", f"Inside: {children}."] if children else [])])
 
 
 def kind(node: dict[str, Any]) -> str:
