@@ -113,6 +113,16 @@ def never_taken(drawn: Drawn) -> Drawn | None:
     return None if _split(drawn.produce, "take")[0] else ignores("OOS")(drawn)
 
 
+def one_less(part: str) -> Change:
+    """Of several such places it takes one less."""
+
+    def change(drawn: Drawn) -> Drawn:
+        those, others = _split(drawn.consume, part)
+        return drawn if len(those) < 2 else replace(drawn, consume=(*others, *those[1:]))
+
+    return change
+
+
 def ranked(more: int) -> Change:
     """It fires so many ranks later, or earlier."""
     return lambda drawn: replace(drawn, rank=max(drawn.rank + more, 0))
@@ -316,12 +326,47 @@ BY_ELEMENT: dict[str, dict[str, Fault]] = {
         "a block is interrupted and halts no branch": ("parallel", r"EV\d+_.*", forgets("halt")),
         "a branch is halted and nothing stops": ("parallel", r"halt\d+", forgets("Stop")),
         "an interrupted block is never left": ("parallel", "left_.*", missing),
+        "what happened inside once is handled outside while it may happen": (
+            "objective",
+            r"EV\d+_.*",
+            ignores("happened"),
+        ),
+        "the same of a block": ("parallel", r"EV\d+_.*", ignores("happened")),
     },
     "abort, early ends": {
         "a block that needs one branch awaits all": ("parallel", "succeed", missing),
         "a block aborts and halts no branch": ("parallel", "abort", forgets("halt")),
         "a block never aborts": ("parallel", "abort", missing),
         "a block is decided and never left": ("parallel", "succeeded|failed", missing),
+        "a block that failures decide awaits all": ("parallel", "fail", missing),
+        "a block fails and halts no branch": ("parallel", "fail", forgets("halt")),
+        "a block fails by one failure less": ("parallel", "fail", one_less("fail")),
+        "failures count before successes of the same moment": ("parallel", "fail", ranked(-9)),
+        "successes count after failures of the same moment": ("parallel", "succeed", ranked(9)),
+    },
+    "guards, recovery, rounds": {
+        "who may not enter enters": ("objective", r"EV_(OK|FAIL)\d+", ignores("true")),
+        "who may not enter goes nowhere": ("objective", r"EV_(OK|FAIL)2", missing),
+        "who enters uses up the fact": ("objective", r"EV_(OK|FAIL)\d+", takes("true")),
+        "after a success nothing is entered": ("objective", r"EV_OK\d*", forgets("enter")),
+        "the next round starts nothing": ("objective", r"EV_OK\d*", forgets("Start")),
+        "a gate opens again and again": ("objective", "begin", keeps("enter")),
+    },
+    "shared producers": {
+        "it is asked for, and may be asked for again": ("software", "1", keeps("unused")),
+        "a refusal leaves its request open": ("software", "3", forgets("unused")),
+        "it starts though nobody asks": ("activity", r"start\d+", ignores("waiting")),
+        "it starts, and may start again": ("activity", r"start\d+", keeps("idle")),
+        "it stops while somebody uses what it produces": ("activity", r"stop\d+", ignores("unused")),
+        "it has refused, and is asked no more": ("activity", "refused", missing),
+        # Told where it has waited for hardware: who asks anew may find possible what it has passed over.
+        "it leaves its refusal before all have decided": ("activity", "refused", ignores("unused")),
+        "it is kept, and never let go": ("activity", r"reststop\d+", missing),
+        "it is kept, and let go while nothing ends": ("activity", r"reststop\d+", ignores("resting")),
+    },
+    "reserved data": {
+        "it is given to the next though it is held": ("software", "5", ignores("free")),
+        "it is produced, and asked for again": ("software", "1", keeps("notAvailable")),
     },
     "pause": {
         "a block pauses and nothing stops": ("parallel", r"pause\d+", forgets("Stop")),
@@ -338,6 +383,14 @@ BY_ELEMENT: dict[str, dict[str, Fault]] = {
     "contention": {
         "it waits and cannot be stopped": ("activity", r"cancel\d+", missing),
         "it waits, is stopped, and waits on": ("activity", r"cancel\d+", keeps("Start")),
+        "it waits for a producer and cannot be stopped": ("activity", r"giveup\d+", missing),
+        "it waits for a producer, gives up, and gives nothing back": (
+            "activity",
+            r"giveup\d+",
+            forgets("release"),
+        ),
+        "it waits for a producer, whatever else fails": ("activity", r"askerr\d+", missing),
+        "it waits for a producer, whatever it requires": ("activity", r"asklost\d+", missing),
     },
 }
 """By element and by what is wrong: the kind of element, the transitions, and the change."""
@@ -347,8 +400,6 @@ FAULTS: dict[str, Fault] = {name: fault for some in BY_ELEMENT.values() for name
 HARMLESS: dict[str, Fault] = {
     # Who asks has read that it is free as it selected, and nothing fails within a reaction.
     "shared, it answers without looking whether it fails": ("hardware", "7", ignores("free")),
-    # With hardware as it is, who asks a producer that has left its refusal is refused again.
-    "it leaves its refusal before all have decided": ("activity", "refused", ignores("unused")),
     # Who halts a block takes the tokens of the gates inside, in an earlier rank than that of gates.
     "a gate opens in a block that is halted": ("objective", "begin", ignores("running")),
 }

@@ -343,6 +343,60 @@ MISSIONS: dict[str, Mission] = {
         objective("x", "a"),
         objective("y", "b"),
     ),
+    "waits for what is made": mission(
+        replace(
+            robot(
+                hw("h", "g"),
+                activity("p", ("h",), produces=("s",)),
+                activity("c", ("h",)),
+                activity("b", ()),
+                replace(activity("a", ("s", "g"), ()), requires=("lit",)),
+                events=("dusk",),
+            ),
+            facts=(Fact(name="lit", initial="true"),),
+            events=(DeclaredEvent(name="dusk", sets=(FactChange(fact="lit", to="false"),)),),
+        ),
+        Parallel(
+            name="both",
+            blocks=(
+                objective("y", "c"),
+                Recursive(name="r", blocks=(objective("w", "b"), objective("x", "a"))),
+            ),
+        ),
+    ),
+    "counts failures": mission(
+        robot(hw("h"), activity("a", ("h",)), activity("b", ()), activity("c", ()), events=("end",)),
+        Parallel(
+            name="of_three",
+            success_when="2",
+            failure_when="2",
+            failure="of_two",
+            blocks=(objective("u", "a"), objective("v", "b"), objective("w", "c")),
+        ),
+        Parallel(
+            name="of_two",
+            success_when="1",
+            failure_when="1",
+            blocks=(
+                replace(objective("x", "b"), handlers=(Handler(event="end", goto="fail"),)),
+                replace(objective("y", "c"), handlers=(Handler(event="end", goto="succeed"),)),
+                objective("z", "a"),
+            ),
+        ),
+    ),
+    "happens once inside": replace(
+        mission(
+            robot(hw("h"), activity("a", ("h",)), activity("b", ()), events=("rain",)),
+            replace(objective("x", "a"), handlers=(Handler(event="rain", goto="x", once=True),)),
+            Parallel(
+                name="both",
+                handlers=(Handler(event="rain", goto="x", once=True),),
+                blocks=(objective("u", "a"), objective("v", "b")),
+            ),
+            objective("home", "b"),
+        ),
+        handlers=(Handler(event="rain", goto="home"),),
+    ),
 }
 """A producer that does not serve; one that does; an activity that gives back and asks again in one reaction;
 gates; hardware of several; an activity that stops as it starts, and returns; many errors at a time. Then each
