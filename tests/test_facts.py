@@ -189,7 +189,7 @@ BROKEN: dict[str, tuple[str, int, str]] = {
     "both at once": (body(go('<route when="held !held" goto="fail"/>')), 6, "at once"),
     "no condition": (body(go('<route when="" goto="fail"/>')), 6, "expected facts with their values"),
     "a route to nowhere": (body(go('<route when="held" goto="p"/>')), 6, "leads to p"),
-    "a route without a condition": (body(go('<route goto="fail"/>')), 6, "no attribute when"),
+    "a route without a condition": (body(go('<route goto="fail"/>')), 6, "asks for no fact"),
     "a route of a branch": (
         body('<parallel name="p">' + go('<route when="held" goto="fail"/>') + "</parallel>"),
         6,

@@ -189,9 +189,9 @@ def test_nothing_is_lost_where_writing_fails(tmp_path: Path, monkeypatch: pytest
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_what_formats_md_writes_instead_of_a_partial_order_has_its_markings(tmp_path: Path) -> None:
+def test_what_the_page_writes_instead_of_a_partial_order_has_its_markings(tmp_path: Path) -> None:
     """The net of the page against firing by the relation: a above b, and c beside them."""
-    page = (ROOT / "docs" / "formats.md").read_text()
+    page = (ROOT / "docs" / "nets.md").read_text()
     text = page.partition('title="partial.net"\n')[2].partition("```")[0]
     (tmp_path / "whole.net").write_text(text)
     whole = read_net(tmp_path / "whole.net")

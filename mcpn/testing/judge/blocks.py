@@ -61,6 +61,7 @@ class WrittenBlock:
         parameters: Those in force in an elementary objective.
         written: Its name in the text; that of a copy is its block's.
         copy: Whether it is a copy of its parent: a round, a try, a run or a value of it.
+        helper: Whether it is a copy of a sibling that is run for a block.
         use: Whether what it holds is written in a protocol.
         failures: The reasons for which an elementary objective may fail.
         sets: Facts that an elementary objective changes.
@@ -90,6 +91,7 @@ class WrittenBlock:
     parameters: Values = field(default_factory=dict)
     written: str = ""
     copy: bool = False
+    helper: bool = False
     use: bool = False
     failures: tuple[str, ...] = ()
     sets: tuple[FactChange, ...] = ()
@@ -235,7 +237,7 @@ class _Writing:
         assert node.parent is not None
         found = self.block(by, node.parent, scope)
         found.success, found.failure = success, node.failure
-        found.abort, found.handlers = by.abort or ABORT, by.handlers
+        found.abort, found.handlers, found.helper = by.abort or ABORT, by.handlers, True
         on_failure = (route for route in node.deciding if route.on == "failure")
         found.deciding = tuple(route for route in on_failure if route.reason is None)
         found.timed_out = by.timeout_goto

@@ -482,14 +482,14 @@ def led(state: State, node: WrittenBlock, by: str) -> tuple[WrittenBlock, str | 
     """Where an outcome of a block leads: the first of its routes whose facts are so, else the default.
 
     What fails for a reason asks first the routes for that, of the whole block where it is a copy. Where it
-    leads to ``fail``, the block around fails for the same reason.
+    leads to ``fail``, the block around fails for the same reason; what is run for a block fails it for none.
 
     Returns:
         The block that is left, the whole one where a route of that counts, and the route.
     """
     if by == TIMED_OUT and node.timed_out is not None:
         return node, node.timed_out
-    whole = node
+    whole, by = node, unnamed(by) if node.helper else by
     while unnamed(by) != by:
         for route in whole.deciding:
             if f"{FAIL} {route.reason}" == by and so(state.facts, route.when):

@@ -208,8 +208,8 @@ _CONTROL = mission(
         retries=1,
         timeout=5.0,
         timeout_goto="z",
-        failures=("stuck", "lost"),
-        routes=(FactRoute(on="failure", reason="stuck", goto="z"),),
+        failures=("stuck",),
+        routes=(FactRoute(on="failure", reason="stuck", goto="y"),),
     ),
     Parallel(
         name="y",
