@@ -185,10 +185,16 @@ class Runner:
 
     @cached_property
     def _ending(self) -> list[frozenset[str]]:
-        """By transition, the objectives and blocks with a timeout of which it takes the place."""
+        """By transition, the objectives and blocks with a timeout of which it takes the place.
+
+        A block that leads to itself may be left and entered again by one transition.
+        """
+        net, timed = self.mission_net.net, self._timed
+        blocks = {block.name for block in self.mission_net.graph.timed_blocks()}
         return [
-            frozenset(self._timed[p] for p in t.consume if p in self._timed)
-            for t in self.mission_net.net.safe_transitions
+            frozenset(timed[p] for p in safe.consume if p in timed)
+            | frozenset(timed[p] for p, _ in t.consume if p in timed and timed[p] in blocks)
+            for t, safe in zip(net.transitions, net.safe_transitions, strict=True)
         ]
 
     @cached_property

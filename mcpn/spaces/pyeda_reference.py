@@ -16,6 +16,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, TypeAlias
 
 from mcpn.errors import LimitError, UnsafeError
@@ -159,6 +160,8 @@ class _Diagrams:
         """
         if not asked or f is self.zero:
             return f
+        if _clashing(asked):
+            return self.zero
         known = self._moved[asked]
         (level, before, after), *below = asked
         rest = tuple(below)
@@ -227,6 +230,11 @@ class _Diagrams:
         return over
 
 
+def _clashing(asked: Sequence[Asked]) -> bool:
+    """Whether one place is asked to be marked, and to be free: its transition reads what it would put."""
+    return any(one[0] == other[0] for one, other in pairwise(asked))
+
+
 class _Saturated:
     """Closes sets of markings under transitions that nothing overtakes.
 
@@ -239,7 +247,7 @@ class _Saturated:
         self.sets = sets
         self.top: defaultdict[int, list[tuple[Asked, ...]]] = defaultdict(list)
         for asked in moving:
-            if any(before != after for _, before, after in asked):
+            if any(before != after for _, before, after in asked) and not _clashing(asked):
                 self.top[asked[0][0]].append(asked)
         self.next = _following(self.top, sets.places)
         self._known: dict[tuple[Node, int], Node] = {}
@@ -476,6 +484,8 @@ class _Space:
 
         def possible(t: int, asked: Sequence[Asked]) -> int:
             known: dict[Any, int] = {}
+            if _clashing(asked):
+                return 0
             here = crossing[first[t]].items()
             return sum(ways * counted(node, asked, first[t], known) for node, ways in here)
 

@@ -202,7 +202,7 @@ def test_missions_with_declared_events(mission: Mission, seed: int) -> None:
 
 @fewer(0.5)
 @given(
-    missions(max_objectives=3, max_depth=2, events=1, aborts=1, timeouts=7, timed_blocks=4),
+    missions(max_objectives=3, max_depth=2, events=1, aborts=1, timeouts=7),
     st.integers(0, 2**32),
 )
 def test_missions_with_timeouts(mission: Mission, seed: int) -> None:
