@@ -173,7 +173,7 @@ class Runner:
     def _timed(self) -> dict[int, str]:
         """The objectives and blocks that have a timeout, by the place that says that they run."""
         graph = self.mission_net.graph
-        timed = {section.name for section in graph.walk() if section.timeout is not None}
+        timed = {section.name for section in graph.timed}
         found = {place: name for place, name in self.mission_net.saying("objective").items() if name in timed}
         blocks = {block.name for block in graph.timed_blocks()}
         for transition in self.mission_net.net.transitions if blocks else ():
@@ -189,12 +189,9 @@ class Runner:
 
         A block that leads to itself may be left and entered again by one transition.
         """
-        net, timed = self.mission_net.net, self._timed
-        blocks = {block.name for block in self.mission_net.graph.timed_blocks()}
         return [
-            frozenset(timed[p] for p in safe.consume if p in timed)
-            | frozenset(timed[p] for p, _ in t.consume if p in timed and timed[p] in blocks)
-            for t, safe in zip(net.transitions, net.safe_transitions, strict=True)
+            frozenset(self._timed[p] for p, _ in t.consume if p in self._timed)
+            for t in self.mission_net.net.transitions
         ]
 
     @cached_property

@@ -154,14 +154,14 @@ HOLES = ("activity", "alternative", "objective", "run", "python")
 """Holes that are no parameters: ``run`` is the number of the start, ``python`` the interpreter of mcpn."""
 WILDCARDS = "+#*$?\0"
 """What means more than itself in a topic of MQTT or a key of zenoh."""
-ENDINGS = {SUCCESS: "OK", FAILURE: "FAIL"}
-"""By word, the end of the event's text."""
+ENDINGS = {SUCCESS: What.SUCCESS, FAILURE: What.FAILURE}
+"""By word, what happens."""
 
 
 def ending(objective: str, word: str) -> str:
     """The event of an objective that ``success`` or ``failure`` stands for, or ``failure REASON``."""
     how, _, reason = word.partition(" ")
-    return f"OBJ_{objective}_EV_{ENDINGS[how]}{'_' * bool(reason)}{reason}"
+    return str(Event(ENDINGS[how], objective, reason))
 
 
 def is_ending(word: str) -> bool:
@@ -177,15 +177,16 @@ def endings(known: Iterable[str]) -> dict[str, dict[str, str]]:
     """
     found: dict[str, dict[str, str]] = {}
     for text in known:
-        if (word := ended(Event.parse(text))) is not None:
-            found.setdefault(Event.parse(text).element, {})[text] = word
+        event = Event.parse(text)
+        if (word := ended(event)) is not None:
+            found.setdefault(event.element, {})[text] = word
     return found
 
 
 def ended(event: Event) -> str | None:
     """What a driver says for an end of an objective; ``None`` for other events."""
-    words = {What.SUCCESS: SUCCESS, What.FAILURE: f"{FAILURE} {event.reason}".rstrip()}
-    return words.get(event.what)
+    how = next((word for word, what in ENDINGS.items() if what is event.what), None)
+    return how and f"{how} {event.reason}".rstrip()
 
 
 def event_of(text: str, known: Iterable[str]) -> str | None:

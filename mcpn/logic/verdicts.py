@@ -29,6 +29,7 @@ from mcpn.logic.simplify import at_first, bounds_of, conditions, parts_at_first
 from mcpn.logic.witness import NoRun, Witness, explain
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.spaces.engines import Asked, Choice, NoSpace
+from mcpn.spaces.search import HOME
 from mcpn.spaces.search.goal import FALSE, TRUE, Formula
 from mcpn.steps import Doing, step
 
@@ -44,7 +45,6 @@ if TYPE_CHECKING:
 
 DIAGRAMS, REWRITING, COMPOSITION = "DECISION_DIAGRAMS", "QUERY_REDUCTION", "COMPOSITION"
 EXPLICIT, INITIAL_STATE, RANDOM_WALK = "EXPLICIT", "INITIAL_STATE", "RANDOM_WALK"
-HOME = "HOME_MARKING"
 FIRST_SLICE, FIRST_ROUND, GROWTH = 0.4, 1.0, 3.0
 WALK_STEPS = 50_000
 Meaning: TypeAlias = Formula | tuple[int, ...] | str

@@ -23,7 +23,15 @@ from mcpn.mission.expansion.leads import Lead, Leads, Named, by_facts, failing_f
 from mcpn.mission.expansion.pauses import PAUSE, sheltered, suffix_at
 from mcpn.mission.expansion.recovery import entered, following, helping
 from mcpn.mission.expansion.routes import GO_ON, Interruption
-from mcpn.mission.expansion.scope import MAX_NESTING, MAX_OBJECTIVES, Scope, copies, limit_hit, several
+from mcpn.mission.expansion.scope import (
+    MAX_NESTING,
+    MAX_OBJECTIVES,
+    Scope,
+    copies,
+    limit_hit,
+    several,
+    unrouted,
+)
 from mcpn.mission.graph import (
     IN_TIME,
     Branch,
@@ -365,8 +373,7 @@ class _Flattening:
 
     def timed(self, block: Block, scope: Scope, leads: Leads) -> ParallelSection:
         """A block whose time may be over and that is not parallel: a section with one branch, which it is."""
-        alone = replace(block, success=None, failure=None, abort=None, guards=(), routes=(), handlers=())
-        inside = replace(alone, timeout=None, timeout_goto=None)
+        inside = replace(unrouted(block), timeout=None, timeout_goto=None)
         graph = self.graph((inside,), replace(scope, handlers=()))
         name = scope.name(block)
         return ParallelSection(

@@ -232,18 +232,18 @@ Section: TypeAlias = ElementarySection | ParallelSection
 
 def rerouted(section: Section, to: Callable[[str], str]) -> Section:
     """A section with other targets."""
-    cases = tuple((of, replace(case, target=to(case.target))) for of, case in section.cases)
-    interruptions = tuple(i.led(to) for i in section.interruptions)
-    success, failure = to(section.success), to(section.failure)
-    late = section.timed_out and to(section.timed_out)
-    if isinstance(section, ElementarySection):
-        reasons = tuple((reason, to(target)) for reason, target in section.reasons)
-        led = replace(section, success=success, failure=failure, timed_out=late, reasons=reasons)
-        return replace(led, cases=cases, interruptions=interruptions)
-    abort, away = section.abort and to(section.abort), tuple((of, to(target)) for of, target in section.away)
-    parallel = replace(section, success=success, failure=failure, abort=abort, away=away)
-    parallel = replace(parallel, timed_out=late)
-    return replace(parallel, cases=cases, interruptions=interruptions)
+    led = replace(
+        section,
+        success=to(section.success),
+        failure=to(section.failure),
+        timed_out=section.timed_out and to(section.timed_out),
+        cases=tuple((of, replace(case, target=to(case.target))) for of, case in section.cases),
+        interruptions=tuple(i.led(to) for i in section.interruptions),
+    )
+    if isinstance(led, ElementarySection):
+        return replace(led, reasons=tuple((reason, to(target)) for reason, target in led.reasons))
+    away = tuple((of, to(target)) for of, target in led.away)
+    return replace(led, abort=led.abort and to(led.abort), away=away)
 
 
 def names_in(section: Section) -> Iterator[str]:

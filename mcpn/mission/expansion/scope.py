@@ -120,6 +120,11 @@ def limit_hit(what: str, source: Source | None) -> LimitError:
     return LimitError(str(Problem(source, f"{what}: the limit was hit")))
 
 
+def unrouted(block: Block) -> Block:
+    """A block without what leads from it, or to it: that stands on what is written out in its place."""
+    return replace(block, success=None, failure=None, abort=None, guards=(), routes=(), handlers=())
+
+
 def several(block: Block) -> bool:
     """Whether a block stands for several copies, one after the other."""
     each = isinstance(block, Each) and block.timeout is None
@@ -134,7 +139,7 @@ def copies(block: Block, scope: Scope) -> Iterator[tuple[tuple[Block, ...], Scop
     most = max(block.times + 1 if block.recover is not None else 0, block.repeat or 0, block.retries + 1)
     if max(most, len(block.values) if isinstance(block, Each) else 0) > MAX_OBJECTIVES:
         raise limit_hit(f"more than {MAX_OBJECTIVES} objectives after expansion", block.source)
-    alone = replace(block, success=None, failure=None, abort=None, guards=(), routes=(), handlers=())
+    alone = unrouted(block)
     if alone.timeout_goto is not None:
         alone = replace(alone, timeout_goto=TIMED_OUT)  # out of all copies, not to the next
     if block.recover is not None:

@@ -18,6 +18,7 @@ from mcpn.errors import LimitError
 from mcpn.nets.petri import Marking, PetriNet
 from mcpn.nets.siphons import classes, commoner
 from mcpn.nets.structure import incidence, needs, repeatable
+from mcpn.spaces.search import HOME
 from mcpn.spaces.search.equation import Ceiling, StateEquation
 from mcpn.spaces.search.goal import AtMost, Fires, Formula, Goal, as_goal, asks_dead, fireable, holds, marked
 from mcpn.spaces.search.home import Home, proved_home
@@ -31,7 +32,7 @@ from mcpn.spaces.search.portfolio import (
 )
 from mcpn.spaces.search.searches import Searches
 
-STRUCTURE, HOME = "STRUCTURAL", "HOME_MARKING"
+STRUCTURE = "STRUCTURAL"
 STEPS = 20_000
 """Firings of walks for each sum; as many for all transitions together, and some for each."""
 STEPS_OF_TRANSITION = 50
