@@ -223,7 +223,10 @@ SECONDS = Datatype(
     "seconds, for example PT1M30S",
     _seconds,
     lambda seconds: str(seconds).removesuffix(".0"),
-).within("from 0.001 to 2592000 seconds (30 days)", lambda seconds: 0.001 <= seconds <= 2_592_000)
+).within(
+    "from 0.001 to 2592000 seconds (30 days)",
+    lambda s: 0.001 <= s <= 2_592_000 and not isinstance(s, Interval),
+)
 PERIOD = Datatype(
     "period",
     "duration",
