@@ -10,7 +10,7 @@ from mcpn.answers.causes.cutsets import Moment
 from mcpn.answers.causes.find import find_causes
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, LimitError
-from mcpn.mission.model import Mission
+from mcpn.mission.model import Mission, Objective, Parallel
 from mcpn.mission.xml import read_mission
 from mcpn.nets.petri import Marking
 from mcpn.spaces.engines import Engine
@@ -21,6 +21,7 @@ from tests.draws import fewer
 from tests.logic.asked import ENGINES, Asked
 from tests.logic.oracle import Play, fragile_missions
 from tests.shares import returns_early
+from tests.small import activity, hw, mission, robot
 
 
 def events(run: Run) -> list[str]:
@@ -69,6 +70,20 @@ def test_the_glider_is_defeated_by_its_losses_and_by_no_leak(engine: Engine) -> 
         assert told.count(f"{name}_EV_OOS") == 1
         assert "leak_EV" not in told
         assert f"{name}_EV_OOS" != told[-1] or name == "satellite_radio"  # its call is tried without end
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_loss_after_the_end_is_on_no_run_to_failure(engine: Engine) -> None:
+    """Hardware that no section uses any more fails beside it, in the composite too."""
+    last = Parallel(name="last", success_when="1", blocks=(Objective(name="y", activities=("work",)),))
+    of = mission(
+        robot(hw("h"), activity("work", ("h",))),
+        Objective(name="x", activities=("work",), success="fail", failure="last"),
+        last,
+    )
+    run = find_causes(compose(of), engine=engine).mission.runs["h",]
+    assert run is not None
+    assert events(run)[-1] == "OBJ_y_EV_FAIL"
 
 
 @fewer(0.4)

@@ -360,13 +360,12 @@ class Prospects(Generic[S]):
             ends.insert(0, ended - goal.won)
         oos = self.places("oos", names)
         ends = [space.restricted(end, oos, ()) for end in ends]
-        open_ = dict.fromkeys(self.failing, space.everything - ended)
-        forced, free = ({**(self._onward(goal, guards) or {}), **open_} for guards in (self.forced, None))
+        forced, free = (self._onward(goal, guards) for guards in (self.forced, None))
         quiet = transitions - self._carrying[What.DECLARED] - self._carrying[What.TIMEOUT]
         tries = [(quiet, end, forced) for end in ends]
         tries += [(transitions, end, guards) for end, guards in product(ends, (forced, free))]
         for steps, end, guards in tries:
-            run = space.run(space.initial.pick(), end, None, steps, guards)
+            run = space.run(space.initial.pick(), end, space.everything - ended, steps, guards)
             if run is not None:
                 if not whole:
                     fails = self.carrying(What.FAILURE, goal.name, "")
