@@ -10,7 +10,7 @@ from mcpn.trees.ledger import Kind
 from mcpn.trees.nodes import TreeNode
 from mcpn.trees.pieces import Part, Result, bare, handled, placed, tidied, wrapped
 from mcpn.trees.reading import WAITING
-from mcpn.trees.translator import Context, Rule, Translator
+from mcpn.trees.translator import ROUNDS, Context, Rule, Translator
 
 COPIES = 1000
 """More tries or rounds than these are not written out."""
@@ -35,23 +35,28 @@ def transparent(at: Translator, node: TreeNode, context: Context) -> Result:
     return result
 
 
+BETWEEN = "that it returns between its rounds is not told"
+"""Why a loop whose child answers at once is not what the tree does, where that can be seen."""
+
+
 def retry(at: Translator, node: TreeNode, context: Context) -> Result:
     """The child again, as often as it fails."""
-    return _loop(at, node, context, node.ports.get("num_attempts", ""), fails=True)
+    return _loop(at, node, context, fails=True)
 
 
 def repeat(at: Translator, node: TreeNode, context: Context) -> Result:
     """The child again, as often as it succeeds."""
-    return _loop(at, node, context, node.ports.get("num_cycles", ""), fails=False)
+    return _loop(at, node, context, fails=False)
 
 
-def _loop(at: Translator, node: TreeNode, context: Context, times: str, *, fails: bool) -> Result:
+def _loop(at: Translator, node: TreeNode, context: Context, *, fails: bool) -> Result:
+    times = node.ports.get(ROUNDS[node.id], "")
     count = _count(times)
     result = at.piece(node.children[0], replace(context, again=context.again or count != 1))
     if isinstance(result, bool) or count == 0:
         made: Result = result if isinstance(result, bool) and count != 0 else not fails
         if count not in (0, 1) and result is not fails:
-            at.note(node, became(made), Kind.LEFT_OUT, "that it returns between its rounds is not told")
+            at.note(node, became(made), Kind.LEFT_OUT, BETWEEN)
         else:
             at.note(node, became(made), Kind.EXACT)
         return made
@@ -59,7 +64,11 @@ def _loop(at: Translator, node: TreeNode, context: Context, times: str, *, fails
         # What has rounds or tries already gets an objective around it.
         block = wrapped(result, at.names.fresh(node.name or f"{result.block.name}_again")).block
         block = replace(block, retries=count - 1) if fails else replace(block, repeat=count)
-        at.note(node, block.name, Kind.EXACT)
+        if count > 1 and context.halted and at.at_once(node.children[0]):
+            # An earlier child is asked again then, and nothing runs that it could interrupt.
+            at.note(node, block.name, Kind.LEFT_OUT, BETWEEN)
+        else:
+            at.note(node, block.name, Kind.EXACT)
         return Part(block if count > 1 else replace(block, repeat=None), skips=result.skips)
     return _endless(at, node, context, result, fails, exact=count == -1, why=times)
 

@@ -98,6 +98,10 @@ STATEFUL = frozenset({"RoundRobin", "SequenceWithMemory", "SequenceStar", "RunOn
 """Nodes that remember something from one entry to the next."""
 
 
+ROUNDS = {"RetryUntilSuccessful": "num_attempts", "Repeat": "num_cycles"}
+"""Loops, with the port that says how often."""
+
+
 @dataclass(frozen=True, slots=True)
 class Context:
     """Where a node stands.
@@ -395,6 +399,8 @@ class Translator:
             return self.at_once(tree.root)
         if node.children:
             slow = node.id in ("KeepRunningUntilFailure", "Delay") or node.id.startswith("Loop")
+            # A loop runs on between its rounds.
+            slow |= node.id in ROUNDS and node.ports.get(ROUNDS[node.id], "").strip() not in ("0", "1")
             return not slow and all(self.at_once(child) for child in node.children)
         category = self.category(node)
         if node.id in AT_ONCE or category == "Condition":
