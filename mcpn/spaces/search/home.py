@@ -11,7 +11,8 @@ equation's refutations as :mod:`mcpn.spaces.search.equation` does.
 
 >>> from mcpn.testing.nets import kanban
 >>> net = kanban(30)
->>> home = proved_home(StateEquation(net), Searches(net), net.initial)
+>>> equation = StateEquation(net, bounds=[30] * len(net.places))
+>>> home = proved_home(equation, Searches(net), net.initial)
 >>> home is not None and home.marking == net.initial
 True
 """
