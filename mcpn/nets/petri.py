@@ -17,9 +17,11 @@ Internal transitions have *ranks*: one may fire only where none of a lower rank 
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import chain
 from typing import TypeAlias
 
 from mcpn.errors import InputError, Source
@@ -189,6 +191,16 @@ class PetriNet(Drawn):
         """Each transition as it acts on 1-safe markings, in the net's order."""
         return tuple(_safe(transition) for transition in self.transitions)
 
+    @cached_property
+    def _needing(self) -> list[list[int]]:
+        """By place, the transitions that need it and no rarer one; at the end, those that need no place."""
+        users = Counter(place for t in self.transitions for place, _ in (*t.consume, *t.read))
+        found: list[list[int]] = [[] for _ in range(len(self.places) + 1)]
+        for number, t in enumerate(self.transitions):
+            needed = [place for place, _ in (*t.consume, *t.read)]
+            found[min(needed, key=users.__getitem__, default=-1)].append(number)
+        return found
+
     def covers(self, marking: Sequence[int], transition: int) -> bool:
         """Whether the marking has the tokens that the transition needs, priorities aside."""
         arcs = self.transitions[transition]
@@ -207,7 +219,9 @@ class PetriNet(Drawn):
         Returns:
             Indices in the net's order; where the net has priorities, those of the lowest rank alone.
         """
-        covered = [t for t in range(len(self.transitions)) if self.covers(marking, t)]
+        marked = (self._needing[place] for place, tokens in enumerate(marking) if tokens)
+        maybe = chain(self._needing[-1], chain.from_iterable(marked))
+        covered = sorted(t for t in maybe if self.covers(marking, t))
         if self.priorities and covered:
             least = min(self.ranks[t] for t in covered)
             return [t for t in covered if self.ranks[t] == least]

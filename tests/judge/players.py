@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Hashable, Iterable, Iterator
 from contextlib import suppress
 from functools import cache
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
 
 from mcpn.answers.spaces import spaces_of
 from mcpn.controller.generate import generate
@@ -18,7 +17,7 @@ from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
 from mcpn.nets.events import Event
 from mcpn.runtime import Controller as Runtime
-from mcpn.runtime.restoring import snapshot_text
+from mcpn.runtime.restoring import Saved
 from mcpn.spaces.engines import Engine
 from mcpn.spaces.stable.alternatives import AlternativesGraph, written_out
 from mcpn.testing.judge.interpreter import Happening, Seen
@@ -52,6 +51,7 @@ class OfSimulator:
 
     def __init__(self, mission_net: MissionNet) -> None:
         self.simulation = Simulation(mission_net)
+        self.events: dict[int, dict[Happening, Event]] = {}
         self.start = self.simulation.marking
 
     def seen(self, at: int) -> Seen:
@@ -60,43 +60,63 @@ class OfSimulator:
         return seen_of(said, said.out_of_service, said.unnoticed, said.facts, said.outcome)
 
     def possible(self, at: int) -> set[Happening]:
-        self.simulation.marking = at
-        return set(map(happening, self.simulation.possible))
+        if at not in self.events:
+            self.simulation.marking = at
+            possible = self.simulation.possible
+            self.events[at] = {happening(event): event for event in possible}
+            assert len(self.events[at]) == len(possible), "one event is possible once"
+        return set(self.events[at])
 
     def after(self, at: int, happened: Happening) -> tuple[int, Iterable[Order]]:
+        assert happened in self.possible(at)
         self.simulation.marking = at
-        (event,) = (e for e in self.simulation.possible if happening(e) == happened)
-        assert self.simulation.take(event) is not None
+        assert self.simulation.take(self.events[at][happened]) is not None
         return self.simulation.marking, ()
 
 
+Place: TypeAlias = tuple[Hashable, ...]
+"""Where a controller is, without how many events it has taken."""
+
+
 class OfController:
-    """A controller in the runtime, put back by its snapshots."""
+    """A controller in the runtime, put back by its snapshots; each state is once read from a text."""
 
     def __init__(self, mission_net: MissionNet, controller: AnyController) -> None:
         self.runtime = Runtime.from_document(document(controller, mission_net), log=1, clock=lambda: 0.0)
-        self.texts: dict[str, dict[Happening, str]] = {}
+        self.texts: dict[Place, dict[Happening, str]] = {}
+        self.saved: dict[Place, Saved] = {}
+        self.first = self.runtime.saved()
         self.start = self.here()
 
-    def here(self) -> str:
-        return snapshot_text(json.loads(self.runtime.snapshot()) | {"count": 0})
+    def here(self) -> Place:
+        saved = self.runtime.saved()
+        section = saved.section.name if saved.section else None
+        sets = frozenset(saved.out_of_service), frozenset(saved.happened), frozenset(saved.timers.items())
+        place = saved.phase, section, saved.state, *sets
+        if place not in self.saved:
+            text = self.runtime.snapshot()
+            self.runtime.resume(self.first)
+            self.runtime.restore(text)
+            self.saved[place] = self.runtime.saved()
+            assert self.saved[place] == saved, "a snapshot says all"
+        return place
 
-    def seen(self, at: str) -> Seen:
-        self.runtime.restore(at)
+    def seen(self, at: Place) -> Seen:
         it = self.runtime
+        it.resume(self.saved[at])
         return seen_of(it.state, it.out_of_service, it.unnoticed, it.facts, it.outcome)
 
-    def possible(self, at: str) -> set[Happening]:
+    def possible(self, at: Place) -> set[Happening]:
         if at not in self.texts:
-            self.runtime.restore(at)
+            self.runtime.resume(self.saved[at])
             texts = self.runtime.possible
             self.texts[at] = {named(text): text for text in texts}
             assert len(self.texts[at]) == len(texts), "one text is one event"
         return set(self.texts[at])
 
-    def after(self, at: str, happened: Happening) -> tuple[str, Iterable[Order]]:
+    def after(self, at: Place, happened: Happening) -> tuple[Place, Iterable[Order]]:
         assert happened in self.possible(at)
-        self.runtime.restore(at)
+        self.runtime.resume(self.saved[at])
         actions = self.runtime.handle(self.texts[at][happened])
         orders = [
             (a.objective, a.activity or "", a.alternative or "", {p.name: p.value for p in a.parameters})

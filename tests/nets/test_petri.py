@@ -67,3 +67,10 @@ def test_the_safe_view_fires_like_the_net_where_it_is_safe(net: PetriNet) -> Non
             if not doubled:
                 kept = (marked - set(safe.consume)) | set(safe.produce)
                 assert {p for p, tokens in enumerate(after) if tokens} == kept
+
+
+@given(nets(max_weight=3))
+def test_what_is_enabled_is_what_has_its_tokens(net: PetriNet) -> None:
+    covered = [t for t in range(len(net.transitions)) if net.covers(net.initial, t)]
+    least = min((net.ranks[t] for t in covered), default=0)
+    assert net.enabled(net.initial) == [t for t in covered if not net.priorities or net.ranks[t] == least]

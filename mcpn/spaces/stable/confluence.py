@@ -15,7 +15,6 @@ internal transitions have one rank, this asks whether some reachable marking ena
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Iterator
 from itertools import chain
 
@@ -151,26 +150,35 @@ class _Patterns:
         internal = (t for t, made in enumerate(net.transitions) if made.internal)
         safe = net.safe_transitions
         self.internal = [t for t in internal if not safe[t].blocked]
-        self.needs = {t: (*safe[t].consume, *safe[t].read) for t in self.internal}
+        needs = {t: (*safe[t].consume, *safe[t].read) for t in self.internal}
         self.users: dict[int, list[int]] = {}
-        for t, places in self.needs.items():
+        for t, places in needs.items():
             for p in places:
                 self.users.setdefault(p, []).append(t)
+        self.counts = {t: len(places) for t, places in needs.items()}
+        # Those first that most transitions need: one of them, unmarked, keeps many from firing.
+        self.needs = {
+            t: sorted(places, key=lambda p: (len(self.users[p]), p), reverse=True)
+            for t, places in needs.items()
+        }
 
     def of(self, marking: Marking) -> tuple[list[int], list[int]]:
         """Places that are marked, and that are not, in all markings that evolve as this one does."""
         within, firing = self._may_be_marked(marking)
         relevant = {p for t in firing for p in self.needs[t]}
-        # One unmarked place for each transition that can never fire: such as keep most of them from firing.
-        lacking = {t: [p for p in self.needs[t] if p not in within] for t in self.internal if t not in firing}
-        common = Counter(p for places in lacking.values() for p in places)
-        relevant.update(max(places, key=lambda p: (common[p], p)) for places in lacking.values())
+        # One unmarked place for each transition that can never fire: none that needs this place can.
+        for t, places in self.needs.items():
+            if t not in firing:
+                relevant.add(next(p for p in places if p not in within))
         return [p for p in sorted(relevant) if marking[p]], [p for p in sorted(relevant) if not marking[p]]
 
     def _may_be_marked(self, marking: Marking) -> tuple[set[int], set[int]]:
         """Places that may get tokens, and transitions that may fire, if firings took none: both supersets."""
         within = {p for p, tokens in enumerate(marking) if tokens}
-        missing = {t: sum(p not in within for p in places) for t, places in self.needs.items()}
+        missing = dict(self.counts)
+        for p in within:
+            for user in self.users.get(p, ()):
+                missing[user] -= 1
         firing, queue = set[int](), [t for t, count in missing.items() if not count]
         for t in queue:  # grows while it is walked
             firing.add(t)
