@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -148,6 +149,25 @@ def folded(mission_net: MissionNet, objectives: Collection[str]) -> list[str]:
     """Objectives by name; where all rounds and tries of one are among them they are said together."""
     every = (objective.name for objective in mission_net.graph.walk())
     return mission_net.graph.copies.told(objectives, every)
+
+
+def of_all_copies(mission_net: MissionNet, objective: str, text: str) -> str:
+    """What is said of an objective, in the words that hold of its other rounds and tries as well.
+
+    Args:
+        mission_net: The mission's net.
+        objective: The objective.
+        text: What is said, which names blocks.
+    """
+    copies = mission_net.graph.copies
+    tried, _, number = objective.rpartition("_try")
+    if tried and number.isdecimal():
+        text = re.sub(rf"\b{re.escape(tried)}_try{int(number) + 1}(?![\w.])", "its next try", text)
+
+    def plain(found: re.Match[str]) -> str:
+        return copies.plain(found[0]) if found[0] in copies.held else found[0]
+
+    return re.sub(r"[\w.]*\w", plain, text)
 
 
 def modes_in_words(modes: Iterable[Mode]) -> tuple[str, ...]:

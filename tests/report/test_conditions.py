@@ -62,12 +62,12 @@ def test_both_levels_stand_in_the_headlines(causes: Causes) -> None:
     ]
     moments = {found.section: list(survived(found)) for found in causes.survival}
     unsafe = (
-        "the loss of motor keeps it from a safe end, success or abort, which survives at most 2 losses, "
-        "and not every loss by itself"
+        "the loss of motor keeps it from a safe end, success or abort, which survives at best "
+        "2 losses together, but not every single loss"
     )
     assert moments[None] == [
-        "the loss of motor, or of sonar keeps it from success, which survives at most 1 loss, "
-        "and not every loss by itself",
+        "the loss of motor, or of sonar keeps it from success, which survives at best 1 loss, "
+        "but not every single loss",
         unsafe,
     ]
     assert moments["home"] == ["the mission can no longer succeed", unsafe]

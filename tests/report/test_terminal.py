@@ -11,17 +11,21 @@ import struct
 import subprocess
 import sys
 import termios
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from mcpn.answers.causes.find import find_causes
+from mcpn.answers.causes.fmeca import fmeca
 from mcpn.answers.verdicts.mission import check
 from mcpn.composite.composite import CompositeSpace
 from mcpn.composite.section_type import SectionType
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.xml import read_mission
+from mcpn.report.failures.terminal import print_fmeca
 from mcpn.report.findings import findings
 from mcpn.report.progress import exploring, listening
 from mcpn.report.terminal import LEAST_WIDTH, Terminal, plain
@@ -226,8 +230,56 @@ def test_rounds_are_folded_in_causes() -> None:
     """Each objective of the drone stands in what is printed, by itself or among its rounds."""
     text = mcpn("causes", ROOT / "experiments" / "drone" / "mission.xml").stdout
     assert "stock.leave (all 3)" in text
-    assert "stock_A1.leave, stock_A2.leave" not in text
+    causes, _, effects = text.partition("\nif lidar fails\n")
+    assert "stock_A1.leave, stock_A2.leave" not in causes
+    assert (
+        "during stock_A1.approach_try2, stock_A2.approach_try2, stock_A1.leave, stock_A2.leave\n" in effects
+    )
     assert "during stock.film (all 3)" in text
+
+
+@pytest.mark.parametrize("name", ["glider", "courier"])
+def test_what_a_loss_does_is_said_once_for_all_rounds(
+    name: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each objective stands in one group of each hardware, with the severity of its row of the table."""
+    monkeypatch.setenv("COLUMNS", "100000")
+    causes = find_causes(compose(read_mission(ROOT / "experiments" / name / "mission.xml")))
+    rows = fmeca(causes.prospects)
+    capsys.readouterr()
+    print_fmeca(rows, causes.mission_net)
+    lines, copies = capsys.readouterr().out.splitlines(), causes.mission_net.graph.copies
+    said: dict[tuple[str, str], str] = {}
+    hardware = ""
+    for line, severity in pairwise(lines):
+        if match := re.fullmatch(r"if (.*) fails", line):
+            hardware = match[1]
+        elif (names := line.strip().removeprefix("during ")) != line.strip() and "all others" not in names:
+            for whole, left in re.findall(r"([\w.]+)(?: \(all \d+(?: but ([^)]*))?\))?(?:, |$)", names):
+                out = {each for one in left.split(", ") if one for each in copies.meant(one)}
+                for objective in copies.meant(whole):
+                    if objective not in out:
+                        assert (hardware, objective) not in said, line
+                        said[hardware, objective] = severity.strip().partition(";")[0]
+    told = {(row.hardware, row.objective): row.severity.words for row in rows}
+    assert {pair: said.get(pair, "no effect") for pair in told} == told
+    assert said.keys() <= told.keys()
+    assert not any("; in " in line and line.count(part) > 1 for line in lines for part in line.split("; "))
+
+
+def test_causes_name_no_round_by_itself_that_is_like_the_others() -> None:
+    """What a mission of five alike rounds survives, and when: no list of forty names."""
+    text = mcpn("causes", ROOT / "experiments" / "glider" / "mission.xml").stdout
+    assert "tooth.report (all 15 but tooth_5.report)" in text
+    assert max(map(len, text.splitlines())) < 600
+    assert text.count("one of these objectives fails\n") == 1
+    assert "at any moment, but not while one of these runs: rescue, call, drift" in text
+
+
+def test_hardware_that_is_never_used_is_named() -> None:
+    text = mcpn("causes", ROOT / "experiments" / "courier" / "mission.xml").stdout
+    assert "never used, so that its loss costs nothing: odometer\n" in text
+    assert "never used" not in mcpn("causes", ULYSSE).stdout
 
 
 def test_events_are_listed_in_words_with_their_identifiers() -> None:

@@ -248,6 +248,9 @@ def local_effect(cases: Sequence[Case]) -> str:
         return joined(found) or "none"
     if any(case.objective_lost and not case.already_lost for case in cases):
         return "none at once; the objective cannot succeed any more"
-    branches = ("; ".join(f"in {name}, {changed}" for name, changed in case.elsewhere) for case in cases)
-    elsewhere = dict.fromkeys(words or "needed later" for words in branches)
+    elsewhere = dict.fromkeys(
+        words
+        for case in cases
+        for words in ([f"in {name}, {changed}" for name, changed in case.elsewhere] or ["needed later"])
+    )
     return f"none here; {'; '.join(sorted(elsewhere, key='needed later'.__eq__))}"

@@ -14,6 +14,7 @@ from typing import Any
 from mcpn.answers.causes.cutsets import CutSet, CutSets, Moment, Nonmonotone
 from mcpn.answers.causes.prospects import CriticalEvent, Goal, Prospects
 from mcpn.answers.spaces import MissionSubject, spaces_of
+from mcpn.answers.verdicts.never import selected_and_entered
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError
 from mcpn.mission.flatten import Section
@@ -124,6 +125,16 @@ class Causes(Told):
         """Objectives that should make the robot safe: an abort by their failure is no safe end."""
         aborts = self.prospects.aborts
         return () if aborts is None else aborts.unsafe
+
+    @cached_property
+    def unused(self) -> tuple[str, ...]:
+        """The declared hardware that may fail, and that no alternative consumes that is ever selected."""
+        selected, _ = selected_and_entered(self.mission_net, self.prospects.space)
+        every = self.mission_net.usage.activities.values()
+        ways = ((f"{activity.name}.{way.name}", way) for activity in every for way in activity.alternatives)
+        used = {resource for name, way in ways if name in selected for resource in way.consumes}
+        declared = (h for robot in self.mission_net.mission.robots for h in robot.hardware)
+        return tuple(h.name for h in declared if h.faulty and h.name not in used)
 
     def of(self, objectives: Iterable[str]) -> Causes:
         """The causes of some elementary objectives only, with all of their copies.

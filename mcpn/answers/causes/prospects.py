@@ -16,6 +16,7 @@ from itertools import chain, product
 from operator import or_
 from typing import Any, Generic, Literal, TypeAlias
 
+from mcpn.answers.causes.striking import Striking
 from mcpn.answers.reentry import Reentry
 from mcpn.answers.verdicts.modes import Mode, said_by
 from mcpn.answers.verdicts.unsafe_abort import Aborts, aborts
@@ -113,6 +114,7 @@ class Prospects(Generic[S]):
         self.dying = frozenset(self._carrying[What.LOST])
         self.everything = frozenset[int]().union(*self._carrying.values()) - self.dying
         self.unrepaired = self.everything - self._carrying[What.REPAIRED]
+        self._striking = Striking(mission_net)
         self._images = ImageStore(len(mission_net.roles))
         self._alike: Alike[Counted] = Alike()
         self._critical: Alike[list[CriticalEvent]] = Alike()
@@ -347,8 +349,9 @@ class Prospects(Generic[S]):
 
         It leads to the failure of the mission or the objective, with all of the cut set out of service; where
         the mission need not end, to where it can no longer succeed. The cut set is lost before the mission
-        ends. Where that suffices, no declared event happens and no time is over, since these might defeat the
-        goal by themselves. ``None`` where no run leads there.
+        ends, each of it where it strikes (:class:`mcpn.answers.causes.striking.Striking`). Where that
+        suffices, no declared event happens and no time is over, since these might defeat the goal by
+        themselves. ``None`` where no run leads there.
         """
         space, names = self.space, list(cut_set)
         losses = (self.carrying(What.OUT_OF_SERVICE, name) for name in names)
@@ -357,7 +360,7 @@ class Prospects(Generic[S]):
         ends = [self.losing(goal, repairs=False)]
         whole = goal is self.mission or goal is self.safety
         if whole:
-            ends.insert(0, ended - goal.won)
+            ends = [ended - goal.won, ends[0] & self.begun]
         oos = self.places("oos", names)
         ends = [space.restricted(end, oos, ()) for end in ends]
         forced, free = (self._onward(goal, guards) for guards in (self.forced, None))
@@ -370,7 +373,7 @@ class Prospects(Generic[S]):
                 if not whole:
                     fails = self.carrying(What.FAILURE, goal.name, "")
                     run.append(next(e for e in space.edges(run[-1].target) if e.transition in fails))
-                return self._run(run)
+                return self._striking.on(self._run(run))
         return None
 
     def most_failures(self, goal: Goal[S], section: Section | None = None) -> Run | None:
@@ -394,7 +397,7 @@ class Prospects(Generic[S]):
         here, transitions = space.single(begin), self.unrepaired
         guards = self._onward(goal, self.forced)
         if here & goal.won:
-            return self._run([*prefix, *self._reached(goal, begin)])
+            return self._striking.on(self._run([*prefix, *self._reached(goal, begin)]))
         # Failures after success are no evidence of robustness: only failures before it are counted.
         before = space.reached(here, goal.running, transitions, guards)
         ends = space.after(before, transitions, guards) & goal.won
@@ -406,7 +409,7 @@ class Prospects(Generic[S]):
         onward = space.run(begin, widest, goal.running, transitions, guards)
         if onward is None:
             return None
-        return self._run([*prefix, *onward, *self._reached(goal, onward[-1].target)])
+        return self._striking.on(self._run([*prefix, *onward, *self._reached(goal, onward[-1].target)]))
 
     def _onward(self, goal: Goal[S], guards: Mapping[int, S] | None = None) -> Mapping[int, S] | None:
         """Guards of runs on which an abort is none that makes the robot safe, where one may not."""

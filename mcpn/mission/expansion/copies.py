@@ -21,6 +21,9 @@ Written: TypeAlias = tuple[str, str]
 Path: TypeAlias = tuple[str, ...]
 """A block in one use of its text: the blocks that use protocols around it, then the block, as written."""
 
+MOST_LEFT_OUT = 3
+"""Copies, or rounds of copies, that a sentence names to say of which ones it does not speak."""
+
 T = TypeVar("T")
 K = TypeVar("K")
 
@@ -198,7 +201,7 @@ class Copies:
     # --- sentences ---
 
     def told(self, names: Iterable[str], every: Iterable[str]) -> list[str]:
-        """Names in a sentence; where all copies of one are among them, they are one.
+        """Names in a sentence; all copies of one, most of them, or all of one round are said together.
 
         Args:
             names: What is spoken of.
@@ -207,10 +210,35 @@ class Copies:
         here, found = grouped(dict.fromkeys(names), self.plain), list[str]()
         whole = grouped(every, self.plain) if any(len(of) > 1 for of in here.values()) else {}
         for plain, of in here.items():
-            copies = {name for name in whole.get(plain, ()) if name not in self.wholes}
-            together = len(of) > 1 and copies == {name for name in of if name not in self.wholes}
-            found += [f"{plain} (all {len(copies)})"] if together else of
+            copies = [name for name in dict.fromkeys(whole.get(plain, ())) if name not in self.wholes]
+            spoken = {name for name in of if name not in self.wholes}
+            together = self._together(of, copies)
+            left = self._together([name for name in copies if name not in spoken], copies)
+            if len(of) > 1 and {*copies} == spoken:
+                found.append(f"{plain} (all {len(copies)})")
+            elif 0 < len(left) <= MOST_LEFT_OUT and 2 * len(left) < len(together) and spoken < {*copies}:
+                found.append(f"{plain} (all {len(copies)} but {', '.join(left)})")
+            else:
+                found += (f"{name} (all {len(of)})" if len(of) > 1 else name for name, of in together.items())
         return found
+
+    def _together(self, names: Collection[str], copies: Collection[str]) -> dict[str, list[str]]:
+        """Copies of one block by the name that means no other copy of it, nor fewer of these."""
+        meant: dict[str, set[str]] = {}
+        for copy in copies:
+            for name in self._shorter(copy):
+                meant.setdefault(name, set()).add(copy)
+        found: dict[str, list[str]] = {}
+        for copy in names:
+            among = (name for name in self._shorter(copy) if meant.get(name, {""}) <= {*names})
+            name = next(among, copy)
+            found.setdefault(name, []).append(copy)
+        return {(of[0] if len(of) == 1 else name): of for name, of in found.items()}
+
+    def _shorter(self, name: str) -> Iterator[str]:
+        """The names of a copy without some or all of its own suffixes, the shortest first."""
+        standing = self._blocks.get(name)
+        return iter(()) if standing is None else (f"{standing.prefix}{own}" for own in standing.names)
 
     def subject(self, kind: str, names: Collection[str], every: Iterable[str]) -> tuple[str, bool]:
         """What a sentence speaks of ("objectives north.fly, south.fly"), and whether that is plural.

@@ -6,7 +6,7 @@ safely (success or abort).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import TYPE_CHECKING
 
@@ -15,11 +15,11 @@ from mcpn.answers.causes.effects import Severity
 from mcpn.answers.causes.find import Causes, GoalCauses, Survival
 from mcpn.answers.causes.fmeca import Row
 from mcpn.drawing.compose import MissionNet
-from mcpn.nets.events import Event
+from mcpn.nets.events import ENDING, Event, What
 from mcpn.report.failures.tables import STANDARD, Classes, fmeca_rows
 from mcpn.report.terminal import Terminal
 from mcpn.report.text import print_counts, print_steps
-from mcpn.report.words import folded, in_words, what_happens
+from mcpn.report.words import folded, in_words, of_all_copies, what_happens
 from mcpn.sentences import enumeration, shortened
 from mcpn.spaces.run import Run
 
@@ -129,9 +129,8 @@ def _told(always: int | None, at_most: int | None) -> str | None:
 
     if always == at_most:
         return f"any {losses(always)}" if always else "none"
-    return f"at most {losses(at_most)}, and " + (
-        f"any {losses(always)}" if always else "not every loss by itself"
-    )
+    together = f"at best {losses(at_most)}{' together' if at_most > 1 else ''}"
+    return f"any {losses(always)}, and {together}" if always else f"{together}, but not every single loss"
 
 
 def risk_counts(numbers: Risk) -> Iterator[tuple[str, float]]:
@@ -184,7 +183,7 @@ def print_causes(causes: Causes) -> None:
             told = told.replace(" fails if ", " fail if ")
         terminal.print(told, indent=2)
     terminal.print()
-    _print_survival(terminal, causes.survival)
+    _print_survival(terminal, causes)
     safety = causes.safety
     ends = [("failure" if safety is None else "no success", causes.mission)]
     ends += [] if safety is None else [("no safe end", safety)]
@@ -209,23 +208,30 @@ def print_causes(causes: Causes) -> None:
             terminal.print(f"not monotone: {told}", style="yellow")
 
 
-def _print_survival(terminal: Terminal, survival: Sequence[Survival]) -> None:
+def _print_survival(terminal: Terminal, causes: Causes) -> None:
     """Moments that survive the same stand together."""
     shared: dict[tuple[str, ...], list[str | None]] = {}
-    for found in survival:
+    for found in causes.survival:
         shared.setdefault(tuple(survived(found)), []).append(found.section)
     terminal.print("what the mission survives", style="bold")
     for told, sections in shared.items():
         if len(shared) == 1:
             moments = "at any moment"
         else:
-            named = ", ".join(name for name in sections if name)
+            named = ", ".join(_sections(causes.mission_net, [name for name in sections if name]))
             moments = " and ".join(
                 [*(["from its start"] if None in sections else []), *([f"from {named} on"] if named else [])]
             )
         terminal.print(f"{moments}: {told[0]}", indent=2)
         for further in told[1:]:
             terminal.print(further, indent=6)
+    if causes.unused:
+        terminal.print(f"never used, so that its loss costs nothing: {', '.join(causes.unused)}", indent=2)
+
+
+def _sections(mission_net: MissionNet, names: Sequence[str]) -> list[str]:
+    """Sections by name, their copies together; one may be a parallel block."""
+    return mission_net.graph.copies.told(names, [s.name for s in mission_net.graph.sections])
 
 
 def _by(lost: CutSet) -> str:
@@ -244,30 +250,53 @@ def _print_run(terminal: Terminal, mission_net: MissionNet, what: str, run: Run 
 
 
 def _print_critical(terminal: Terminal, causes: Causes, goal: GoalCauses, heading: str) -> None:
-    """Events that decide, those that do so at the same moments together, with their identifiers."""
+    """Events that decide, those that do so at the same moments together, with their identifiers.
+
+    Ends of objectives need no moments: they come while the objective runs. Those of one kind stand together.
+    """
     during: dict[Event, dict[str, None]] = {}
     for critical in goal.critical or ():
         during.setdefault(critical.event, {}).update(dict.fromkeys(critical.objectives or ("",)))
     if not during:
         return
-    shared: dict[frozenset[str], list[Event]] = {}
-    for event, objectives in during.items():
-        shared.setdefault(frozenset(objectives), []).append(event)
     terminal.print()
     terminal.print(heading, style="bold")
-    everything = frozenset((*causes.objectives, ""))
+    shared: dict[frozenset[str], list[Event]] = {}
+    ends: dict[tuple[What, str], list[Event]] = {}
+    for event, objectives in during.items():
+        if event.what in ENDING and event.element in causes.objectives:
+            ends.setdefault((event.what, event.reason), []).append(event)
+        else:
+            shared.setdefault(frozenset(objectives), []).append(event)
     for moments, events in shared.items():
         for event in events:
             terminal.print(f"{what_happens(event, causes.mission.name)}  [{event}]", indent=2)
-        names = folded(causes.mission_net, sorted(moments - {""}))
-        if moments == everything:
-            told = "at any moment"
-        elif not names:
-            told = "while no objective runs"
-        else:
-            running = f"{names[0]} runs" if len(names) == 1 else f"one of these runs: {', '.join(names)}"
-            told = f"while {running}{', or none' if '' in moments else ''}"
-        terminal.print(told, indent=6)
+        terminal.print(_moments_in_words(causes, moments), indent=6)
+    for events in ends.values():
+        first = what_happens(events[0], causes.mission.name)
+        if len(events) == 1:
+            terminal.print(f"{first}  [{events[0]}]", indent=2)
+            continue
+        names = folded(causes.mission_net, [event.element for event in events])
+        terminal.print(first.replace(f"objective {events[0].element}", "one of these objectives"), indent=2)
+        terminal.print(", ".join(names), indent=6)
+
+
+def _moments_in_words(causes: Causes, moments: frozenset[str]) -> str:
+    """While what runs, or but for what, whichever is shorter; nothing runs before the start."""
+    everything = (*causes.objectives, "")
+
+    def running(names: Collection[str]) -> str:
+        told = folded(causes.mission_net, [name for name in everything if name and name in names])
+        told = (
+            [f"{told[0]} runs" if len(told) == 1 else f"one of these runs: {', '.join(told)}"] if told else []
+        )
+        return ", or ".join([f"while {one}" for one in told] + ["before the start"] * ("" in names))
+
+    within, without = running(moments), running({*everything} - moments)
+    if not without:
+        return "at any moment"
+    return within if len(within) <= len(without) else f"at any moment, but not {without}"
 
 
 def print_fmeca(rows: Sequence[Row], mission_net: MissionNet, classes: Classes = STANDARD) -> None:
@@ -285,7 +314,8 @@ def print_fmeca(rows: Sequence[Row], mission_net: MissionNet, classes: Classes =
     for row, told in zip(rows, fmeca_rows(rows, classes), strict=True):
         leads = [t for t in row.compensation.split("; or ") if t.startswith("its failure")]
         effects = [t for t in (row.local_effect, *leads) if t != "none"]
-        key = told["severity"], told["with_others"], "; ".join(effects)
+        effect = of_all_copies(mission_net, row.objective, "; ".join(effects))
+        key = told["severity"], told["with_others"], effect
         shared.setdefault(row.hardware, {}).setdefault(key, []).append(row.objective)
     for hardware, effects_of in shared.items():
         terminal.print()

@@ -250,9 +250,7 @@ def _survived(findings: Findings) -> Iterator[StoryLine]:
     causes, mission_net = findings.causes, findings.check.mission_net
     if causes is None:
         return
-    used = {r for a in mission_net.usage.activities.values() for w in a.alternatives for r in w.consumes}
-    spare = {h.name for robot in mission_net.mission.robots for h in robot.hardware} - used
-    faulty = [h for h in mission_net.mission.hardware if h.faulty and h.name not in spare]
+    faulty = [h for h in mission_net.mission.hardware if h.faulty and h.name not in causes.unused]
     asked = "What does it survive?"
 
     def left(cut_sets: Sequence[CutSet]) -> list[str]:
