@@ -402,6 +402,7 @@ class BigSteps:
         partners: Places without a level, each with the level that says that it is not marked.
         max_bytes: Bytes that markings may take.
         max_transient: Transient markings that may be kept behind one event.
+        few_cases: Cases that may tell where a transition may fire alone, before it is asked of whole sets.
     """
 
     def __init__(
@@ -412,6 +413,7 @@ class BigSteps:
         partners: Sequence[tuple[int, int]],
         max_bytes: int,
         max_transient: int,
+        few_cases: int,
     ) -> None: ...
     def start(self, store: Store) -> Zdd | None:
         """The stable marking behind the initial one; ``None`` where it is not one, or a firing is unsafe."""

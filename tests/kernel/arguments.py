@@ -358,6 +358,7 @@ CLASSES: dict[type, Callable[[Caller], tuple[Any, ...]]] = {
         me.few(lambda: (me.number(), me.number()), 1),
         me.bytes_limit(),
         me.limit(),
+        me.random.choice((0, 1, 300)),
     ),
 }
 ANSWERS = {*CLASSES, kernel.Zdd, kernel.Markings, kernel.Exploration, kernel.Explorer}

@@ -50,14 +50,14 @@ def test_markings_beyond_the_places_of_a_net_are_refused() -> None:
 
 def test_big_steps_are_of_a_net_with_priorities() -> None:
     with pytest.raises(ValueError, match="a net with priorities"):
-        kernel.BigSteps(kernel.SafeNet(2, NET, False), [0], [0, 1], [], 1 << 20, 100)
+        kernel.BigSteps(kernel.SafeNet(2, NET, False), [0], [0, 1], [], 1 << 20, 100, 300)
 
 
 def test_a_transition_is_no_rival_of_its_own() -> None:
     """One that puts back what it takes was looked for as what may crowd it, and read beyond all places."""
     drawn = [([1], [1], [2, 0, 1], 1, False), ([0], [0], [0], 1, False), ([], [], [1], 65535, False)]
     net = kernel.SafeNet(3, drawn, True)
-    steps = kernel.BigSteps(net, [1, 2, 0], [0, 1, 2], [], 4 << 20, 100)
+    steps = kernel.BigSteps(net, [1, 2, 0], [0, 1, 2], [], 4 << 20, 100, 300)
     assert steps.start(kernel.Store(3)) is None  # its first firing is unsafe
 
 

@@ -56,12 +56,16 @@ def listed(net: PetriNet) -> Listed | None:
 
 
 def stepped(
-    net: PetriNet, few: int = big_steps.FEW_STEPS, order: Order | None = None
+    net: PetriNet,
+    few: int = big_steps.FEW_STEPS,
+    order: Order | None = None,
+    cases: int = big_steps.FEW_CASES,
 ) -> tuple[BigStepSpace, dict[int, bytes]] | None:
     """The same by big steps; of events that have more than a few, by what they make of sets of states."""
     encoding = Encoding(net, order or tuple(range(len(net.places))), DEFAULT_MEMORY)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(big_steps, "FEW_STEPS", few)
+        patch.setattr(big_steps, "FEW_CASES", cases)
         found = reach_in_big_steps(KernelNet(net), encoding)
     if found is None:
         return None
@@ -78,11 +82,13 @@ def places_of(space: BigStepSpace, states: Zdd) -> set[tuple[int, ...]]:
 
 FEW = st.sampled_from((0, 1, 2, big_steps.FEW_STEPS))
 """Big steps of an event that are found one by one before it is run from whole sets."""
+CASES = st.sampled_from((0, 1, big_steps.FEW_CASES))
+"""Cases that tell where a transition may fire alone before whole sets are asked."""
 
 
-def agree(net: PetriNet, few: int, order: Order | None = None) -> None:
+def agree(net: PetriNet, few: int, cases: int, order: Order | None = None) -> None:
     """Big steps are as the listing has it, and where it comes to trouble they are refused."""
-    one, other = listed(net), stepped(net, few, order)
+    one, other = listed(net), stepped(net, few, order, cases)
     event("no outcome, or two" if one is None else f"states: {min(len(one[0]), 20) // 5 * 5} or more")
     assert (one is None) == (other is None)
     if one is None or other is None:
@@ -102,10 +108,10 @@ def agree(net: PetriNet, few: int, order: Order | None = None) -> None:
                 break
 
 
-@example(PetriNet("net", (Place("p0", 0),), (Transition("t0", (), (), (), Event(What.NAMED, "e")),)), 0)
-@given(nets(), FEW)
-def test_big_steps_of_nets(net: PetriNet, few: int) -> None:
-    agree(replace(net, priorities=True), few)
+@example(PetriNet("net", (Place("p0", 0),), (Transition("t0", (), (), (), Event(What.NAMED, "e")),)), 0, 0)
+@given(nets(), FEW, CASES)
+def test_big_steps_of_nets(net: PetriNet, few: int, cases: int) -> None:
+    agree(replace(net, priorities=True), few, cases)
 
 
 @fewer(0.3)
@@ -115,12 +121,13 @@ def test_big_steps_of_nets(net: PetriNet, few: int) -> None:
     | missions(crashes=True, faults=2, sections=4, own_hardware=True)
     | stacked_missions(),
     FEW,
+    CASES,
     st.booleans(),
 )
-def test_big_steps_of_missions(of: Mission, few: int, by_clusters: bool) -> None:
+def test_big_steps_of_missions(of: Mission, few: int, cases: int, by_clusters: bool) -> None:
     net = composed(of).net
     if settled(KernelNet(net), orders="one", max_states=50_000).states < 400:
-        agree(net, few, clustered(net) if by_clusters else None)
+        agree(net, few, cases, clustered(net) if by_clusters else None)
 
 
 @fewer(0.3)
@@ -217,6 +224,34 @@ def test_producers_that_crash_are_a_sum() -> None:
     assert lengths[1] < lengths[0] * 8  # 5**count where the ways of each are multiplied
 
 
+def test_data_of_one_sensor_with_fallbacks_of_their_own_are_a_sum() -> None:
+    """When the sensor fails, each datum falls back or fails all: cases of who does would double."""
+
+    def of(count: int) -> PetriNet:
+        capture = activity("capture", ("cam",), produces=("image",))
+        makers = (activity(f"see{i}", ("image",), (f"h{i}",), produces=(f"d{i}",)) for i in range(count))
+        fuse = activity("fuse", tuple(f"d{i}" for i in range(count)))
+        hardware = ("cam", *(f"h{i}" for i in range(count)))
+        return compose(
+            mission(robot(hw(*hardware), capture, *makers, fuse), Objective(name="o", activities=("fuse",)))
+        ).net
+
+    def steps_of(count: int, cases: int) -> tuple[BigStepSpace, int]:
+        net = of(count)
+        found = stepped(net, 0, clustered(net), cases)
+        assert found is not None
+        return found[0], max(map(len, found[1].values()))
+
+    one, (space, _) = listed(of(4)), steps_of(4, 0)
+    assert one is not None
+    assert places_of(space, space.everything) == {*one[0]}
+    assert sum(space.firings(space.everything).values()) == len(one[1])
+    (few, short), (many, long) = steps_of(4, 8), steps_of(8, 8)
+    assert few.everything.count() == len(one[0])
+    assert many.everything.count() == settled(KernelNet(of(8)), orders="one", max_states=20_000).states
+    assert long < short * 6
+
+
 def test_a_choice_that_is_come_to_by_many_ways_is_made_once() -> None:
     """Each of overlapping faults puts off two alternatives: so there are many ways to each but the first."""
 
@@ -231,16 +266,18 @@ def test_a_choice_that_is_come_to_by_many_ways_is_made_once() -> None:
         space = found[0]
         encoding, prepared = space.encoding, KernelNet(net)
         levels = [(place, encoding.level[kept]) for place, kept in encoding.partner.items()]
-        kernel = BigSteps(prepared.kernel, prepared.initial, [*encoding.places], levels, 1 << 30, 100)
+        kernel = BigSteps(prepared.kernel, prepared.initial, [*encoding.places], levels, 1 << 30, 100, 300)
         label, start = next(
             (label, t)
             for label, t in enumerate(prepared.transitions)
             if (of := net.transitions[t].event) is not None and of.what is What.START
         )
-        after = kernel.after(space.enabling([start]), label)
+        fresh = Encoding(net, clustered(net), DEFAULT_MEMORY).store  # which remembers nothing
+        after = kernel.after(fresh.from_bytes(space.enabling([start]).to_bytes()), label)
         assert after is not None
         assert not after[1]
-        return encoding.store.steps
+        assert fresh.steps
+        return fresh.steps
 
     assert steps_of_start(9) < 5 * steps_of_start(5)  # of as many ways as there are it would be sixteen times
 
@@ -268,10 +305,10 @@ def test_what_is_asked_wrongly_is_refused() -> None:
     store = Store(len(places))
     for wrong in ([*places[:-1], len(places)], [*places[:-1], -2]):
         with pytest.raises(ValueError, match="no such place"):
-            BigSteps(prepared.kernel, prepared.initial, wrong, [], 1 << 30, 100)
+            BigSteps(prepared.kernel, prepared.initial, wrong, [], 1 << 30, 100, 300)
     with pytest.raises(ValueError, match="no such level"):
-        BigSteps(prepared.kernel, prepared.initial, places, [(0, len(places))], 1 << 30, 100)
-    kernel = BigSteps(prepared.kernel, prepared.initial, places, [], 1 << 30, 100)
+        BigSteps(prepared.kernel, prepared.initial, places, [(0, len(places))], 1 << 30, 100, 300)
+    kernel = BigSteps(prepared.kernel, prepared.initial, places, [], 1 << 30, 100, 300)
     with pytest.raises(ValueError, match="other levels"):
         kernel.start(Store(len(places) + 1))
     start = kernel.start(store)
@@ -285,7 +322,7 @@ def test_what_is_asked_wrongly_is_refused() -> None:
         kernel.function(start, 0)
     assert kernel.cover(start, label, 0) == (b"", 0, False)
     with pytest.raises(ValueError, match="without a level"):
-        BigSteps(prepared.kernel, prepared.initial, [*places[:-1], -1], [], 1 << 30, 100)
+        BigSteps(prepared.kernel, prepared.initial, [*places[:-1], -1], [], 1 << 30, 100, 300)
     for bad in (
         b"123",
         struct.pack("=2I", 2, 1),

@@ -81,6 +81,7 @@ class SafeNet {
  private:
   friend class Explorer;
   friend class Passages;
+  friend class SetClashes;
   friend class SetEvolution;
   friend class Settling;
   friend class Stubborn;

@@ -12,7 +12,7 @@ constexpr std::size_t kNever = ~std::size_t(0);
 constexpr std::size_t kMostFirings = 100'000;  // behind one event
 constexpr std::uint32_t kOften = 4;            // of one transition: it is looked ahead from then on
 constexpr std::size_t kMostParts = 2'000'000;  // of functions
-constexpr std::size_t kMostCases = 300;        // that tell apart where a transition may fire alone
+constexpr std::size_t kMostCases = 300;        // in which a transition may not fire alone
 constexpr std::size_t kAtATime = 16;           // functions that are composed before they are with those before them
 
 bool by_level(const Touched& a, const Touched& b) {
@@ -40,8 +40,8 @@ std::uint32_t suffix_of(Store& store, const Relations::Way& way) {
 
 }  // namespace
 
-SetEvolution::SetEvolution(const SafeNet& net, const Places& initial, Levels levels)
-    : net_(net), levels_(std::move(levels)), stubborn_(net, initial), relations_(kMostParts),
+SetEvolution::SetEvolution(const SafeNet& net, const Places& initial, Levels levels, std::size_t few_cases)
+    : net_(net), levels_(std::move(levels)), few_cases_(few_cases), stubborn_(net, initial), clashes_(net, levels_, stubborn_), relations_(kMostParts),
       steps_(net.firings_.size()), has_won_(net.firings_.size() / 64 + 1) {}
 
 std::optional<std::pair<Node, Node>> SetEvolution::after(Store& store, Node markings, std::uint32_t event) {
@@ -84,6 +84,7 @@ void SetEvolution::begin(Store& store) {
   fired_.clear();
   ahead_.clear();
   times_.assign(net_.firings_.size(), 0);
+  enabled_.assign(net_.firings_.size(), Enabled::kUnknown);
   next_look_ = kNever;
 }
 
@@ -103,6 +104,7 @@ bool SetEvolution::run(Store& store, Held& markings, Held& left, std::uint32_t e
     for (const std::uint32_t t : won_)
       if (net_.rank_end_[t] == end && !step(store, t).never) stuck = store.join(stuck, store.filter(markings, step(store, t).enabled));
     markings = store.minus(markings, stuck);
+    enabled_.assign(net_.firings_.size(), Enabled::kUnknown);
     left = store.join(left, store.meet(before(store, stuck, fired_.size()), begun));
   }
   return true;
@@ -112,14 +114,13 @@ bool SetEvolution::run(Store& store, Held& markings, Held& left, std::uint32_t e
 // else where it may. The newest comes first; what another one that is enabled leads to waits, once it is looked ahead.
 SetEvolution::Went SetEvolution::fire_first(Store& store, Held& markings, std::uint32_t end) {
   if (fired_.size() >= next_look_) see_ahead(store, markings);
-  const auto enabled_in = [&](std::uint32_t t) { return step(store, t).never ? 0 : store.filter(markings, step(store, t).enabled); };
   const auto forget = [&](std::uint32_t t) {
     std::erase(won_, t);
     has_won_[t / 64] &= ~(Word(1) << t % 64);
   };
   const auto waits = [&](std::uint32_t t) {
     return !ahead_.empty() && std::any_of(won_.begin(), won_.end(), [&](std::uint32_t u) {
-      return u != t && net_.rank_end_[u] == end && leads(u, t) && enabled_in(u) != 0;
+      return u != t && net_.rank_end_[u] == end && leads(u, t) && in_some(store, markings, u);
     });
   };
   bool any = false;
@@ -130,13 +131,13 @@ SetEvolution::Went SetEvolution::fire_first(Store& store, Held& markings, std::u
       const Places asked(won_.rbegin(), won_.rend());
       for (const std::uint32_t t : asked) {
         if (net_.rank_end_[t] != end || has_bit(stubborn_.always().data(), t) != always) continue;
-        const Held enabled(store, enabled_in(t));
-        if (!enabled) {
+        if (!in_some(store, markings, t)) {
           forget(t);
           continue;
         }
         any = true;
         if (waits(t) != waiting) continue;
+        const Held enabled(store, store.filter(markings, step(store, t).enabled));
         std::vector<Way> beside = not_alone(store, enabled, t);
         if (beside.empty()) {
           forget(t);
@@ -151,17 +152,21 @@ SetEvolution::Went SetEvolution::fire_first(Store& store, Held& markings, std::u
   return any ? Went::kStuck : Went::kEnd;
 }
 
+// Whether some of the markings enable a transition. What a firing leaves alone is enabled as it was.
+bool SetEvolution::in_some(Store& store, Node markings, std::uint32_t t) {
+  if (enabled_[t] == Enabled::kUnknown) {
+    const Step& asks = step(store, t);
+    enabled_[t] = !asks.never && store.filter(markings, asks.enabled) != 0 ? Enabled::kSome : Enabled::kNone;
+  }
+  return enabled_[t] == Enabled::kSome;
+}
+
 // Which transitions may lead to which from some markings on. What leads to another one fires before it: so all markings
 // that come to a choice by several ways have come there before it is made. Of those that lead to each other, what is enabled
 // now comes first. What fires may have ended that, so it is looked at again after twice as many firings.
 void SetEvolution::see_ahead(Store& store, Node markings) {
   const std::size_t count = net_.firings_.size();
-  std::vector<Word> marked(net_.words_);
-  const std::vector<bool> support = store.support(markings);
-  for (std::uint32_t p = 0; p < levels_.size(); ++p) {
-    const auto [at, reverse] = levels_[p];
-    if (reverse ? store.filter(markings, suffix_of(store, {literal(p, true)})) != 0 : support[at]) set_bit(marked.data(), p);
-  }
+  std::vector<Word> marked = clashes_.marked_in(store, markings);
   // In reach, if no token is taken.
   Places queue;
   std::vector<bool> in_reach(count);
@@ -262,6 +267,9 @@ bool SetEvolution::fire(Store& store, Held& markings, Node where, Fired fired) {
   }
   markings = store.image(markings, event);
   fired_.push_back(std::move(fired));
+  for (const std::vector<std::uint32_t>* touched : {&net_.winners_[t], &net_.losers_[t]})
+    for (const std::uint32_t u : *touched) enabled_[u] = Enabled::kUnknown;
+  enabled_[t] = Enabled::kUnknown;
   if (++times_[t] == kOften && ahead_.empty()) next_look_ = fired_.size();
   for (const std::uint32_t won : net_.winners_[t]) {
     if (has_bit(has_won_.data(), won)) continue;
@@ -318,8 +326,8 @@ std::vector<SetEvolution::Way> SetEvolution::not_alone(Store& store, Node enable
 std::vector<SetEvolution::Way> SetEvolution::others(Store& store, Node enabled, std::uint32_t t) {
   std::vector<Way> asked;
   for (const std::uint32_t u : won_)
-    if (u != t && net_.rank_end_[u] == net_.rank_end_[t] && !stubborn_.alike(t, u) && !step(store, u).never &&
-        store.filter(enabled, step(store, u).enabled) != 0)
+    if (u != t && net_.rank_end_[u] == net_.rank_end_[t] && !stubborn_.alike(t, u) && enabled_[u] != Enabled::kNone &&
+        !step(store, u).never && store.filter(enabled, step(store, u).enabled) != 0)
       asked.push_back(step(store, u).asked);
   return asked;
 }
@@ -343,8 +351,14 @@ std::optional<std::vector<SetEvolution::Way>> SetEvolution::clashing(Store& stor
   std::vector<bool> held(store.levels);
   std::vector<Word> marking(net_.words_);
   Places tokens;
+  bool many = false;  // so those left are the ones in which it may not
   while (left) {
-    if (known.size() + beside.size() >= kMostCases) return std::nullopt;
+    if (!many && known.size() + beside.size() >= few_cases_) {
+      left = clashes_.of(store, left, t);
+      many = true;
+      continue;
+    }
+    if (beside.size() >= kMostCases) return std::nullopt;
     marked.clear();
     store.pick(left, marked);
     std::fill(held.begin(), held.end(), false);

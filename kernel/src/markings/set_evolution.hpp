@@ -11,6 +11,7 @@
 #include "diagrams/relation.hpp"
 #include "diagrams/store.hpp"
 #include "markings/explorer.hpp"
+#include "markings/set_clashes.hpp"
 #include "markings/stubborn.hpp"
 
 namespace mcpn {
@@ -20,10 +21,11 @@ namespace mcpn {
 class SetEvolution {
  public:
   using Places = std::vector<std::uint32_t>;
-  using Levels = std::vector<std::pair<Level, bool>>;  // by place, the level that tells of it, and whether by the reverse
+  using Levels = SetClashes::Levels;
   using Table = std::vector<std::uint32_t>;
 
-  SetEvolution(const SafeNet& net, const Places& initial, Levels levels);
+  // Few cases tell where a transition may fire alone, before it is asked of all markings at once.
+  SetEvolution(const SafeNet& net, const Places& initial, Levels levels, std::size_t few_cases);
 
   // The stable markings behind an event from some that enable it; and those of these that are left, for in some marking
   // behind them no transition may fire alone. Nothing where a firing is unsafe, or where there is no end.
@@ -53,8 +55,11 @@ class SetEvolution {
   // How it goes on: a transition has fired; none is enabled; some are, but none may fire alone; a firing is unsafe.
   enum class Went { kOn, kEnd, kStuck, kUnsafe };
 
+  enum class Enabled : std::uint8_t { kUnknown, kNone, kSome };
+
   bool run(Store& store, Held& markings, Held& left, std::uint32_t event);
   Went fire_first(Store& store, Held& markings, std::uint32_t end);
+  bool in_some(Store& store, Node markings, std::uint32_t t);
   void see_ahead(Store& store, Node markings);
   bool leads(std::uint32_t t, std::uint32_t u) const {
     return !ahead_.empty() && has_bit(ahead_.data() + t * ahead_words_, u);
@@ -75,13 +80,16 @@ class SetEvolution {
 
   const SafeNet& net_;
   const Levels levels_;
+  const std::size_t few_cases_;
   Stubborn stubborn_;
+  SetClashes clashes_;
   Relations relations_;
   const Store* store_ = nullptr;      // whose suffixes those of steps are
   std::vector<Step> steps_;
   std::vector<bool> of_place_;        // levels
   std::vector<std::uint32_t> won_;    // that have won a token, and may be enabled; the newest last
   std::vector<Word> has_won_;
+  std::vector<Enabled> enabled_;      // by transition, whether some of the markings enable it
   std::vector<Word> ahead_;           // by transition, those that it may lead to
   std::size_t ahead_words_ = 0, next_look_ = 0;  // after so many firings it is looked ahead
   std::vector<std::uint32_t> times_;  // by transition, how often it has fired

@@ -130,7 +130,6 @@ std::optional<std::uint32_t> Stubborn::alone(const Word* marking, const std::vec
   return std::nullopt;
 }
 
-// Whether transitions of lower ranks may fire because one has fired.
 bool Stubborn::brings_about(std::uint32_t t) const {
   return std::any_of(net_.winners_[t].begin(), net_.winners_[t].end(), [&](std::uint32_t u) { return net_.rank_end_[u] < net_.rank_end_[t]; });
 }
@@ -154,8 +153,6 @@ Stubborn::Places Stubborn::likely_empty(const Places& need, std::uint32_t end, s
   return some.empty() ? need : some;
 }
 
-// Notes the internal transitions before one of a later rank, one of them aside, that may fire from a marking on if tokens
-// are never taken.
 void Stubborn::relax(const Word* marking, std::uint32_t end, std::vector<Word>& may, std::uint32_t without) {
   std::fill(may.begin(), may.end(), 0);
   std::copy_n(marking, net_.words_, marked_.begin());

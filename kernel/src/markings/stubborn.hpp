@@ -59,6 +59,15 @@ class Stubborn {
   // Why the one that was found, if any, may fire alone.
   Means means(std::optional<std::uint32_t> found, const std::vector<Word>& enabled, std::uint32_t first) const;
 
+  // Notes the internal transitions before one of a later rank, one of them aside, that may fire from a marking on if
+  // tokens are never taken.
+  void relax(const Word* marking, std::uint32_t end, std::vector<Word>& may, std::uint32_t without = kNoBit);
+  // Whether transitions of lower ranks may fire because one has fired.
+  bool brings_about(std::uint32_t t) const;
+  const std::vector<std::uint32_t>& rivals(std::uint32_t t) const { return rivals_[t]; }
+  const std::vector<std::uint32_t>& crowders(std::uint32_t t) const { return crowders_[t]; }
+  const std::vector<std::uint32_t>& givers(std::uint32_t place) const { return givers_[place]; }
+
   const std::vector<Places>& units_of() const { return units_of_; }
   std::size_t units() const { return units_; }
 
@@ -66,9 +75,7 @@ class Stubborn {
   enum class Known : std::uint8_t { kNot, kAlone, kBesideOthers };
 
   bool apart(std::uint32_t t, std::uint32_t u) const;
-  bool brings_about(std::uint32_t t) const;
   Places likely_empty(const Places& need, std::uint32_t end, std::uint32_t without) const;
-  void relax(const Word* marking, std::uint32_t end, std::vector<Word>& may, std::uint32_t without = kNoBit);
   bool judge(std::uint32_t t, const std::vector<Word>& may);
   bool free(std::uint32_t t, std::uint32_t end, const std::vector<Word>& may);
   template <class Choose> void note_absence(std::uint32_t end, Choose choose, std::uint32_t without);

@@ -142,9 +142,10 @@ std::vector<std::uint64_t> choices(PyStore& s, const nb::bytes& data, const std:
 class PyBigSteps {
  public:
   PyBigSteps(const SafeNet& net, const Numbers& initial, const std::vector<std::int64_t>& places,
-             const std::vector<std::tuple<std::uint32_t, Level>>& partners, std::uint64_t max_bytes, std::uint64_t max_transient)
+             const std::vector<std::tuple<std::uint32_t, Level>>& partners, std::uint64_t max_bytes, std::uint64_t max_transient,
+             std::size_t few_cases)
       : net_(with_priorities(net)), levels_(places.size()), steps_(net, checked(initial), levelled(places), partnered(partners), max_bytes, max_transient),
-        evolution_(net, checked(initial), by_place(net.places(), levelled(places), partnered(partners))) {}
+        evolution_(net, checked(initial), by_place(net.places(), levelled(places), partnered(partners)), few_cases) {}
 
   std::optional<Handle> start(const std::shared_ptr<PyStore>& s) {
     check(*s);
@@ -248,9 +249,9 @@ class PyBigSteps {
 void bind_steps(nb::module_& module) {
   nb::class_<PyBigSteps>(module, "BigSteps")
       .def(nb::init<const SafeNet&, const Numbers&, const std::vector<std::int64_t>&, const std::vector<std::tuple<std::uint32_t, Level>>&,
-                    std::uint64_t, std::uint64_t>(),
+                    std::uint64_t, std::uint64_t, std::size_t>(),
            nb::arg("net"), nb::arg("initial"), nb::arg("places"), nb::arg("partners"), nb::arg("max_bytes"), nb::arg("max_transient"),
-           nb::keep_alive<1, 2>())
+           nb::arg("few_cases"), nb::keep_alive<1, 2>())
       .def("start", &PyBigSteps::start, nb::arg("store"))
       .def("cover", &PyBigSteps::cover, nb::arg("markings"), nb::arg("event"), nb::arg("most"))
       .def("after", &PyBigSteps::after, nb::arg("markings"), nb::arg("event"))

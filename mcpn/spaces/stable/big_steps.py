@@ -39,6 +39,8 @@ MOST_SINGLY = 20_000
 """Those that are found one by one before all markings are tried, which may be reached far sooner."""
 FEW_STEPS = 50
 """Big steps of one event that are found one by one before it is run from whole sets of states."""
+FEW_CASES = 100
+"""Cases that may tell where a transition may fire alone, before it is asked of whole sets of states."""
 MOST_KEPT = 100_000
 """Transient markings that the proof may keep behind one event."""
 
@@ -87,6 +89,7 @@ def _reach(
         [(place, encoding.level[kept]) for place, kept in encoding.partner.items() if place < count],
         DEFAULT_MEMORY,
         MOST_KEPT,
+        FEW_CASES,
     )
     return _Reaching(prepared, encoding, kernel, few, most).search()
 
