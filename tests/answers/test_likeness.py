@@ -13,7 +13,7 @@ from mcpn.answers.likeness import Likeness, likeness, likeness_of
 from mcpn.answers.spaces import MissionSpaces
 from mcpn.answers.verdicts.modes import situation
 from mcpn.drawing.compose import compose
-from mcpn.drawing.templates import PaperTemplates, TemplateSet
+from mcpn.drawing.templates import PaperTemplates
 from mcpn.drawing.templates.compact import CompactTemplates
 from mcpn.errors import SemanticsError
 from mcpn.mission.model import Mission
@@ -25,13 +25,19 @@ from tests.commands import mcpn, output
 from tests.conftest import ULYSSE
 
 
-def rounds(mission: Mission, *sets: TemplateSet) -> int | None:
+@cache
+def of_paper(name: str) -> MissionSpaces:
+    """A mission of the kit with the paper's templates, which all others are held against."""
+    return MissionSpaces(compose(MISSIONS[name], PaperTemplates()), templates=PaperTemplates())
+
+
+def rounds(*sets: Behaviour) -> int | None:
     """Oracle: after how many events the sets can be told apart, by refining a partition of all states."""
     onward: list[list[int]] = []
     begins, saying = list[int](), list[object]()
-    for templates in sets:
+    for behaviour in sets:
         begins.append(begin := len(onward))
-        for said, events, afters in behaviour(mission, templates):
+        for said, events, afters in behaviour:
             saying.append((said, events))
             onward.append([begin + after for after in afters])
     known = {said: number for number, said in enumerate(dict.fromkeys(saying))}
@@ -51,22 +57,13 @@ Behaviour = list[tuple[str, tuple[str, ...], list[int]]]
 """By state what it is, the events that may happen there, sorted, and where each leads."""
 
 
-def behaviour(mission: Mission, templates: TemplateSet) -> Behaviour:
-    """The states of a mission; those of the paper's templates, which all others are held against, once."""
-    if type(templates) is not PaperTemplates:
-        return listed(mission, templates)
-    name = next((name for name, of in MISSIONS.items() if of is mission), None)
-    return listed(mission, templates) if name is None else _of_paper(name)
-
-
 @cache
-def _of_paper(name: str) -> Behaviour:
-    return listed(MISSIONS[name], PaperTemplates())
+def behaviour_of_paper(name: str) -> Behaviour:
+    return behaviour(of_paper(name))
 
 
-def listed(mission: Mission, templates: TemplateSet) -> Behaviour:
-    spaces = MissionSpaces(compose(mission, templates), templates=templates)
-    graph, found = spaces.listed(), list[tuple[str, tuple[str, ...], list[int]]]()
+def behaviour(spaces: MissionSpaces) -> Behaviour:
+    graph, found = spaces.listed(), Behaviour()
     for state in range(graph.states):
         said = situation(spaces.mission, graph.marking(state))
         onward = sorted(
@@ -79,10 +76,11 @@ def listed(mission: Mission, templates: TemplateSet) -> Behaviour:
 
 @pytest.mark.parametrize("name", [*FAULTS, *HARMLESS])
 def test_faults_are_told_apart_by_a_shortest_run(name: str) -> None:
-    for mission in MISSIONS.values():
-        faulty = Faulty(*{**FAULTS, **HARMLESS}[name])
+    for told, mission in MISSIONS.items():
+        templates = Faulty(*{**FAULTS, **HARMLESS}[name])
+        faulty = MissionSpaces(compose(mission, templates), templates=templates)
         try:
-            found = likeness(mission, PaperTemplates(), faulty, max_states=50_000)
+            found = likeness_of(of_paper(told), faulty, max_states=50_000)
         except SemanticsError:  # an event has several outcomes: that is how these are known to be wrong
             assert name in FAULTS
             continue
@@ -90,18 +88,18 @@ def test_faults_are_told_apart_by_a_shortest_run(name: str) -> None:
             assert found.difference is not None  # the paper's templates always have a graph here
             assert found.sizes[1].reason in found.difference.message
             continue
-        expected = rounds(mission, PaperTemplates(), faulty)
+        expected = rounds(behaviour_of_paper(told), behaviour(faulty))
         assert expected == (None if found.difference is None else len(found.difference.events))
-        replayed(mission, found, PaperTemplates(), faulty)
+        replayed(found, of_paper(told), faulty)
         assert name in FAULTS or expected is None
 
 
-def replayed(mission: Mission, found: Likeness, *sets: TemplateSet) -> None:
+def replayed(found: Likeness, *sets: MissionSpaces) -> None:
     """What is told to fire inside the nets after each event fires there."""
     if found.difference is None:
         return
-    for templates, firings in zip(sets, found.difference.firings, strict=True):
-        net = compose(mission, templates).net
+    for spaces, firings in zip(sets, found.difference.firings, strict=True):
+        net = spaces.net
         game = TokenGame(net)
         assert len(firings) == len(found.difference.events)
         for event, names in zip(found.difference.events, firings, strict=True):
