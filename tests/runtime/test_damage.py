@@ -106,6 +106,11 @@ LIGHT = """<mission name="m" xmlns="urn:mcpn:mission:1">
   <objective name="cross" activities="go"/>
 </mission>"""
 
+LATE = """<mission name="m" xmlns="urn:mcpn:mission:1">
+  <robot name="r"><hardware name="h" detected="late"/><activity name="go" consumes="h"/></robot>
+  <objective name="cross" activities="go"/>
+</mission>"""
+
 
 @pytest.mark.parametrize("form", FORMS)
 def test_a_fact_has_one_value_in_files_and_snapshots(
@@ -131,3 +136,22 @@ def test_a_fact_has_one_value_in_files_and_snapshots(
     said["changing"]["switch_EV"]["true"].append("light=blue")
     with pytest.raises(ControllerFileError, match=r"changing\.switch_EV: found 'light=blue'"):
         Controller.from_document(signed(said))
+
+
+def test_only_a_loss_that_has_come_is_known(tmp_path: Path) -> None:
+    """Hardware in service of which a snapshot says that its loss is known, before the mission starts."""
+    (tmp_path / "m.xml").write_text(LATE)
+    net = compose(read_mission(tmp_path / "m.xml"))
+    said = json.loads(write_json(generate(net, "hierarchical"), net))
+    controller = Controller.from_document(said)
+    snapshot = json.loads(controller.snapshot())
+    (flag,) = said["late"].values()
+    for gone, known, whole in (([], [], True), (["h"], [], True), (["h"], [flag], True), ([], [flag], False)):
+        text = snapshot_text({**snapshot, "out_of_service": gone, "happened": known})
+        if whole:
+            controller.restore(text)
+            assert controller.out_of_service == {*gone}
+            assert controller.unnoticed == ({*gone} if not known else set())
+        else:
+            with pytest.raises(SnapshotError, match="what cannot be"):
+                controller.restore(text)

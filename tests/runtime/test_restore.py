@@ -89,7 +89,23 @@ def test_a_restarted_robot_does_what_it_did(
 
 
 def check_order(actions: tuple[Action, ...], found: dict[str, Any]) -> None:
-    """Stop, release, select, start; what is consumed is started before its consumer."""
+    """Stop, release, select, start; what is consumed is started before its consumer, and stopped after it."""
+    activities = found["activities"]
+    needs = {
+        name: {
+            other
+            for way in row["alternatives"].values()
+            for other, made in activities.items()
+            if set(made["produces"]) & set(way["consumes"])
+        }
+        for name, row in activities.items()
+    }
+    for _ in needs:  # what is needed by what is needed, too: in a cycle any order will do
+        needs = {name: of.union(*(needs[other] for other in of)) for name, of in needs.items()}
+    stopped = [a.activity or "" for a in actions if a.verb == "stop"]
+    for number, producer in enumerate(stopped):
+        for consumer in stopped[number + 1 :]:
+            assert producer not in needs[consumer] or consumer in needs[producer]
     verbs = [action.verb for action in actions]
     assert verbs == sorted(verbs, key=["stop", "release", "select", "start"].index)
     ways = {a.activity: a.alternative for a in actions if a.verb == "select"}

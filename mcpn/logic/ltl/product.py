@@ -170,7 +170,7 @@ class Product(Generic[S]):
         decided = self.reaching(goal, within, inside)
         for edge in self.edges:
             into_one = edge.target in everything and edge.source not in everything
-            if into_one and edge.target in decided and edge.transitions is None and edge.rests:
+            if into_one and edge.target in decided and edge.transitions is None:  # so that it rests, too
                 before = self.back(edge, decided[edge.target], within.get(edge.source, self.space.nothing))
                 decided[edge.source] = decided.get(edge.source, self.space.nothing) | before
         return decided

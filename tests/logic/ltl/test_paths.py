@@ -177,6 +177,20 @@ def test_paths_that_do_not_count_are_left_out(net: PetriNet, data: st.DataObject
             assert_shown(evaluation, alone, written, edges)
 
 
+def test_a_path_that_ends_counts_whatever_must_happen_again_and_again() -> None:
+    builder = NetBuilder("ends")
+    for name, tokens in (("a", 1), ("b", 0), ("never", 0)):
+        builder.place(name, initial=tokens)
+    builder.transition("again", consume=["a"], produce=["a"])
+    builder.transition("end", consume=["a"], produce=["b"])
+    net = builder.build()
+    justice = [Justice(parse("never", Names(net)))]
+    for space in spaces(net):
+        for text, holds in (("F b", True), ("G a", False), ("F (a & X b)", True)):
+            written = SomePath(normal(parse_open(text, Names(net))))
+            assert Evaluation(space, justice).holds(written) == holds, text
+
+
 @given(st.data())
 def test_what_is_shown_of_paths_reads_back(data: st.DataObject) -> None:
     net = data.draw(nets(max_places=3))

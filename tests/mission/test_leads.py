@@ -1,0 +1,52 @@
+"""Leads that choose by facts, flattened into one list: they choose as nested routes do in every world."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import product
+
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from mcpn.mission.expansion.leads import Lead, by_facts
+from mcpn.mission.world.decisions import Condition, FactCase
+
+FACTS = {"door": ("open", "shut"), "light": ("on", "off", "dim")}
+WORLDS = [dict(zip(FACTS, values, strict=True)) for values in product(*FACTS.values())]
+
+conditions: st.SearchStrategy[Condition] = st.fixed_dictionaries(
+    {}, optional={fact: st.sampled_from(values) for fact, values in FACTS.items()}
+).map(lambda asked: tuple(asked.items()))
+targets = st.sampled_from("abcdef")
+leads = st.builds(
+    Lead,
+    targets,
+    st.lists(st.builds(FactCase, conditions.filter(bool), targets), max_size=3).map(tuple),
+)
+
+
+def holds(when: Condition, world: Mapping[str, str]) -> bool:
+    return all(world[fact] == value for fact, value in when)
+
+
+def chosen(lead: Lead, world: Mapping[str, str]) -> str:
+    """Where a lead leads in a world: to the target of its first case that holds, else to its default."""
+    return next((case.target for case in lead.cases if holds(case.when, world)), lead.target)
+
+
+OPEN, SHUT, DIM = (("door", "open"),), (("door", "shut"),), (("light", "dim"),)
+
+
+@given(st.lists(st.tuples(conditions, leads), max_size=4), leads)
+@example([(OPEN, Lead("a"))], Lead("b", (FactCase(DIM, "c"),)))  # the default chooses, too
+@example([(OPEN, Lead("a", (FactCase(DIM, "b"),)))], Lead("c"))  # so does what a case leads to
+@example([(OPEN, Lead("a", (FactCase(SHUT, "b"),)))], Lead("c"))  # by what cannot hold there
+def test_one_list_chooses_as_the_lists_in_each_other_do(
+    cases: list[tuple[Condition, Lead]], default: Lead
+) -> None:
+    flat = by_facts(cases, default)
+    for world in WORLDS:
+        inner = next((lead for when, lead in cases if holds(when, world)), default)
+        assert chosen(flat, world) == chosen(inner, world)
+    for case in flat.cases:
+        assert len(dict(case.when)) == len(case.when), "a condition asks for one value of a fact"
