@@ -243,7 +243,7 @@ class RobotRun:
 
     def _carry_out(self, actions: Sequence[Action]) -> None:
         """Begins some actions; none is waited for here."""
-        for number, action in enumerate(actions):
+        for action in actions:
             name = action.activity
             if action.verb == "stop" and name is not None:
                 self._stop(name)
@@ -251,8 +251,7 @@ class RobotRun:
                 self._release(action.hardware)
             elif action.verb == "select" and name is not None:
                 self._chosen[name] = action
-                starts = any(of.verb == "start" and of.activity == name for of in actions[number:])
-                if name in self.running and not starts:  # it goes on with another alternative
+                if name in self.running:  # not stopped before: it goes on with another alternative
                     self._stop(name)
                     self._start(name)
             elif action.verb == "start" and name is not None:

@@ -79,6 +79,7 @@ def test_a_good_one(tmp_path: Path) -> None:
         ('["true"]', "[]", [":3: process: expected a command and its arguments"]),
         ('["true"]', '["no such program"]', [":2: process: no program 'no such program' is found"]),
         ('["true"]', '["true", "{room}"]', [":2: {room}: lidar_driver has no such parameter"]),
+        ('["true"]', '["true", "{objective}"]', [":2: {objective}: lidar_driver has no such parameter"]),
         ('ends.other = "lidar_EV_OOS"', 'ends.other = "success"', [
             ": no driver tells the event lidar_EV_OOS: name it in one, or in never",
             ":4: success: activities.lidar_driver is of no objective",

@@ -103,9 +103,9 @@ def check_order(actions: tuple[Action, ...], found: dict[str, Any]) -> None:
     for _ in needs:  # what is needed by what is needed, too: in a cycle any order will do
         needs = {name: of.union(*(needs[other] for other in of)) for name, of in needs.items()}
     stopped = [a.activity or "" for a in actions if a.verb == "stop"]
-    for number, producer in enumerate(stopped):
-        for consumer in stopped[number + 1 :]:
-            assert producer not in needs[consumer] or consumer in needs[producer]
+    for number, first in enumerate(stopped):
+        for later in stopped[number + 1 :]:
+            assert first not in needs[later] or later in needs[first]
     verbs = [action.verb for action in actions]
     assert verbs == sorted(verbs, key=["stop", "release", "select", "start"].index)
     ways = {a.activity: a.alternative for a in actions if a.verb == "select"}
