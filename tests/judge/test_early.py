@@ -71,6 +71,13 @@ ALL_AT_ONCE = both(
     *(replace(on_leak(n, "fail"), mandatory=False) for n in "bc"),
     failure_when="2",
 )
+ABORTS_INSIDE = both(
+    on_leak("a", "fail"),
+    Recursive(name="r", blocks=(Parallel(name="inner", blocks=(on_leak("b", "abort"), one("d"))),)),
+    failure_when="any",
+    abort="f",
+)
+"""One event fails ``a``, which ends the block at once, and aborts the inner block, and so the one around it."""
 AGAIN = mission(ROBOT, Parallel(name="both", blocks=THREE, success_when="any", success="both"))
 
 
@@ -96,6 +103,7 @@ MISSIONS = {
     "led on": LED_ON,
     "nested": NESTED,
     "aborts": ABORTS,
+    "aborts inside": ABORTS_INSIDE,
     "again": AGAIN,
     "two fail": FAILS_TWO,
     "a second fails": SECOND_FAILS,
@@ -139,6 +147,7 @@ LEAK = (DECLARED, "leak")
         (NESTED, [OK["b"]], {"c", "d"}),
         (NESTED, [OK["b"], OK["d"]], {"f"}),
         (ABORTS, [LEAK], {"g"}),
+        (ABORTS_INSIDE, [LEAK], {"f"}),
         (BOTH_EARLY, [LEAK], {"g"}),
         (INNER_OVER, [LEAK], {"f"}),
         (AGAIN, [OK["b"]], {"a", "b", "c"}),
