@@ -58,7 +58,7 @@ def no_regular_file(path: Path) -> str | None:
 def why_not_written(path: Path, error: OSError | ValueError) -> str:
     """What keeps a file from being written, in a sentence that says what is to be changed."""
     if isinstance(error, UnicodeError):
-        why = "its text has half a character, which is no UTF-8"
+        why = "its text has half a character, which UTF-8 cannot encode"
     elif isinstance(error, ValueError):
         why = "no name of a file has a NUL"
     elif error.errno in (ENOENT, ENOTDIR) and not path.parent.is_dir():

@@ -20,7 +20,7 @@ from mcpn.spaces.algebra import S, Space, Without
 
 @dataclass(frozen=True)
 class LateLoss:
-    """Hardware whose loss is noticed late, and what that costs.
+    """Hardware whose loss is noticed late, and the consequences.
 
     Args:
         hardware: Its name.

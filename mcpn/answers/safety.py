@@ -185,7 +185,7 @@ def _late_losses(checked: MissionCheck, alone: Sequence[str] | None) -> SafetyAn
     why = [line for each in checked.late for line in each.sentences]
     why += [f"the loss of {each} alone leaves no safe end" for each in late if each in (alone or ())]
     if alone is None and not why:
-        return SafetyAnswer(name, None, ("not known: what single losses do is not",))
+        return SafetyAnswer(name, None, ("not known: the effects of single losses are not",))
     return _listed(name, why)
 
 

@@ -34,12 +34,12 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("file", type=FILE)
-@click.option("--structure", is_flag=True, help="Tell what the net's arcs prove without its markings.")
+@click.option("--structure", is_flag=True, help="Report what the net's arcs prove without its markings.")
 @engine_option()
 @click.option(
     "--internal", is_flag=True, help="Show the firings inside the net between which the outcome is decided."
 )
-@click.option("--strict", is_flag=True, help="Let a mission with warnings fail: exit code 1.")
+@click.option("--strict", is_flag=True, help="Treat warnings as failures: exit code 1.")
 @jobs_option
 @scheduler_option
 @limit_option

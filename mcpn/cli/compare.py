@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     "--repeat",
     type=click.IntRange(1, 1000),
     default=1,
-    help="Run each engine so often: the least and the median are told.",
+    help="Run each engine this many times; the minimum and the median are reported.",
 )
 @click.option(
     "--seconds",

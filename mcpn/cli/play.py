@@ -313,7 +313,7 @@ class EventSession(Prompt):
             case ["goto", "cut", "set", *hardware]:
                 return self.cut(hardware)
             case ["goto", *_]:
-                return "found a goto to elsewhere, expected success, failure, abort or cut set"
+                return "found another goto, expected success, failure, abort or cut set"
             case [word]:
                 return self.one_event(word)
             case _:
@@ -366,7 +366,7 @@ class EventSession(Prompt):
             except LimitError as error:
                 return str(error)
         if chosen is None:
-            return "no few hardware resources rule out success from here"
+            return "no small set of hardware resources rules out success from here"
         if not chosen:
             return "success is ruled out already unless something is repaired"
         for name in chosen:

@@ -79,7 +79,7 @@ templates_option = click.option(
     "--templates",
     metavar="SET",
     callback=templates_of,
-    help="Templates that the mission's net is drawn with: paper (the default), compact, or MODULE:NAME.",
+    help="Templates to draw the mission's net with: paper (the default), compact, or MODULE:NAME.",
 )
 
 MOST_JOBS = 1024
@@ -92,7 +92,7 @@ jobs_option = click.option(
     help="Processes for local graphs.",
 )
 scheduler_option = click.option(
-    "--scheduler", metavar="ADDRESS", help="Make local graphs on a dask cluster (needs mcpn[distributed])."
+    "--scheduler", metavar="ADDRESS", help="Build local graphs on a dask cluster (needs mcpn[distributed])."
 )
 
 
@@ -103,7 +103,7 @@ def engine_option(*more: str) -> Callable[[Any], Any]:
         more: Engines that this command knows besides.
     """
     known = click.Choice(["auto", "explicit", "symbolic", "local", *more])
-    told = "Who answers; auto: by what the mission is like, another where one gives up."
+    told = "The engine that answers; auto chooses by the mission, and tries another if one gives up."
     return click.option("--engine", type=known, default="auto", show_default=True, help=told)
 
 

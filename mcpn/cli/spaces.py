@@ -69,7 +69,7 @@ def states(
 
     chosen = order is not None or save_order is not None or seed is not None
     if chosen and (engine not in ("auto", "symbolic") or graph == "alternatives"):
-        raise click.UsageError("--order, --seed and --save-order are of the symbolic engine, on markings")
+        raise click.UsageError("--order, --seed and --save-order need the symbolic engine, on markings")
     with progress_on_terminal(as_json):
         study = open_study(file, import_root=import_root, templates=templates)
     if chosen:
@@ -138,7 +138,7 @@ def alternatives(
     without_threads_of_numpy()
     if method is not None or not proof:
         if engine not in ("auto", "explicit"):
-            raise click.UsageError("--method and --no-proof are of the explicit engine")
+            raise click.UsageError("--method and --no-proof need the explicit engine")
         engine = "explicit"
     study = open_study(mission, import_root=import_root, templates=templates)
     spaces = study.mission_spaces("the alternatives graph")

@@ -278,7 +278,7 @@ class _Check:
                 yield None, f"no driver for activity {activity}: expected a table [activities.{activity}]"
         for spec in (*self.plan.sources.values(), *self.plan.releases.values()):
             for hole in sorted(spec.holes - {"run", "python"}):
-                yield self._at(spec.place, f"{{{hole}}}: {'.'.join(spec.place)} is of no activity")
+                yield self._at(spec.place, f"{{{hole}}}: {'.'.join(spec.place)} belongs to no activity")
 
     def _values(self, spec: DriverSpec, activity: str, way: str, objective: str | None) -> Found:
         """Values of the mission that would be more than values in a command or a topic."""
@@ -318,14 +318,14 @@ class _Check:
                     place = (*spec.place, key, text)
                     if is_ending(event):
                         if not (spec.place[0] == "activities" and spec.place[1] in may_end):
-                            yield self._at(place, f"{event}: {'.'.join(spec.place)} is of no objective")
+                            yield self._at(place, f"{event}: {'.'.join(spec.place)} belongs to no objective")
                         elif event not in ENDINGS:
                             yield from self._reason(place, event, spec.place[1])
                     elif (found := event_of(event, known)) is None:
                         hint = did_you_mean(event, known)
                         yield self._at(place, f"{event!r} is no event of the mission's controller{hint}")
                     elif found.endswith("_EV_TIMEOUT"):
-                        yield self._at(place, f"{event}: the controller's own timers tell this")
+                        yield self._at(place, f"{event}: the controller's own timers report this")
                     else:
                         told.add(found)
         for name, row in self.laws.objectives.items():

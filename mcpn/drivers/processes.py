@@ -73,7 +73,7 @@ class Warden:
         if self._process is not None and self._write(line):
             return
         if self._process is not None:
-            _log.warning("the warden of the drivers was ended by somebody; another one is started")
+            _log.warning("somebody ended the warden of the drivers; another one is started")
             self.close()
         self._process = subprocess.Popen(
             [sys.executable, "-I", "-S", warden.__file__, str(os.getpid())],

@@ -194,7 +194,7 @@ def tell_to_stop(buses: Mapping[str, Bus], message: StopMessage) -> None:
     try:
         buses[message.kind].publish(message.topic, message.text)
     except Exception as error:  # of what carries messages; the others are to be told all the same
-        _log.error("%s: what the run before has begun cannot be told to stop: %r", message.topic, error)
+        _log.error("%s: what the previous run began cannot be told to stop: %r", message.topic, error)
 
 
 def buses_of(plan: Plan) -> dict[str, Bus]:

@@ -164,7 +164,7 @@ class ServedMission(Content):
         if study is None:
             return {"error": "the mission cannot be read: see the page"}
         if not self._lock.acquire(timeout=PATIENCE):
-            return {"error": f"another question has been under way for {PATIENCE:g} seconds: ask again later"}
+            return {"error": f"another question has been running for {PATIENCE:g} seconds: ask again later"}
         try:
             return question(study)
         except McpnError as error:

@@ -58,12 +58,12 @@ SENTENCES: Mapping[str, tuple[str, str, str]] = {
     ),
     "can_always_end_safely": (
         "Whatever has happened, the mission can still succeed or be aborted.",
-        "The mission can come to where it can neither succeed nor be aborted.",
+        "The mission can reach a state from which it can neither succeed nor be aborted.",
         "Whether the mission can always end safely is not known.",
     ),
     "can_always_finish": (
         "Whatever has happened, the mission can still end.",
-        "The mission can come to where it can no more end.",
+        "The mission can reach a state from which it cannot end.",
         "Whether the mission can always end is not known.",
     ),
     "events_handled": (

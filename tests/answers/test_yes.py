@@ -112,7 +112,7 @@ def test_an_abort_by_the_failure_of_what_makes_safe(folder: Path, tmp_path: Path
     assert mcpn("report", path, "-o", page).returncode == 0
     text = " ".join(page.read_text().split())
     assert f"the loss of {hardware[0]} alone endangers the robot" in text
-    assert f"abort is safe by word alone where {last} fails" in text
+    assert f"abort is called safe although {last} failed" in text
     assert "Whatever hardware is lost" not in text
     answers = {each["question"]: each["holds"] for each in output("ask", path, "--robot-safety", code=1)}
     assert answers["no_abort_by_failure"] is False

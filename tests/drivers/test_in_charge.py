@@ -126,7 +126,7 @@ def test_drivers_that_outlive_their_warden_are_ended_before_a_run_goes_on(made: 
     again.send_signal(signal.SIGTERM)
     _, err = again.communicate(timeout=120)
     assert again.returncode == 143
-    assert re.search(rf"ended what was left of the run before: process [\d, ]*{before}\b", err)
+    assert re.search(rf"ended what was left of the previous run: process [\d, ]*{before}\b", err)
     assert runs.left == []
 
 

@@ -82,7 +82,7 @@ def test_a_good_one(tmp_path: Path) -> None:
         ('["true"]', '["true", "{objective}"]', [":2: {objective}: lidar_driver has no such parameter"]),
         ('ends.other = "lidar_EV_OOS"', 'ends.other = "success"', [
             ": no driver tells the event lidar_EV_OOS: name it in one, or in never",
-            ":4: success: activities.lidar_driver is of no objective",
+            ":4: success: activities.lidar_driver belongs to no objective",
         ]),
         ('ends.other = "lidar_EV_OOS"', 'ends.other = "lidar_EV_OS"', [
             ": no driver tells",
@@ -115,7 +115,7 @@ def test_a_good_one(tmp_path: Path) -> None:
             ":12: lines: '(' is no regular expression",
         ]),
         ("[activities.hand", "[sources.x]\nprocess = ['true', '{room}']\n[activities.hand", [
-            ":10: {room}: sources.x is of no activity",
+            ":10: {room}: sources.x belongs to no activity",
         ]),
     ],
 )  # fmt: skip

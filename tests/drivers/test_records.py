@@ -97,7 +97,7 @@ def test_a_full_disk_does_not_end_a_mission(made: Made) -> None:
     assert (run.returncode, said["outcome"], said["events"]) == (2, "success", 11)
     assert said["lost"] == ["journal"]
     assert err.count("error: the journal log.jsonl cannot be written: File too large; the run goes on") == 1
-    assert "error: not all is recorded: the journal" in err
+    assert "error: not everything is recorded: the journal" in err
     assert "standard output" not in err
 
 
@@ -137,7 +137,7 @@ def test_a_snapshot_that_cannot_be_written_once_is_written_later(made: Made) -> 
     out, err = run.communicate(timeout=120)
     assert (run.returncode, json.loads(out)["lost"]) == (143, [])
     assert err.count("the snapshot kept/at.json cannot be written") == 1
-    assert err.count("the snapshot kept/at.json is written again, and is whole") == 1
+    assert err.count("the snapshot kept/at.json is written again, and is complete") == 1
     assert json.loads((runs.folder / "kept" / "at.json").read_text())["count"] == 2
 
 
@@ -268,7 +268,7 @@ def test_a_run_that_must_record_does_not_go_on_where_nothing_can_be_recorded(mad
     run = runs.start("--journal", "log.jsonl", "--resume", "at.json", "--must-record", before=no_room)
     _, err = run.communicate(timeout=120)
     assert run.returncode == 2
-    assert "log.jsonl: not all can be recorded: nothing is run" in err
+    assert "log.jsonl: not everything can be recorded: nothing is run" in err
     assert len(numbers(runs.folder)) == 2  # nothing is begun
 
 

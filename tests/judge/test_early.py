@@ -77,7 +77,7 @@ ABORTS_INSIDE = both(
     failure_when="any",
     abort="f",
 )
-"""One event fails ``a``, which ends the block at once, and aborts the inner block, and so the one around it."""
+"""One event fails ``a``, which ends the block at once, and aborts the inner block, and so the outer one."""
 AGAIN = mission(ROBOT, Parallel(name="both", blocks=THREE, success_when="any", success="both"))
 
 

@@ -623,12 +623,12 @@ BROKEN: dict[str, tuple[str, int, str]] = {
     "activity that crashes though it is not faulty": (
         robot("<activity name='b' consumes='H' failure_rate='1'/>"),
         7,
-        "activity b has a failure_rate, though it cannot crash: say faulty",
+        'activity b has a failure_rate, though it never crashes: add faulty="true"',
     ),
     "activity that never recovers though it is not faulty": (
         robot("<activity name='b' consumes='H' recovers='false'/>"),
         7,
-        "activity b recovers not, though it cannot crash: say faulty",
+        'activity b does not recover, though it never crashes: add faulty="true"',
     ),
     "alternative that never recovers and does": (
         robot(

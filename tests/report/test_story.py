@@ -108,8 +108,8 @@ def test_an_end_that_is_not_safe_is_no_safe_end(tmp_path: Path) -> None:
     answer = next(a for a in story(found) if a.asked == "What endangers the robot?")
     assert answer.state == "fails"
     assert answer.said == (
-        "It can come to where it can neither succeed nor be aborted, for example when mission m starts, then "
-        "objective a fails."
+        "It can reach a state from which it can neither succeed nor be aborted, for example when mission m "
+        "starts, then objective a fails."
     )
     assert list(answer.chips) == ["a", "failure"]
 
@@ -133,7 +133,7 @@ def test_what_reassures_where_it_should_not_stands_first(tmp_path: Path) -> None
     assert said["May it go?"] == (
         "holds",
         "Yes. All required verdicts hold; it meets all that it requires. The loss of thrusters alone defeats "
-        "it; the loss of thrusters alone endangers the robot; abort is safe by word alone where up fails; "
+        "it; the loss of thrusters alone endangers the robot; abort is called safe although up failed; "
         "2 events are ignored in some objectives.",
     )
     state, endangers = said["What endangers the robot?"]

@@ -88,9 +88,9 @@ HANDLED = "events_handled"
 """The further required verdict of a mission with events that must be handled whatever runs."""
 
 UNDECIDED = {
-    "safe": "not decided: the net is not 1-safe, so that its states cannot be explored",
+    "safe": "not decided: the net is not 1-safe, so its states cannot be explored",
     "confluent": (
-        "not decided: the mission is not confluent, so that composition has no one state to go on from; "
+        "not decided: the mission is not confluent, so composition has no single state to continue from; "
         "--engine explicit or symbolic decides it"
     ),
 }
@@ -416,7 +416,7 @@ def _requirements(
     from mcpn.answers.requirements import RequirementAnswer, answer_requirements
 
     if space is None:
-        reason = "not decided: some event has not one outcome, so that there are no stable states to ask"
+        reason = "not decided: some event has several outcomes, so there are no stable states to ask"
         return tuple(RequirementAnswer(each, None, reason=reason) for each in asked)
     return tuple(answer_requirements(mission_net, asked, space))
 
@@ -474,7 +474,7 @@ def _unsafe_abort(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
     if run is None:
         return Verdict(UNSAFE_ABORT, False, "what ends in abort by its success does not by its failure")
     told = shortened(mission_net.graph.copies.told(names, names_of_objectives(mission_net.graph)))
-    return Verdict(UNSAFE_ABORT, True, f"abort is safe by word alone where this fails: {told}", (run,))
+    return Verdict(UNSAFE_ABORT, True, f"abort is called safe although this failed: {told}", (run,))
 
 
 def _success(nominal_runs: NominalRuns[S], goal: S) -> Verdict:

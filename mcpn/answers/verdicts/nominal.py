@@ -200,8 +200,8 @@ class NominalRuns(Generic[S]):
                 return f"ends in {end}"
         running = [name for place, name in self.mission_net.saying("objective").items() if marking[place]]
         if not running:
-            return "comes to where nothing can succeed"
-        return f"comes to where {enumeration(running)} cannot succeed"
+            return "reaches a state in which nothing can succeed"
+        return f"reaches a state in which {enumeration(running)} cannot succeed"
 
 
 def meant_to_be_entered(mission_net: MissionNet) -> Iterator[str]:

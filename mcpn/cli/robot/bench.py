@@ -43,7 +43,7 @@ TARGETS = ("c", "python", "scxml")
     type=FiniteRange(0.0, 1.0, min_open=True, max_open=True),
     default=0.999,
     show_default=True,
-    help="Of the intervals that the numbers of risk are to lie in.",
+    help="The confidence of the intervals that the numbers of risk must lie in.",
 )
 @click.option(
     "--duration",

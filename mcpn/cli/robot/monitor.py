@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 @click.argument("mission", type=FILE)
 @click.option("-o", "--output", type=FILE, help="Directory to write the monitors to: JSON, and C99.")
 @click.option("--log", type=FILE, help="Read a robot's log: a journal, or an event at the end of each line.")
-@click.option("--within-mission", "within", is_flag=True, help="Only what the mission allows goes on.")
+@click.option("--within-mission", "within", is_flag=True, help="Consider only what the mission allows.")
 @click.option("--btcpp", is_flag=True, help="Write conditions of BehaviorTree.CPP 4, too.")
 @limit_option
 @import_option
@@ -59,7 +59,7 @@ def monitor(
     if output is None and log is None:
         raise click.UsageError("-o or --log is needed")
     if btcpp and output is None:
-        raise click.UsageError("--btcpp says what is written: -o is needed")
+        raise click.UsageError("--btcpp needs -o, the directory to write to")
     without_threads_of_numpy()
     from mcpn.controller.monitors import files, monitors_of
     from mcpn.files import write_folder

@@ -63,7 +63,7 @@ class Record:
         else:
             if self.lost:
                 self.lost = False
-                _log.warning("the %s %s is written again, and is whole", self.kind, self.path)
+                _log.warning("the %s %s is written again, and is complete", self.kind, self.path)
 
 
 class JournalFile(Record):
@@ -106,7 +106,7 @@ class JournalFile(Record):
         while self._waiting:
             del self._waiting[: os.write(self._handle, self._waiting)]
         if self._overflown:
-            raise OSError("too much waited for room on the disk")
+            raise OSError("too much waited for space on the disk")
         os.fsync(self._handle)
 
     def close(self) -> None:
@@ -192,7 +192,9 @@ class Records:
         self._end = end
         for record in self._all:
             if record.lost and self._must:
-                raise InputError.at(Source(str(record.path)), "not all can be recorded: nothing is run")
+                raise InputError.at(
+                    Source(str(record.path)), "not everything can be recorded: nothing is run"
+                )
 
     def save(self) -> None:
         """Writes the snapshot, if one is kept."""
@@ -394,7 +396,7 @@ def _alone(path: Path, said: Mapping[str, Any] | None, rows: list[ProcessGroup])
         if still := ", ".join(str(row.number) for row in left if warden.is_left(row)):
             raise InputError.at(Source(str(path)), f"drivers of that run cannot be ended: process {still}")
         numbers = ", ".join(str(row.number) for row in left)
-        click.echo(f"warning: ended what was left of the run before: process {numbers}", err=True)
+        click.echo(f"warning: ended what was left of the previous run: process {numbers}", err=True)
 
 
 def _watching(monitors: Monitors, said: Any) -> None:
@@ -441,7 +443,7 @@ def _taken(controller: Controller, monitors: Monitors | None, path: Path) -> int
                 taken = False
             if taken == told.refused:
                 raise JournalError(
-                    f"{told.event} was {'' if told.refused else 'not '}refused, and is otherwise here", line
+                    f"{told.event} was {'' if told.refused else 'not '}refused, unlike here", line
                 )
             if taken and monitors is not None:
                 monitors.take(told.event)

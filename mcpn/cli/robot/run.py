@@ -254,19 +254,21 @@ INTERRUPTED = 128
     "--check",
     "only_check",
     is_flag=True,
-    help="Verify, hold the drivers against it, run none; imports modules.",
+    help="Verify, check the drivers against the mission, run none; imports modules.",
 )
-@click.option("--init", "begins", is_flag=True, help="Write a file of drivers to start from, run nothing.")
+@click.option("--init", "begins", is_flag=True, help="Write a file of drivers to edit, run nothing.")
 @click.option("--monitors", "watched", is_flag=True, help="Watch the mission's requirements as it runs.")
 @click.option(
-    "--journal", type=FILE, help="File for a log in lines of JSON; replaced, or gone on with (--resume)."
+    "--journal",
+    type=FILE,
+    help="Write a log as lines of JSON; replaces the file, or continues it (--resume).",
 )
-@click.option("--snapshot", type=FILE, help="File that says, after each event, where the controller is.")
-@click.option("--page", "paged", is_flag=True, help="Serve a page that shows what runs; tells its address.")
+@click.option("--snapshot", type=FILE, help="Write the controller's state to this file after each event.")
+@click.option("--page", "paged", is_flag=True, help="Serve a page that shows what runs; prints its address.")
 @click.option(
     "--must-record", is_flag=True, help="End the run when its journal or snapshot cannot be written."
 )
-@click.option("--resume", type=FILE, help="Go on from where this snapshot was taken.")
+@click.option("--resume", type=FILE, help="Resume from this snapshot.")
 @limit_option
 @import_option
 @templates_option
@@ -372,7 +374,7 @@ def run(
         if shown is not None and shown.lost is not None:
             lost.append("standard output")
         if lost:
-            _log.error("not all is recorded: the %s", ", the ".join(lost))
+            _log.error("not everything is recorded: the %s", ", the ".join(lost))
     seconds = time.monotonic() - started
     found = _found(controller, len(plan.specs), monitors, seconds, received, lost, warnings.left_out)
     _tell(found, as_json)

@@ -109,10 +109,8 @@ def failure_errors(robots: Sequence[Robot], hints: Hints) -> Iterator[Problem]:
         if h.detected == "late" and not h.faulty:
             yield Problem(h.source, f"{h.name} is detected late, though it cannot fail (faulty is false)")
         elif h.detected == "late" and h.shared:
-            message = (
-                f"{h.name} is detected late and shared: who of those that use it notices is not told yet"
-            )
-            yield Problem(h.source, f"{message}; expected hardware of one activity at a time")
+            message = f"{h.name} is detected late and shared: which of its users noticed the loss is not"
+            yield Problem(h.source, f"{message} reported yet; expected hardware of one activity at a time")
         if not h.faulty and h.initial == "oos":
             yield Problem(h.source, f"{h.name} is out of service at the start, though it cannot fail")
         if not h.repairable and not h.faulty:
@@ -194,9 +192,9 @@ def crash_errors(activity: Activity, resources: Container[str]) -> Iterator[Prob
     for name, declared in said:
         rates = (("failure_rate", declared.failure_rate), ("repair_rate", declared.repair_rate))
         without_effect = [f"has a {what}" for what, rate in rates if rate]
-        without_effect += [] if declared.recovers else ["recovers not"]
+        without_effect += [] if declared.recovers else ["does not recover"]
         for what in () if declared.faulty else without_effect:
-            yield Problem(declared.source, f"{name} {what}, though it cannot crash: say faulty")
+            yield Problem(declared.source, f'{name} {what}, though it never crashes: add faulty="true"')
         if declared.faulty and not declared.recovers and declared.repair_rate:
             yield Problem(declared.source, f"{name} has a repair_rate, though it never recovers")
 

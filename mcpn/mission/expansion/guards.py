@@ -54,7 +54,7 @@ def guard_problems(siblings: Sequence[Block]) -> Iterator[Problem]:
                 remedy = "put another block before it, or the condition on what leads to the block around"
                 yield Problem(guard.source, f"{who} it is the first of its series: {remedy}")
             elif block.name in helpers:
-                yield Problem(guard.source, f"{who} it is run for another block, whatever facts are")
+                yield Problem(guard.source, f"{who} it is run for another block, whatever the facts")
     yield from cycles(
         "guards (enter) lead to each other, so that no block might be entered",
         named,

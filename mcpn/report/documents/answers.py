@@ -165,7 +165,7 @@ CHECK = Document(
                 ),
             ),
             "late": ListOf(
-                "Hardware whose loss is noticed late, and what that costs.",
+                "Hardware whose loss is noticed late, and the consequences.",
                 ObjectOf(
                     "",
                     {

@@ -41,7 +41,7 @@ Formula: TypeAlias = Reference | tuple[Literal["and", "or"], Sequence["Formula"]
 
 NEVER: Formula = ("or", ())
 MISSION, ROBOT = "mission-lost", "robot-lost"
-"""Top gates: the mission can no longer succeed; it can come to no safe end, success or abort."""
+"""Top gates: the mission can no longer succeed; it can reach no safe end, success or abort."""
 
 MAX_OBJECTIVES = 500
 """Objectives of a mission whose tree follows its text; that of a longer one is flat."""
@@ -121,7 +121,7 @@ class FaultTree:
         root = etree.Element("opsa-mef")
         tree = etree.SubElement(root, "define-fault-tree", name=_identifier(self.usage.mission.name))
         labels = {MISSION: f"mission {self.usage.mission.name} cannot succeed"}
-        labels[ROBOT] = f"mission {self.usage.mission.name} can come to no safe end, success or abort"
+        labels[ROBOT] = f"mission {self.usage.mission.name} can reach no safe end, success or abort"
         labels |= {_objective(o.name): f"{o.name} cannot succeed" for o in self.usage.graph.walk()}
         labels |= {_activity(name): f"{name} has no possible alternative" for name in self.usage.started}
         for name in filter(self.gates.__contains__, labels):

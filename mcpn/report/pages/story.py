@@ -92,7 +92,7 @@ def _conditions(findings: Findings) -> Iterator[str]:
         else:
             yield "no single loss endangers the robot"
         if unsafe := folded(causes.mission_net, causes.unsafe_aborts):
-            yield f"abort is safe by word alone where {_few(unsafe)} fail{'s' * (len(unsafe) == 1)}"
+            yield f"abort is called safe although {_few(unsafe)} failed"
     check = findings.check
     if ignored := [each.event for each in check.ignored]:
         some = ignored[0] if len(ignored) == 1 else f"{len(ignored)} events"
@@ -370,7 +370,10 @@ def _is(names: Sequence[str]) -> str:
 
 def _unsafe(findings: Findings, runs: Sequence[Run]) -> StoryLine:
     """Says by a run that a mission can end in neither success nor abort with all hardware in service."""
-    asked, said = "What endangers the robot?", "It can come to where it can neither succeed nor be aborted"
+    asked, said = (
+        "What endangers the robot?",
+        "It can reach a state from which it can neither succeed nor be aborted",
+    )
     if not runs or runs[0].tail:
         return StoryLine("fails", asked, f"{said}, whatever the hardware does.")
     mission_net = findings.check.mission_net
