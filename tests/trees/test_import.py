@@ -200,15 +200,19 @@ def test_drawn_trees(tree: str, tmp_path_factory: pytest.TempPathFactory) -> Non
         returns_early("too many states")
 
 
+BESIDE = ("Parallel", "PipelineSequence", "Reactive", "WhileDoElse", "Timeout", "RateController")
+"""Beginnings of nodes in which something else may happen while a leaf runs."""
+
+
 def hurries(tree: Tree) -> bool:
-    """Whether a condition in a branch answers in the very tick in which a leaf before it ends.
+    """Whether a condition answers in the very tick in which a leaf before it ends, and it can be seen.
 
     Behind a leaf that runs, a reactive node cannot wait for a condition. In a mission, where ticks are
-    forgotten, each leaf ends some time after it began, and what runs beside may end before.
+    forgotten, each leaf ends some time after it began, and what happens beside may come before.
     """
-    root = tree.forest.main.root
-    branches = [b for n in root.walk() if n.id.startswith("Parallel") for b in n.children]
-    for reactive in (n for b in branches for n in b.walk() if n.id.startswith("Reactive")):
+    around = [n for n in tree.forest.main.root.walk() if n.id.startswith(BESIDE)]
+    inside = [inner for n in around for child in n.children for inner in child.walk()]
+    for reactive in (n for n in inside if n.id.startswith("Reactive")):
         quick = [tree.at_once(child) for child in reactive.children]
         if any(quick[quick.index(False) :] if False in quick else ()):
             return True
