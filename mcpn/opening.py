@@ -54,4 +54,9 @@ def _read(file: Path, root: Path | None) -> Mission | PetriNet:
         return read_net(file)
     from mcpn.mission.xml import read_mission  # which a question about a net does not load
 
-    return read_mission(file, import_root=root)
+    try:
+        return read_mission(file, import_root=root)
+    except InputError as error:
+        from mcpn.answers.drafts import with_formulas
+
+        raise with_formulas(error) from None

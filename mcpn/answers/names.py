@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import NoReturn
 
 from mcpn.answers.verdicts.modes import WAITING
@@ -13,7 +14,7 @@ from mcpn.errors import InputError
 from mcpn.logic.formulas import Justice
 from mcpn.logic.ltl.formulas import Happens
 from mcpn.mission.expansion.copies import Copies, grouped
-from mcpn.mission.model import Objective, walk
+from mcpn.mission.model import Mission, Objective, walk
 from mcpn.mission.robot import BOOLEAN_VALUES
 from mcpn.mission.world.conditions import is_boolean, objective_done
 from mcpn.nets.events import ENDING, START, Event, What
@@ -53,6 +54,12 @@ class MissionNames(Names):
         super().__init__(mission_net.net if net is None else net)
         self.within = within
         self.mission_net = mission_net
+
+    def place(self, name: str) -> int:
+        """The index of a place; of an element of the mission the error says by which word it is named."""
+        if name not in self.net.place_index:
+            expected(name, self.mission_net.mission, (*self._also_places, *self.net.place_index))
+        return super().place(name)
 
     def word(self, *said: str) -> Formula:
         """What a word about the mission means; see :meth:`mcpn.spaces.names.Names.word`."""
@@ -174,6 +181,52 @@ class MissionNames(Names):
         if name not in names:
             self._unknown(name, names, what)
         return name
+
+
+def words_of(mission: Mission) -> Iterator[tuple[str, str]]:
+    """The elements of a mission by name, as declared or written, each with the word that says it.
+
+    Args:
+        mission: A mission, valid or not.
+    """
+    texts = (mission.blocks, *(protocol.blocks for protocol in mission.protocols))
+    for block in (block for blocks in texts for block in walk(blocks)):
+        yield block.name, f"{'objective' if isinstance(block, Objective) else 'block'}({block.name})"
+    for robot in mission.robots:
+        yield from ((activity.name, f"activity({activity.name})") for activity in robot.activities)
+        yield from ((hardware.name, f"oos({hardware.name})") for hardware in robot.hardware)
+        yield from ((software.name, f"available({software.name})") for software in robot.software)
+        for fact in robot.facts:
+            value = "" if is_boolean(fact) else f"={fact.values[0]}"
+            yield fact.name, f"fact({fact.name}){value}"
+        yield from ((event.name, f"happens({event.name})") for event in robot.events)
+
+
+def expected(name: str, mission: Mission, also: Collection[str] = ()) -> NoReturn:
+    """Says what is written in a formula instead of a name that stands alone there.
+
+    Args:
+        name: The name.
+        mission: The mission, valid or not.
+        also: What may stand alone.
+    """
+    by_name: dict[str, list[str]] = {}
+    for element, word in words_of(mission):
+        by_name.setdefault(element, []).append(word)
+    words = list(dict.fromkeys(by_name.get(name.rpartition(".")[2], ())))
+    if not words and Event.parse(name).what is not What.NAMED:
+        words = [f"happens({name})"]
+    if words:
+        said = " or ".join(word.replace(f"({name.rpartition('.')[2]})", f"({name})") for word in words)
+        raise InputError.at(None, f"{name} alone says nothing: expected {said}")
+    near = next((found for of in (ENDINGS, by_name, also) if (found := get_close_matches(name, of, n=1))), [])
+    near = [word for each in near for word in by_name.get(each, [each])]
+    hint = f"did you mean {' or '.join(dict.fromkeys(near))}?" if near else EXPECTED
+    raise InputError.at(None, f"no word is named {name}; {hint}")
+
+
+EXPECTED = "expected success, failure, abort, or a word about an element, as objective(x) or happens(x)"
+"""What may stand where a name alone says nothing."""
 
 
 def progress(mission_net: MissionNet) -> tuple[Justice, ...]:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from mcpn.answers.drafts import with_formulas
 from mcpn.answers.requirements import asked_of
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.editor.scan import Scan, scan
@@ -104,7 +105,7 @@ class Project:
                     self.memory.warnings[mission] = static_warnings(Usage(valid, flatten(valid)))
                 warnings |= dict.fromkeys(self.memory.warnings.get(mission, ()))
             except InputError as error:
-                errors |= dict.fromkeys(error.problems)
+                errors |= dict.fromkeys(with_formulas(error).problems)
             except LimitError as error:
                 errors[Problem(None, str(error))] = None
         if not missions:

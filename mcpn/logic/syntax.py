@@ -122,6 +122,17 @@ _IN_WORDS = {"U": "U", "": "the end", ")": "')'", "]": "']'", ",": "','", "+": "
 _IN_WORDS |= {"<": "a comparison", "&": "an operator"}
 
 
+_MEANT: Mapping[str, tuple[str, ...]] = {
+    **dict.fromkeys(("running", "runs", "active", "executing"), ("objective", "activity")),
+    **dict.fromkeys(("lost", "broken", "failed", "faulty", "fails"), ("oos",)),
+    **dict.fromkeys(("works", "ready", "in_service"), ("available",)),
+    **dict.fromkeys(("occurs", "occurred", "happened"), ("happens",)),
+    **dict.fromkeys(("succeeded", "finished", "ended"), ("done",)),
+    **dict.fromkeys(("mode", "runs_as"), ("alternative",)),
+}
+"""Words that are said for those of missions."""
+
+
 class _Token(NamedTuple):
     kind: str
     text: str
@@ -246,6 +257,11 @@ class _Parser:
             return Happens(tuple(sorted({*self._listed(self._lookup.transition)})))
         if behind.text == "(" and text in WORDS:
             return self._word(text)
+        if behind.text == "(" and token.kind == "name" and text != "tokens":
+            known = (*WORDS, "enabled", "fires", "tokens")
+            near = _MEANT.get(text) or get_close_matches(text, (*_UNARY, *known), n=1)
+            hint = f"did you mean {' or '.join(near)}?" if near else f"expected one of {', '.join(known)}"
+            raise self._error(token.at, f"no word is named {text}; {hint}")
         if token.kind != "integer" and (text, behind.text) != ("tokens", "(") and behind.role not in longer:
             self._longer = longer
             return marked(self._named(self._lookup.place, 0, token))

@@ -199,8 +199,21 @@ def read_mission(
     if draft is not None and mission is not None and not problems:
         draft.mission = mission
     if mission is None or problems:
-        raise InputError(sorted(set(problems), key=_by_place))
+        raise InvalidMission(sorted(set(problems), key=in_place), mission if reader.complete else None)
     return mission
+
+
+class InvalidMission(InputError):
+    """A mission is not valid.
+
+    Args:
+        problems: What is wrong, in the order of the files and lines.
+        mission: The mission as it was read; ``None`` where not all of it could be.
+    """
+
+    def __init__(self, problems: Iterable[Problem], mission: Mission | None) -> None:
+        super().__init__(problems)
+        self.mission = mission
 
 
 def misfits_of(path: Path, *, unsaved: Mapping[Path, str] = NOTHING) -> list[Problem]:
@@ -215,7 +228,8 @@ def misfits_of(path: Path, *, unsaved: Mapping[Path, str] = NOTHING) -> list[Pro
     return reader.problems
 
 
-def _by_place(problem: Problem) -> tuple[str, int, str]:
+def in_place(problem: Problem) -> tuple[str, int, str]:
+    """By what problems are sorted: the order of the files and lines."""
     source = problem.source or Source("")
     return source.file, source.line or 0, problem.message
 

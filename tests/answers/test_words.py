@@ -193,7 +193,15 @@ def test_a_word_about_nothing_of_the_mission_is_an_error(formula: str, words: st
         ("EF done(walkk)", r"no objective is named walkk; did you mean walk\?"),
         ("EF done(walk)", r"done\(walk\) is not kept: no route, condition or requirement"),
         ("EF fact(dor)=closed", r"no fact is named dor; did you mean door\?"),
-        ("EF abbort", r"no place is named abbort; did you mean abort\?"),
+        ("EF leak", r"leak alone says nothing: expected happens\(leak\)"),
+        ("EF walk_try1", r"no word is named walk_try1; did you mean objective\(walk\)\?"),
+        ("EF (rows & door)", r"rows alone says nothing: expected block\(rows\)"),
+        (
+            "EF OBJ_extract_EV_OK",
+            r"OBJ_extract_EV_OK alone says nothing: expected happens\(OBJ_extract_EV_OK\)",
+        ),
+        ("EF zzz", r"no word is named zzz; expected success, failure, abort, or a word about an element"),
+        ("EF abbort", r"no word is named abbort; did you mean abort\?"),
     ],
 )
 def test_what_is_near_is_said_as_it_is_written(formula: str, words: str) -> None:

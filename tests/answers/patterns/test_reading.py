@@ -174,7 +174,7 @@ def test_they_are_told_as_sentences(tmp_path: Path) -> None:
             8,
             "of of <absence>: formula, column 5: no resource is named camra",
         ),
-        ('<absence of="F"/>', 8, "no place is named F"),
+        ('<absence of="F"/>', 8, "no word is named F"),
         ('<absence of="oos(camera"/>', 8, "expected ')'"),
         ("<absence/>", 8, "<absence> has no attribute of, which is required"),
         ('<absense of="success"/>', 8, "did you mean absence?"),

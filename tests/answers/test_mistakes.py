@@ -1,0 +1,87 @@
+"""Mistakes in formulas of missions that are not valid: told with the others, and none of what is right."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import event, given
+
+import mcpn
+from mcpn.answers.drafts import mistakes
+from mcpn.answers.names import Vocabulary, vocabulary
+from mcpn.drawing.compose import compose
+from mcpn.errors import InputError
+from mcpn.mission.model import Mission
+from mcpn.mission.requirement import Requirement
+from mcpn.mission.xml import read_mission
+from mcpn.testing import missions
+from tests.conftest import ROOT
+
+MISSION = """<mission name="m" xmlns="urn:mcpn:mission:1">
+  <robot name="r"><hardware name="camera"/><event name="leak"/>
+    <activity name="swim" consumes="{0}"/></robot>
+  <requirement name="bare" formula="G (leak -> F objective(surface))"/>
+  <requirement name="word" formula="G !(running(swim))"/>
+  <requirement name="open" formula="G (happens(leak) | oos(camera"/>
+  <requirement name="pattern"><absence of="oos(camra)"/></requirement>
+  <requirement name="event" formula="G !happens(OBJ_divr_EV_OK)"/>
+  <requirement name="right" formula="G (happens(OBJ_dive_try1_EV_OK) -> X (objective(surface) | failure))"/>
+  <on event="leak" goto="surface"/>
+  <objective name="dive" activities="swim" retries="1"/>
+  <objective name="surface" activities="swim"/>
+</mission>"""
+TOLD = {
+    4: "requirement bare: formula, column 4: leak alone says nothing: expected happens(leak)",
+    5: "requirement word: formula, column 5: no word is named running; did you mean objective or activity?",
+    6: "requirement open: formula, column 30: found the end, expected ')'",
+    7: "requirement pattern: of of <absence>: formula, column 5: no resource is named camra; "
+    "did you mean camera?",
+}
+
+
+@pytest.mark.parametrize("declared", [True, False])
+def test_formulas_are_told_with_the_other_mistakes(declared: bool, tmp_path: Path) -> None:
+    """Of a valid mission and of one that consumes what is not declared the same is said of formulas."""
+    path = tmp_path / "m.xml"
+    path.write_text(MISSION.format("camera" if declared else "camra"))
+    with pytest.raises(InputError) as caught:
+        mcpn.open(path).check()
+    told = {p.source.line: p.message for p in caught.value.problems if p.source is not None and p.source.line}
+    assert told.keys() == {*TOLD, 8} | ({3} if not declared else set())
+    for line, message in TOLD.items():
+        assert told[line].startswith(message)
+    assert "requirement event: formula, column 12: no event is named OBJ_divr_EV_OK" in told[8]
+
+
+def formulas(words: Vocabulary) -> list[str]:
+    """A formula of each word that a mission has, of all its copies and of each."""
+
+    def each(of: tuple[object, ...]) -> list[str]:
+        return [name for word in of for name in (word.name, *word.copies)]  # type: ignore[attr-defined]
+
+    return [
+        *(f"{kind}({name})" for name in each(words.objectives) for kind in ("objective", "pending")),
+        *(f"block({name})" for name in each(words.blocks)),
+        *(f"{kind}({a.name})" for a in words.activities for kind in ("activity", "waiting", "refused")),
+        *(f"alternative({a.name})={way}" for a in words.activities for way in a.alternatives),
+        *(f"{kind}({h.name})" for h in words.hardware for kind in ("oos", "available")),
+        *(f"available({s.name})" for s in words.software),
+        *(f"fact({f.name})={value}" for f in words.facts for value in f.values),
+        *(f"{kind}({name})" for name in each(words.events) for kind in ("happens", "event")),
+        *words.ends,
+    ]
+
+
+@given(missions())
+def test_what_a_valid_mission_may_say_is_no_mistake(mission: Mission) -> None:
+    words = [word for word in formulas(vocabulary(compose(mission))) if not word.startswith("fact(done(")]
+    event(f"formulas: {len(words) // 20 * 20} and more")
+    asked = tuple(Requirement(name=f"r{n}", formula=f"EF {word}") for n, word in enumerate(words))
+    assert [*mistakes(replace(mission, requirements=asked))] == []
+
+
+@pytest.mark.parametrize("path", sorted(ROOT.glob("experiments/*/mission.xml")), ids=lambda p: p.parent.name)
+def test_requirements_of_worked_missions_are_no_mistakes(path: Path) -> None:
+    assert [*mistakes(read_mission(path))] == []
