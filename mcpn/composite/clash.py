@@ -170,7 +170,10 @@ _RESOURCE = ("let one of them use another resource", "give one of them an altern
 REMEDIES = {
     "hardware": (*_RESOURCE, 'declare {wanted} with shared="true"'),
     "software": (*_RESOURCE, 'declare {wanted} without exclusive="true"'),
-    "activity": ("give one of them an activity of its own",),
+    "activity": (
+        "give one of them an activity of its own",
+        "let it produce software that the activities of both consume",
+    ),
     "producer": ("put in sequence what needs its resources", "produce them by activities of their own"),
     "stop": ("put in sequence what uses the same resources", "give it resources of its own"),
 }

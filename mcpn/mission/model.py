@@ -129,7 +129,7 @@ class EntryGuard(Described):
         str,
         ROUTE,
         Called("else"),
-        "What is entered in its place; a sibling may be guarded, too.",
+        "Where to go if they do not hold: an exit, or a sibling, whose own guard is then checked.",
     ]
 
 
@@ -143,7 +143,9 @@ class BlockElement(Element):
         Route, "Where its success leads. Default: the next sibling; from the last, succeed."
     ] = None
     failure: Annotated[Route, "Where its failure leads. Default: fail."] = None
-    abort: Annotated[Route, "Where an abort inside it leads. Default: abort."] = None
+    abort: Annotated[
+        Route, "Where it leads when something inside it aborts. Default: abort, further outwards."
+    ] = None
     mandatory: Annotated[
         bool, "Of a child of a parallel block: false if that block may succeed without it."
     ] = True
@@ -230,7 +232,7 @@ class Parallel(BlockElement):
     impossible: Annotated[
         str,
         IMPOSSIBLE,
-        "fails: it fails as soon as success_when can no longer be met. waits: it awaits the others.",
+        "Once success_when can no longer be met. fails: it fails at once. waits: its other children run on.",
     ] = "waits"
     blocks: Annotated[tuple[Block, ...], Children(without=("parallel",))]
 

@@ -268,7 +268,7 @@ class Requirement(Element):
     )
     expected: Annotated[str, TRUTH, "fails: it must not hold."] = "holds"
     severity: Annotated[str, SEVERITY, "advice: it is reported and does not fail the check."] = "required"
-    fair: Annotated[bool, "true: only of runs on which every objective that runs ends some day."] = False
+    fair: Annotated[bool, "true: asked only of runs on which no objective runs for ever."] = False
     patterns: tuple[Pattern, ...] = ()
 
     @property

@@ -348,9 +348,9 @@ class _Checks:
         if route not in exits and route not in names:
             shown = [*names] if len(names) <= 10 else [f"its {len(names)} siblings"]
             expected = f"expected one of {', '.join([*shown, *exits])}"
-            yield Problem(
-                source, f"{what} leads to {route}; {expected}{self.hints.near(route, names, *exits)}"
-            )
+            near = self.hints.near(route, names, *exits)
+            more = "" if names else ": only the parallel block around it can lead elsewhere"
+            yield Problem(source, f"{what} leads to {route}; {expected}{near}{more}")
 
     def handlers(
         self, owner: str, handlers: tuple[Handler, ...], names: Mapping[str, None]

@@ -293,6 +293,8 @@ def print_check(
         if name in check.verdicts:
             _print_verdict(terminal, check.mission_net, check.verdicts[name], internal, shown)
             shown.update(check.verdicts[name].runs)
+            if name == "confluent" and check.verdicts[name].holds and check.mission_net.usage.contentions:
+                terminal.print("of two that need one thing, who comes second waits", indent=7, style="dim")
     for ignored in check.ignored:
         line = f"{_INFORMATIVE:4} Ignored: {ignored.event} while {ignored.words}."
         terminal.print(line, style="dim", indent=2, hang=5)

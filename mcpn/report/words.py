@@ -180,10 +180,10 @@ def modes_in_words(modes: Iterable[Mode]) -> tuple[str, ...]:
 
 
 def skipped_in_words(names: Sequence[str]) -> str:
-    """That some objectives are skipped on a run.
+    """That some objectives begin on a run and never succeed on it.
 
     >>> skipped_in_words(["take_picture", "measure"])
-    '2 objectives are skipped on the way: take_picture, measure'
+    '2 objectives never succeed on this run: take_picture, measure'
     """
-    several = "objectives are" if len(names) > 1 else "objective is"
-    return f"{len(names)} {several} skipped on the way: {', '.join(names)}"
+    verb = "objectives never succeed" if len(names) > 1 else "objective never succeeds"
+    return f"{len(names)} {verb} on this run: {', '.join(names)}"

@@ -129,6 +129,34 @@ def test_what_is_violated_is_told_with_its_run(tmp_path: Path) -> None:
     assert told["witness"]["events"][0] == "MISSION_EV_START"
 
 
+@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize(
+    ("formula", "last"),
+    [
+        ("!success W happens(OBJ_send_EV_OK)", "dawn_EV"),  # not what else fails after the end
+        ("G !happens(dawn)", "dawn_EV"),
+        ("G (happens(dawn) -> X !success)", "dawn_EV"),
+        ("G !success", "dawn_EV"),
+    ],
+)
+def test_a_run_ends_with_what_violates(engine: Asked, formula: str, last: str, tmp_path: Path) -> None:
+    path = tmp_path / "m.xml"
+    path.write_text(
+        f"""<mission name="m" xmlns="urn:mcpn:mission:1">
+        <robot name="r"><hardware name="wheels"/><event name="dawn"/>
+        <activity name="roll" consumes="wheels"/></robot>
+        <requirement name="asked" formula="{formula.replace(">", "&gt;")}"/>
+        <on event="dawn" goto="succeed"/>
+        <objective name="go" activities="roll"/><objective name="send" activities="roll"/>
+        </mission>"""
+    )
+    (answer,) = check(compose(read_mission(path)), engine=engine).requirements
+    assert answer.holds is False
+    assert answer.witness is not None
+    events = [str(event) for event in answer.witness.run.events]
+    assert events == ["MISSION_EV_START", last]
+
+
 def test_the_report_says_what_is_violated(tmp_path: Path) -> None:
     path = mission_file(
         tmp_path,

@@ -34,6 +34,7 @@ class Lasso(Generic[S]):
         self.steps: list[Edge] = []
         self.cycle: int | None = None
         self._state, self._at = 0, start
+        self._passed: list[tuple[int, Any]] = []  # where each step begins
         within = product.reached(self.space.single(start))
         fair: Sets[S] = {}
         for sets, _ in product.fair(within):
@@ -43,6 +44,9 @@ class Lasso(Generic[S]):
         assert arrived, "some path is accepted"
         self.decided = self._in(decided)
         if self.decided:
+            while self._passed and self._decides(*self._passed[-1]):
+                self._state, self._at = self._passed.pop()
+                self.steps.pop()
             return
         component = next(set(c) for c in product.components if self._state in c)
         inside = {q: states for q, states in fair.items() if q in component}
@@ -54,6 +58,19 @@ class Lasso(Generic[S]):
 
     def _in(self, sets: Mapping[int, S]) -> bool:
         return self._state in sets and bool(self.space.single(self._at) & sets[self._state])
+
+    def _decides(self, state: int, at: Any) -> bool:
+        """Whether a run that has come here need not show the next step, whichever it is.
+
+        All that follows is accepted, whatever it is, and the automaton asks of the step at most what it is
+        not: it rests. A step that a formula asks for is shown.
+        """
+        here, everything = self.space.single(at), self.product.automaton.accepting_all
+        leaving = (e for e in self.product.edges if (e.source, e.rests) == (state, True) and e.states & here)
+        ways = [e.transitions for e in leaving if e.target in everything]
+        return bool(ways) and all(
+            any(fired is None or edge.transition in fired for fired in ways) for edge in self.space.edges(at)
+        )
 
     def _go_round(self, fair: Sets[S], inside: Collection[ProductEdge[S]]) -> None:
         """Appends a cycle that meets every mark and constraint, further on where none leads back."""
@@ -116,6 +133,7 @@ class Lasso(Generic[S]):
                 wanted = not fired or edge.transition in fired
                 if allowed and wanted and self.space.single(edge.target) & into[way.target]:
                     self.steps.append(edge)
+                    self._passed.append((self._state, self._at))
                     self._state, self._at = way.target, edge.target
                     return
         # A constraint that a firing may meet has then been met by the state.
