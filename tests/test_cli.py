@@ -448,7 +448,7 @@ def test_formulas_are_answered(tmp_path: Path) -> None:
     assert mcpn("ask", ULYSSE, "AF (success | failure)", "--fair", "progress").returncode == 0
     wrong = mcpn("ask", ULYSSE, "AG EF sucess(")
     assert wrong.returncode == 2
-    assert "column 13" in wrong.stderr
+    assert "column 7: no word is named sucess; did you mean success?" in wrong.stderr
     assert "Traceback" not in wrong.stderr
     assert mcpn("ctl", ULYSSE, "EF failure").stdout == mcpn("ask", ULYSSE, "EF failure").stdout
 

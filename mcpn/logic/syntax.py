@@ -259,7 +259,7 @@ class _Parser:
             return self._word(text)
         if behind.text == "(" and token.kind == "name" and text != "tokens":
             known = (*WORDS, "enabled", "fires", "tokens")
-            near = _MEANT.get(text) or get_close_matches(text, (*_UNARY, *known), n=1)
+            near = _MEANT.get(text) or get_close_matches(text, (*_UNARY, *PLAIN, *ENDINGS, *known), n=1)
             hint = f"did you mean {' or '.join(near)}?" if near else f"expected one of {', '.join(known)}"
             raise self._error(token.at, f"no word is named {text}; {hint}")
         if token.kind != "integer" and (text, behind.text) != ("tokens", "(") and behind.role not in longer:
