@@ -1,6 +1,7 @@
 #include "markings/set_evolution.hpp"
 
 #include <algorithm>
+#include <unordered_set>
 
 #include "markings/bits.hpp"
 
@@ -37,6 +38,35 @@ std::uint32_t suffix_of(Store& store, const Relations::Way& way) {
   for (auto at = way.rbegin(); at != way.rend(); ++at) made = store.suffix(at->level, at->touch, made);
   return made;
 }
+
+// Whether two different places, one of some and one of others, are in one unit.
+bool meet_in_unit(const Stubborn& stubborn, const std::vector<std::uint32_t>& some, const std::vector<std::uint32_t>& others) {
+  return std::any_of(some.begin(), some.end(), [&](std::uint32_t p) {
+    return std::any_of(others.begin(), others.end(), [&](std::uint32_t q) { return p != q && stubborn.share_unit(p, q); });
+  });
+}
+
+// Whether some marking of a set is as a way asks: the first that is found ends the search, and nothing is made.
+class Asking {
+ public:
+  Asking(const Store& store, const Relations::Way& way) : store_(store), way_(way) {}
+  bool operator()(Node at, std::size_t from = 0) {
+    if (at == 0 || from == way_.size()) return at != 0;
+    const Touched& wanted = way_[from];
+    if (store_.level(at) > wanted.level) return wanted.touch == Touch::zero && (*this)(at, from + 1);  // skipped, so unmarked
+    if (store_.level(at) == wanted.level) return (*this)(wanted.touch == Touch::zero ? store_.lo(at) : store_.hi(at), from + 1);
+    const std::uint64_t key = std::uint64_t(at) << 32 | from;
+    if (none_.contains(key)) return false;
+    if ((*this)(store_.hi(at), from) || (*this)(store_.lo(at), from)) return true;
+    none_.insert(key);
+    return false;
+  }
+
+ private:
+  const Store& store_;
+  const Relations::Way& way_;
+  std::unordered_set<std::uint64_t> none_;
+};
 
 }  // namespace
 
@@ -156,7 +186,7 @@ SetEvolution::Went SetEvolution::fire_first(Store& store, Held& markings, std::u
 bool SetEvolution::in_some(Store& store, Node markings, std::uint32_t t) {
   if (enabled_[t] == Enabled::kUnknown) {
     const Step& asks = step(store, t);
-    enabled_[t] = !asks.never && store.filter(markings, asks.enabled) != 0 ? Enabled::kSome : Enabled::kNone;
+    enabled_[t] = !asks.never && Asking(store, asks.asked)(markings) ? Enabled::kSome : Enabled::kNone;
   }
   return enabled_[t] == Enabled::kSome;
 }
@@ -188,10 +218,7 @@ void SetEvolution::see_ahead(Store& store, Node markings) {
   }
   // Whether another one must fire in between, for places of one unit are not marked at a time.
   const auto excludes = [&](std::uint32_t t, std::uint32_t u) {
-    const std::vector<std::uint32_t>&put = net_.firings_[t].put, &need = net_.firings_[u].need;
-    return std::any_of(need.begin(), need.end(), [&](std::uint32_t q) {
-      return std::any_of(put.begin(), put.end(), [&](std::uint32_t p) { return p != q && stubborn_.share_unit(p, q); });
-    });
+    return meet_in_unit(stubborn_, net_.firings_[t].put, net_.firings_[u].need);
   };
   // Strongly connected components (Tarjan 1972), each behind those that it leads to.
   struct Visit { std::uint32_t t; std::size_t next; };
@@ -327,7 +354,7 @@ std::vector<SetEvolution::Way> SetEvolution::others(Store& store, Node enabled, 
   std::vector<Way> asked;
   for (const std::uint32_t u : won_)
     if (u != t && net_.rank_end_[u] == net_.rank_end_[t] && !stubborn_.alike(t, u) && enabled_[u] != Enabled::kNone &&
-        !step(store, u).never && store.filter(enabled, step(store, u).enabled) != 0)
+        !step(store, u).never && !meet_in_unit(stubborn_, net_.firings_[t].need, net_.firings_[u].need) && Asking(store, step(store, u).asked)(enabled))
       asked.push_back(step(store, u).asked);
   return asked;
 }

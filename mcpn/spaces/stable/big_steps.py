@@ -25,7 +25,7 @@ from mcpn._kernel import MemoryLimit, StateLimit, Zdd, choices
 from mcpn.spaces.algebra import Guards
 from mcpn.spaces.diagrams.encoding import Encoding, distinct
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives, Step
-from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY, SymbolicSpace
+from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY, SymbolicSpace, chained
 from mcpn.spaces.markings.explicit import KernelNet
 
 Steps: TypeAlias = Mapping[int, bytes | None]
@@ -39,6 +39,8 @@ MOST_SINGLY = 20_000
 """Those that are found one by one before all markings are tried, which may be reached far sooner."""
 FEW_STEPS = 50
 """Big steps of one event that are found one by one before it is run from whole sets of states."""
+FEW_SATURATED = 8
+"""Big steps of one event up to which saturation fires it: those of more may tell all branches apart."""
 FEW_CASES = 100
 """Cases that may tell where a transition may fire alone, before it is asked of whole sets of states."""
 MOST_KEPT = 100_000
@@ -123,6 +125,8 @@ class _Reaching:
         self._known: dict[int, list[int]] = {t: [] for _, t in self._events}
         """By transition, the conditions under which its big steps are known."""
         self._ahead: dict[int, list[int]] = {}
+        self._found: dict[int, int] = {}
+        """By transition, how many big steps were found one by one."""
         self._left = most
         self._done: dict[int, Zdd] = {}
         """By transition that is run from whole sets of states, those from which it has been run."""
@@ -141,9 +145,20 @@ class _Reaching:
                     if after is None:
                         return None
                     wider |= after
-            wider = wider.saturate(list(chain.from_iterable(self._ahead.values())))
+            wider = self._closed(wider)
             fresh, reached = wider - reached, wider
         return None if reached is None or not self._make_functions(reached) else (reached, self._steps)
+
+    def _closed(self, states: Zdd) -> Zdd:
+        """Some states, and those to which the big steps that were found one by one lead from them."""
+
+        def images(states: Zdd, events: list[int]) -> Zdd:
+            return states.images(events)
+
+        many = [t for t, found in self._found.items() if found > FEW_SATURATED]
+        few = [*chain.from_iterable(ahead for t, ahead in self._ahead.items() if t not in many)]
+        each = (partial(images, events=self._ahead[t]) for t in many)
+        return chained(states, [lambda some: some.saturate(few), *each])
 
     def _enabling(self, states: Zdd, t: int) -> Zdd:
         """Those of some states in which an event may happen and no big step of it is known."""
@@ -167,7 +182,7 @@ class _Reaching:
         elif most < self._left:
             self._done[t] = self._encoding.store.empty()
             self._known[t] = []
-            self._steps.pop(t, None), self._ahead.pop(t, None)
+            self._steps.pop(t, None), self._ahead.pop(t, None), self._found.pop(t, None)
             complete = True
         return complete
 
@@ -186,6 +201,7 @@ class _Reaching:
             return
         store = self._encoding.store
         self._left -= count
+        self._found[t] = self._found.get(t, 0) + count
         self._steps[t] = self._steps.get(t, b"") + ways
         self._ahead.setdefault(t, []).extend(choices(store, ways, "ahead", ()))
         self._known[t] += choices(store, ways, "where", ())
