@@ -9,13 +9,15 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from functools import cached_property, reduce
+from operator import and_
 from typing import Generic, NamedTuple, TypeAlias
 
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
 from mcpn.mission.expansion.routes import GO_ON
-from mcpn.mission.flatten import Branch, ObjectivesGraph, ParallelSection, Section
-from mcpn.mission.graph import TIMED_OUT, failed_for
+from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.graph import TIMED_OUT, failed_for, names_in
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.static.handover import entries
 from mcpn.nets.events import What
@@ -56,7 +58,7 @@ def _entered_again(graph: ObjectivesGraph, around: tuple[ParallelSection, ...]) 
     for block in graph.sections:
         if not isinstance(block, ParallelSection):
             continue
-        early = {outcome for outcome, _ in (*block.deciding, *block.away)}
+        early = {outcome for outcome, _ in (*block.deciding, *block.away, *block.becoming)}
         routes = {route for outcome in early for route in block.led(outcome)}
         for outer, further in zip((block, *around), (*around, None), strict=True):
             if outer.name in routes:
@@ -149,6 +151,11 @@ class Reentry(Generic[S]):
             running: The states in which it runs.
         """
         found: dict[int, S] = {}
+        for section in self._left_by_facts:
+            if any(inner.name == objective for inner in section.walk()):
+                for t, so in self._becoming(section):
+                    if states := so & running:
+                        found[t] = found[t] | states if t in found else states
         for name, block in self.blocks.items():
             if any(inner.name == objective for inner in block.walk()):
                 for t, before in self._before_reentry[name].items():
@@ -169,7 +176,34 @@ class Reentry(Generic[S]):
             leading = {t: before & running for t, before in self._before_reentry[section.name].items()}
         for t, before in leading.items():
             found = found | self.space.after(before, [t])
+        for block in self._left_by_facts:
+            if section.name in names_in(block) and not isinstance(section, ElementarySection):
+                for t, so in self._becoming(block):
+                    found = found | self.space.after(so & running, [t])
         return found
+
+    @cached_property
+    def _left_by_facts(self) -> list[Section]:
+        """Sections that are left when facts become so."""
+        return [section for section in self.mission_net.graph.all_sections() if section.becomes]
+
+    def _becoming(self, section: Section) -> Iterator[tuple[int, S]]:
+        """Transitions by which facts become so that a section is left, each with the states before.
+
+        Facts that a condition asks for are changed by events alone, so that the transition of the event says
+        what they become.
+        """
+        by_role, net = self.mission_net.by_role, self.mission_net.net
+        for each in section.becomes:
+            places = {by_role["fact", f"{fact}={value}"][0] for fact, value in each.when}
+            for t, transition in enumerate(net.transitions):
+                begun = places & {place for place, _ in transition.produce}
+                if transition.event is not None and begun:
+                    yield t, self._holding(places - begun)
+
+    def _holding(self, places: Iterable[int]) -> S:
+        """States in which some places are all marked."""
+        return reduce(and_, (self.space.marked([place]) for place in places), self.space.everything)
 
     def _states_before_reentry(self) -> dict[str, dict[int, S]]:
         """By block and transition, the states before edges that enter the block again."""
@@ -210,10 +244,14 @@ class Reentry(Generic[S]):
             event = transition.event
             if event is None:
                 continue
+            by_facts = list[tuple[_Around, set[_Move]]]()
+            for section, outcome in self._stopped_by(t):
+                around = levels[section.name][1]
+                by_facts.append((around, set(_moves(around, section.led(outcome)))))
             if event.what in _OUTCOMES and event.element in levels:
                 section, around = levels[event.element]
                 outcome = failed_for(event.reason) if event.reason else _OUTCOMES[event.what]
-                yield t, [(around, set(_moves(around, section.led(outcome))))]
+                yield t, [(around, set(_moves(around, section.led(outcome)))), *by_facts]
             elif event.what is What.DECLARED:
                 origins = (net.places[place].provenance for place, _ in transition.consume)
                 names = {o.name for o in origins if o is not None and o.kind in ("objective", "parallel")}
@@ -223,7 +261,17 @@ class Reentry(Generic[S]):
                     away = dict(section.away) if isinstance(section, ParallelSection) else {}
                     routes = (away.get(to, to) for i in handled for to in i.routes)
                     left.append((around, set(_moves(around, routes))))
-                yield t, left
+                yield t, [*left, *by_facts]
+
+    def _stopped_by(self, t: int) -> Iterator[tuple[Section, str]]:
+        """Sections that are left as a transition changes facts, each with the outcome that this is."""
+        by_role = self.mission_net.by_role
+        begun = {place for place, _ in self.mission_net.net.transitions[t].produce}
+        for section in self._left_by_facts:
+            for outcome, each in section.becoming:
+                places = (by_role["fact", f"{fact}={value}"][0] for fact, value in each.when)
+                if begun.intersection(places):
+                    yield section, outcome
 
 
 def _is_in(around: _Around, block: ParallelSection) -> bool:

@@ -265,7 +265,10 @@ class World:
         for declared in mission.events:
             self._rates[Event(What.DECLARED, declared.name)] = declared.rate or 0.0
         self._stopping: dict[str, set[Event]] = {name: set() for name in self._objectives}
+        changing = mission_net.usage.world.changing.items()
         for section in mission_net.graph.all_sections():
+            asked = {said for each in section.becomes for said in each.when}
+            by_facts = {Event(What.DECLARED, name) for name, to in changing if asked & to.items()}
             inside: list[tuple[Interrupted, Iterable[ElementarySection]]] = [(section, section.walk())]
             if isinstance(section, ParallelSection):
                 inside = [(section, branch.graph.walk()) for branch in section.branches]
@@ -273,7 +276,7 @@ class World:
             for of, stopped in inside:
                 events = {Event(What.DECLARED, handler.event) for handler in of.interruptions}
                 if of is section:  # the time of a block that pauses does not go on
-                    events.add(Event(What.TIMEOUT, section.name))
+                    events |= {Event(What.TIMEOUT, section.name), *by_facts}
                 for inner in stopped:
                     self._stopping[inner.name] |= events
         self._first = {a.name: a.alternatives[0].name for a in mission.activities}

@@ -228,10 +228,12 @@ class Layout:
         net = self.mission_net.net
         said = self.mission_net.saying("fact")
         for t, transition in enumerate(net.transitions):
-            if transition.provenance is None or transition.provenance.kind != "fact":
+            if transition.event is None or transition.provenance is None:
+                continue  # nothing, or what facts have become is forgotten
+            if transition.provenance.kind != "fact":
                 continue
             before = self._slots_true(said[p] for p, _ in (*transition.consume, *transition.read))
-            after = self._slots_true(said[p] for p, _ in (*transition.produce, *transition.read))
+            after = self._slots_true(said[p] for p, _ in (*transition.produce, *transition.read) if p in said)
             names = {said[p].partition("=")[0] for p, _ in (*transition.consume, *transition.read)}
             facts = self.mission_net.usage.world.facts
             elements = frozenset(("fact", flag) for name in names for flag in all_flags(facts[name]))

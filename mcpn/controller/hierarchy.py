@@ -4,8 +4,8 @@ A machine of a section has states *inside* it alone. What is around is the same 
 table: the set of hardware out of service is kept beside, the section is entered by the state of its own
 hardware (*entry*), and an edge may *leave* it with an outcome, which the section's routes lead on. Outcomes
 are success, failure, abort where a branch of the section may abort, and one for each declared event that
-interrupts the section as a whole. Hardware that
-the section does not use fails and recovers freely.
+interrupts the section as a whole, and for each condition on facts by which it is left. Hardware that the
+section does not use fails and recovers freely.
 
 The *hierarchical* controller has a machine for each type of section: its size is the sum of theirs. The
 *flat* controller is the same with one section, the whole mission: its size is a product with all hardware.

@@ -268,7 +268,8 @@ class LocalPart:
             for case in section.all_cases
         )
         facts = tuple((len(fact.values), fact.values.index(fact.start)) for fact in self.facts)
-        return facts, changing, required, sets, cases
+        watched = tuple((number[fact], value[fact, v]) for fact, v in sorted(world.watched) if fact in number)
+        return facts, changing, required, sets, cases, watched
 
     def _shape(self, graph: ObjectivesGraph, number: dict[str, int], task: dict[str, int]) -> Hashable:
         positions = {section.name: i for i, section in enumerate(graph.sections)}
@@ -280,6 +281,8 @@ class LocalPart:
                 inside = tuple(task[a] for a in section.activities)
                 if section.reasons:  # names of events, which the nets of one type share
                     inside = inside, tuple(reason for reason, _ in section.reasons)
+                if section.becomes:
+                    inside = inside, len(section.becomes), section.timed_out is not None
             else:
                 branches = tuple((b.mandatory, self._shape(b.graph, number, task)) for b in section.branches)
                 shelters = tuple(
@@ -288,6 +291,7 @@ class LocalPart:
                 )
                 inside = (branches, section.needed, section.hasty, section.failing, shelters)
                 inside = inside if section.timed_out is None else (inside, TIMED_OUT)
+                inside = (inside, len(section.becomes)) if section.becomes else inside
             outcomes = (section.led(outcome) for outcome, _ in section.outcomes)
             routes = (tuple(positions.get(route, route) for route in led) for led in outcomes)
             events = self._events(section, positions)
@@ -451,6 +455,8 @@ def _routed(section: Section, kept: set[str]) -> Section:
     )
     cases = tuple((of, case) for of, _ in section.outcomes for case in cased(of, section.cases_of(of)))
     routed = replace(section, success=success, failure=failure, interruptions=interruptions, cases=cases)
+    becomes = (each if each.target in kept else replace(each, target=of) for of, each in section.becoming)
+    routed = replace(routed, becomes=tuple(becomes))
     if routed.timed_out is not None and routed.timed_out not in kept:
         routed = replace(routed, timed_out=TIMED_OUT)
     if isinstance(routed, ElementarySection):

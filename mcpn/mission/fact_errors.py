@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 
 from mcpn.errors import Problem, Source
@@ -53,10 +53,10 @@ class _FactChecks:
                 yield from self.both(way.source, who, (*activity.requires, *way.requires))
         for event in mission.events:
             yield from self.changes(f"event {event.name}", event.sets, of_event=True)
-        yield from self.handled(mission.handlers)
+        yield from self.handled(mission.name, mission.handlers)
         for block in self.blocks:
             if block.handlers:
-                yield from self.handled(block.handlers)
+                yield from self.handled(block.name, block.handlers)
             for guard in block.guards:
                 who = f"a guard of {block.name} asks for"
                 yield from self.condition(guard.source, who, guard.when)
@@ -75,6 +75,7 @@ class _FactChecks:
                     yield Problem(route.source, f"{found}, expected {OUTCOME.allowed}")
             if isinstance(block, Objective) and block.sets:
                 yield from self.changes(f"objective {block.name}", block.sets)
+                yield from self.at_starts(block)
 
     def values(self, fact: Fact) -> Iterator[Problem]:
         wrong = [value for value in fact.values if not VALUE.matches(value)]
@@ -109,12 +110,38 @@ class _FactChecks:
                 yield Problem(change.source, f"{who} sets {change.fact} twice{when}")
             met.add((change.fact, change.occasion))
 
-    def handled(self, handlers: Iterable[Handler]) -> Iterator[Problem]:
-        """Handlers of events that change facts: such events happen whatever runs, and interrupt nothing."""
+    def at_starts(self, objective: Objective) -> Iterator[Problem]:
+        """Facts set as an objective starts by which blocks are left: these might not have begun yet."""
+        for change in objective.sets:
+            block = self.left_by.get((change.fact, change.to)) if change.on == "start" else None
+            if block is not None:
+                message = f"objective {objective.name} sets {change.fact} to {change.to} as it starts, and"
+                message = f"{message} {block} is left when it becomes so (on when)"
+                remedy = "set it by the success of an objective, or by an event"
+                yield Problem(change.source, f"{message}: {remedy}")
+
+    @cached_property
+    def left_by(self) -> Mapping[tuple[str, str], str]:
+        """By fact and value, a block that may be left as the fact becomes so."""
+        found = dict[tuple[str, str], str]()
+        for block in self.blocks:
+            for text in (text for handler in block.handlers for text in handler.when):
+                said = word(text) if CONDITION.matches(text) and len(text.split()) == 1 else None
+                if said is not None:
+                    value = said.value or ("false" if said.negated else "true")
+                    found.setdefault((said.fact, value), block.name)
+        return found
+
+    def handled(self, owner: str, handlers: Iterable[Handler]) -> Iterator[Problem]:
+        """Handlers of facts, and of events that change facts: such events happen whatever runs."""
         for handler in handlers:
+            if handler.when:
+                who = f"<on when> of {owner} asks for"
+                yield from self.condition(handler.source, who, handler.when)
+                yield from self.both(handler.source, who, handler.when)
             if handler.event in self.changing:
-                message = f"the event {handler.event} changes facts: it interrupts nothing"
-                remedy = "set the facts on the start of the objective that another event leads to"
+                message = f"the event {handler.event} changes facts: it interrupts nothing by itself"
+                remedy = "name the facts, <on when=...>, and what they become does"
                 yield Problem(handler.source, f"{message}; {remedy}")
 
     def condition(self, source: Source | None, who: str, texts: Iterable[str]) -> Iterator[Problem]:
@@ -190,6 +217,10 @@ def fact_warnings(world: FactUsage, graph: ObjectivesGraph) -> Iterator[Problem]
                 if values[change.fact] == {change.to}:
                     said = f"objective {block.name} sets {change.fact} to {change.to}, which it always is"
                     yield Problem(change.source, said)
+            for handler in block.handlers:
+                never = _never(world, values, handler.when)
+                if never:
+                    yield Problem(handler.source, f"<on when> of {block.name} never leads away: {never}")
             for guard in block.guards:
                 never = _never(world, values, guard.when)
                 if never:

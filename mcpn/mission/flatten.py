@@ -17,12 +17,13 @@ from dataclasses import replace
 from functools import partial
 
 from mcpn.errors import InputError, Source
+from mcpn.mission.expansion.becoming import left_by_facts, refuse_paused
 from mcpn.mission.expansion.copies import Copies
 from mcpn.mission.expansion.guards import guarded
 from mcpn.mission.expansion.leads import Lead, Leads, Named, by_facts, failing_for, reasons_led
 from mcpn.mission.expansion.pauses import PAUSE, sheltered, suffix_at
 from mcpn.mission.expansion.recovery import entered, following, helping
-from mcpn.mission.expansion.routes import GO_ON, Interruption
+from mcpn.mission.expansion.routes import GO_ON, Becoming, Interruption
 from mcpn.mission.expansion.scope import (
     MAX_NESTING,
     MAX_OBJECTIVES,
@@ -170,12 +171,13 @@ class _Flattening:
             leads = Leads(routes[success], routes[failure], routes[block.abort or ABORT], routes[late])
             before = len(sections)
             leads = leads._replace(named=copied) if copied else self.deciding(block, routes, leads, exits)
+            leads = leads._replace(becoming=self.becoming(block, routes))
             if block.recover is None:
                 self.block(block, inner, leads, sections)
             else:
                 recovery = named[block.recover], scope, routes
                 self.recovered(block, inner, leads, recovery, sections)
-            own = inner.handlers[: len(block.handlers)]
+            own = inner.handlers[: len(inner.handlers) - len(scope.handlers)]
             if runs := {i.target: named[self.pauses[i.target]] for i in own if i.target in self.pauses}:
                 self.paused(before, runs, (scope, routes), leads.failure, sections)
 
@@ -242,6 +244,7 @@ class _Flattening:
         scope, routes = around
         for number in range(before, len(sections)):
             section, entries = sections[number], dict[str, str]()
+            refuse_paused(section)
             marks = (i.target for i in section.every_interruption if i.target in runs)
             for by in {id(runs[mark]): runs[mark] for mark in marks}.values():
                 here = scope.copy(by, suffix_at(section.name, scope))
@@ -273,6 +276,7 @@ class _Flattening:
         success, failure = ways
         late = by.timeout_goto
         leads = Leads(success, failure, routes[by.abort or ABORT], routes[late] if late else failure)
+        leads = leads._replace(becoming=self.becoming(by, routes))
         self.block(by, self.handling(here, by.handlers, routes, by.name), leads, sections)
 
     def handling(
@@ -281,10 +285,21 @@ class _Flattening:
         """The scope under some handlers more, those of a block or of the mission."""
         found = []
         for handler in handlers:
+            if handler.event is None:
+                continue  # facts do not concern what stands inside: see becoming
             once = scope.written_at(block, handler.event) if handler.once else None
             lead = self.leading(handler, routes)
             found.append(Interruption(handler.event, lead.target, once, handler.source, lead.cases))
         return replace(scope, handlers=(*found, *scope.handlers)) if found else scope
+
+    def becoming(self, block: Block, routes: Mapping[str, Lead]) -> tuple[tuple[Becoming, Lead], ...]:
+        """By what facts become a block is left, each with where that leads."""
+        found = []
+        for handler in block.handlers:
+            if handler.when:
+                lead, when = routes[handler.goto or ABORT], resolved(handler.when, self.facts)
+                found.append((Becoming(when, lead.target, handler.source), lead))
+        return tuple(found)
 
     def leading(self, handler: Handler, routes: Mapping[str, Lead]) -> Lead:
         """Where a handler leads; for a pause a placeholder, which :meth:`paused` replaces by a copy."""
@@ -303,6 +318,8 @@ class _Flattening:
     def entry(self, block: Block, scope: Scope) -> str:
         """The name of the section that is entered when the block is."""
         while True:
+            if left_by_facts(block):
+                return scope.name(block)
             if several(block):
                 blocks, scope = next(copies(block, scope))
             elif isinstance(block, Recursive | Use) and block.timeout is None:
@@ -312,7 +329,9 @@ class _Flattening:
             block = blocks[0]
 
     def block(self, block: Block, scope: Scope, leads: Leads, sections: list[Section]) -> None:
-        if several(block):
+        if leads.becoming and (several(block) or not isinstance(block, Objective | Parallel)):
+            sections.append(self.whole(block, scope, leads))
+        elif several(block):
             self.copies(block, scope, leads, sections)
         elif isinstance(block, Objective):
             parameters = scope.in_force(block.parameters)
@@ -339,6 +358,7 @@ class _Flattening:
                     leads.cases,
                     tuple((each.name, leads.named[each.name].lead.target) for each in reasons),
                     parts,
+                    leads.becomes,
                 )
             )
         elif isinstance(block, Parallel):
@@ -361,19 +381,25 @@ class _Flattening:
                     failing=failing,
                     timeout=block.timeout,
                     timed_out=None if block.timeout is None else leads.timed_out.target,
+                    becomes=leads.becomes,
                 )
             )
         elif block.timeout is not None:
-            sections.append(self.timed(block, scope, leads))
+            sections.append(self.whole(block, scope, leads))
         elif isinstance(block, Recursive | Use):
             blocks, inner = self.inside(block, scope)
             for each in self.protocols[block.protocol].requirements if isinstance(block, Use) else ():
                 self.requirements[f"{inner.prefix}{each.name}"] = inner.prefix, each
             self.series(blocks, inner, leads.exits, sections)
 
-    def timed(self, block: Block, scope: Scope, leads: Leads) -> ParallelSection:
-        """A block whose time may be over and that is not parallel: a section with one branch, which it is."""
-        inside = replace(unrouted(block), timeout=None, timeout_goto=None)
+    def whole(self, block: Block, scope: Scope, leads: Leads) -> ParallelSection:
+        """A block that is stopped as a whole and is not parallel: a section with one branch, which it is.
+
+        Its time may be over, or it is left as facts become so; the copies of a block have times of their own.
+        """
+        timeout = None if several(block) else block.timeout
+        inside = unrouted(block)
+        inside = inside if timeout is None else replace(inside, timeout=None, timeout_goto=None)
         graph = self.graph((inside,), replace(scope, handlers=()))
         name = scope.name(block)
         return ParallelSection(
@@ -386,8 +412,9 @@ class _Flattening:
             scope.interruptions,
             leads.abort.target if graph.aborts else None,
             cases=leads.cases,
-            timeout=block.timeout,
-            timed_out=leads.timed_out.target,
+            timeout=timeout,
+            timed_out=None if timeout is None else leads.timed_out.target,
+            becomes=leads.becomes,
         )
 
     def settings(self, block: Objective) -> tuple[Setting, ...]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mcpn.errors import Source
 from mcpn.mission.expansion.copies import Copies
-from mcpn.mission.expansion.routes import GO_ON, Interrupted, Interruption, Routes
+from mcpn.mission.expansion.routes import GO_ON, Becoming, Interrupted, Interruption, Routes
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Parameter
 from mcpn.mission.world.decisions import FactCase, Setting
@@ -52,6 +52,7 @@ class ElementarySection(Routes):
         cases: With its outcome, where that leads instead if facts are so; the first that fits counts.
         reasons: The reasons for which it may fail, each with where that leads.
         shares: The parts of ``failure_probability``: failures for no reason, then those for each reason.
+        becomes: By what facts become it is left; of several at once the first counts.
     """
 
     name: str
@@ -70,13 +71,15 @@ class ElementarySection(Routes):
     cases: tuple[tuple[str, FactCase], ...] = ()
     reasons: tuple[tuple[str, str], ...] = ()
     shares: tuple[float, ...] = (0.0,)
+    becomes: tuple[Becoming, ...] = ()
 
     @property
     def outcomes(self) -> tuple[tuple[str, str], ...]:
         """How it may end by itself, each with where that leads; timed out only where it has a timeout."""
         named = ((failed_for(reason), target) for reason, target in self.reasons)
         ended = (("success", self.success), ("failure", self.failure), *named)
-        return ended if self.timed_out is None else (*ended, (TIMED_OUT, self.timed_out))
+        late = () if self.timed_out is None else ((TIMED_OUT, self.timed_out),)
+        return *ended, *late, *((outcome, each.target) for outcome, each in self.becoming)
 
     @property
     def failures(self) -> Iterator[tuple[str, str]]:
@@ -149,6 +152,8 @@ class ParallelSection(Routes):
         timeout: After how many seconds it is left by itself; ``None`` where it never is. A block that has one
             and is not parallel is a section with one branch.
         timed_out: Where that leads; ``None`` where it never does.
+        becomes: By what facts become it is left; of several at once the first counts. A block that is left
+            so is a section, too.
     """
 
     name: str
@@ -167,6 +172,7 @@ class ParallelSection(Routes):
     failing: int | None = None
     timeout: float | None = None
     timed_out: str | None = None
+    becomes: tuple[Becoming, ...] = ()
 
     @property
     def graphs(self) -> Iterator[ObjectivesGraph]:
@@ -199,6 +205,11 @@ class ParallelSection(Routes):
         """Whether its end may stop branches that still run."""
         return any(True for _ in self.deciding)
 
+    @property
+    def stopped(self) -> bool:
+        """Whether its time, or what facts become, may stop branches that run."""
+        return self.timed_out is not None or bool(self.becomes)
+
     def succeeds(self, well: Iterable[Branch]) -> bool:
         """Whether it succeeds when all have ended, some of them well."""
         names = {branch.name for branch in well}
@@ -214,6 +225,7 @@ class ParallelSection(Routes):
         ended = [("success", self.success), ("failure", self.failure)]
         ended += [] if self.abort is None else [("abort", self.abort)]
         ended += [] if self.timed_out is None else [(TIMED_OUT, self.timed_out)]
+        ended += [(outcome, each.target) for outcome, each in self.becoming]
         return (*ended, *self.away)
 
     def walk(self) -> Iterator[ElementarySection]:
@@ -239,6 +251,7 @@ def rerouted(section: Section, to: Callable[[str], str]) -> Section:
         timed_out=section.timed_out and to(section.timed_out),
         cases=tuple((of, replace(case, target=to(case.target))) for of, case in section.cases),
         interruptions=tuple(i.led(to) for i in section.interruptions),
+        becomes=tuple(replace(each, target=to(each.target)) for each in section.becomes),
     )
     if isinstance(led, ElementarySection):
         return replace(led, reasons=tuple((reason, to(target)) for reason, target in led.reasons))
@@ -375,7 +388,7 @@ class ObjectivesGraph(Drawn):
         Returns:
             Nodes with ``kind`` (``objective``, ``parallel``, ``exit``), objectives with ``activities``;
             edges with ``outcome`` (``success``, ``failure``, ``failure REASON``, ``abort``, ``timed out``,
-            ``event NAME``), or
+            ``event NAME``, ``on FACTS`` as facts become so), or
             ``branch`` from a block to its children.
         """
         import networkx
@@ -394,9 +407,11 @@ class ObjectivesGraph(Drawn):
             shelters, away = tuple[Shelter, ...](), dict[str, str]()
             if isinstance(section, ParallelSection):
                 shelters, away = section.shelters, dict(section.away)
+            becoming = {outcome: f"on {each.words}" for outcome, each in section.becoming}
             for outcome, route in section.outcomes:
                 if outcome in away:
                     continue  # what runs meanwhile leads there
+                outcome = becoming.get(outcome, outcome)
                 for target in (route, *(case.target for case in section.cases_of(outcome))):
                     graph.add_edge(section.name, exits.get(target, target), outcome=outcome)
             for interruption in section.interruptions:

@@ -73,13 +73,16 @@ ABORT = "abort"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Handler(Described):
-    """What the block around it does when an event happens while it runs.
+    """What the block around it does when an event happens, or facts become so, while it runs.
 
     Everything in the block stops, and it is left (``goto``) or paused (``pause``).
     """
 
     TAG = "on"
-    event: Annotated[EventName, "A declared event."]
+    event: Annotated[EventName, "A declared event."] = None
+    when: Annotated[
+        When, "In place of event: facts that, once all of them hold, end the block: battery=low !docked."
+    ] = ()
     goto: Annotated[
         Route,
         "Where it leads. From the mission: one of its own blocks, or an exit.",

@@ -12,6 +12,7 @@ from math import fsum
 from typing import NamedTuple
 
 from mcpn.errors import Problem
+from mcpn.mission.expansion.becoming import left_by_facts
 from mcpn.mission.language.datatypes import REASON, REASONS, SHARES
 from mcpn.mission.model import Block, Each, Objective, Parallel, Protocol, Recursive, Use
 from mcpn.mission.near import did_you_mean
@@ -68,8 +69,16 @@ def probabilities(objective: Objective, reasons: Sequence[Reason]) -> tuple[floa
 
 
 def is_whole(block: Block) -> bool:
-    """Whether a block fails as a whole, for no reason: a parallel one, or one that holds others in time."""
-    return isinstance(block, Parallel) or (block.timeout is not None and not isinstance(block, Objective))
+    """Whether a block fails as a whole, for no reason: a parallel one, or one that is stopped as a whole.
+
+    What holds others is, by its time, or as facts become so; an objective with copies holds these.
+    """
+    if isinstance(block, Parallel):
+        return True
+    by_facts = left_by_facts(block)
+    if isinstance(block, Objective):
+        return by_facts and bool(block.retries or block.repeat)
+    return by_facts or block.timeout is not None
 
 
 class ReasonChecks:
@@ -135,9 +144,11 @@ class ReasonChecks:
                 message = f"{what} names the reason {route.reason}, though it is one on {route.on}"
                 yield Problem(route.source, f'{message}: only failures have reasons, on="failure"')
             elif is_whole(block):
-                kind = (
-                    "is a parallel block" if isinstance(block, Parallel) else "holds blocks and has a timeout"
-                )
+                kind = "holds blocks and has a timeout"
+                if isinstance(block, Parallel):
+                    kind = "is a parallel block"
+                elif left_by_facts(block):
+                    kind = "has <on when>"
                 message = f"{what} names the reason {route.reason}, though {block.name} {kind}"
                 remedy = "it fails as a whole, for no reason: put the route on a block inside"
                 yield Problem(route.source, f"{message}; {remedy}")

@@ -8,6 +8,7 @@ from types import NoneType
 from typing import Any
 
 from mcpn.errors import InputError, Problem, Source
+from mcpn.mission.expansion.becoming import becoming_problems, of_missions
 from mcpn.mission.expansion.faults import (
     Crash,
     crash_errors,
@@ -303,6 +304,7 @@ class _Checks:
         if isinstance(owner, Mission):
             yield from self.handlers(owner.name, owner.handlers, {block.name: None for block in blocks})
             yield from no_siblings(owner.name, owner.handlers, "put its blocks into an objective")
+            yield from of_missions(owner)
         for block in all_blocks:
             if isinstance(block, Holder) and not block.blocks:
                 yield Problem(block.source, f"{block.name} has no blocks")
@@ -311,6 +313,7 @@ class _Checks:
                 yield Problem(block.source, message)
             if block.name in (SUCCEED, FAIL, ABORT):
                 yield Problem(block.source, f"a block cannot be called {block.name}, the name of a route")
+            yield from becoming_problems(block)
             yield from self.reasons.routes(block)
             if isinstance(block, Objective):
                 yield from self.objective(block)
@@ -357,12 +360,24 @@ class _Checks:
     ) -> Iterator[Problem]:
         handled: set[str] = set()
         for handler in handlers:
-            if handler.event not in self.events:
-                yield self.unknown(handler.source, f"{owner} handles the event", handler.event, self.events)
-            if handler.event in handled:
-                yield Problem(handler.source, f"{owner} handles the event {handler.event} twice")
-            handled.add(handler.event)
             what = f"the event {handler.event} of {owner}"
+            if (handler.event is None) != bool(handler.when):
+                found = "neither event nor when" if handler.event is None else "both event and when"
+                yield Problem(handler.source, f"an <on> of {owner} has {found}; expected one of them")
+                continue
+            if handler.event is None:
+                what = f"<on when> of {owner}"
+                for attribute in ("pause", "once"):
+                    if getattr(handler, attribute):
+                        found = f"{what} has {attribute}"
+                        yield Problem(handler.source, f"{found}: as facts become so a block is left, by goto")
+                if handler.pause is not None:
+                    continue
+            elif handler.event not in self.events:
+                yield self.unknown(handler.source, f"{owner} handles the event", handler.event, self.events)
+            elif handler.event in handled:
+                yield Problem(handler.source, f"{owner} handles the event {handler.event} twice")
+            handled.add(handler.event or "")
             if (handler.goto is None) == (handler.pause is None):
                 found = "nowhere" if handler.goto is None else f"to {handler.goto} and pauses"
                 yield Problem(handler.source, f"{what} leads {found}; expected one of goto and pause")

@@ -7,6 +7,7 @@ from typing import Literal, TypeVar
 
 from hypothesis import strategies as st
 
+from mcpn.mission.expansion.becoming import becoming_problems, left_by_facts
 from mcpn.mission.expansion.guards import guard_problems
 from mcpn.mission.expansion.pauses import pause_problems
 from mcpn.mission.expansion.recovery import helping, problems
@@ -113,7 +114,32 @@ class MissionDrawing(RobotDrawing):
             blocks.append(block)
             taken += size
         routed = tuple(self.routed(block, i, blocks) for i, block in enumerate(blocks))
-        return self.guarded(self.led(self.pausing(self.recovering(routed)))), taken
+        found = self.guarded(self.led(self.pausing(self.recovering(routed))))
+        for place, each in enumerate(found):
+            leaving = self.becoming(each, [b.name for b in found])
+            others = (*found[:place], leaving, *found[place + 1 :])
+            found = others if leaving is not each and not any(problems(others, ())) else found
+        return found, taken
+
+    def left_inside(self, block: Block) -> bool:
+        """Whether facts may leave a block, or something in it: no event pauses it then."""
+        uses = self.shape.becoming > 0
+        return any(left_by_facts(inner) or (uses and isinstance(inner, Use)) for inner in walk((block,)))
+
+    def becoming(self, block: Block, siblings: list[str]) -> Block:
+        """A block that stands among some siblings, perhaps left when facts become so, where it may be."""
+        if not self.facts or not self.rarely(self.shape.becoming):
+            return block
+        targets = st.sampled_from([SUCCEED, FAIL, *siblings])
+        handlers = (
+            Handler(when=self.becomes(), goto=self.aborting(self.draw(targets)))
+            for _ in range(self.draw(st.sampled_from([1, 1, 2])))
+        )
+        found = replace(block, handlers=(*block.handlers, *handlers))
+        by_reason = any(route.reason is not None for route in block.routes)
+        paused = any(handler.pause is not None for handler in block.handlers)
+        unfit = paused or (by_reason and is_whole(found)) or any(becoming_problems(found))
+        return block if unfit else found
 
     def guarded(self, blocks: tuple[Block, ...]) -> tuple[Block, ...]:
         """A series, perhaps with guards on blocks, where they may be."""
@@ -140,8 +166,11 @@ class MissionDrawing(RobotDrawing):
         """A series, perhaps with a block that pauses while another one is run, where it may."""
         if len(blocks) < 2 or not self.events or not self.rarely(self.shape.pauses):
             return blocks
-        apart = [block for block in blocks if any(isinstance(b, Parallel) for b in walk((block,)))]
-        block = self.draw(st.sampled_from(apart if apart and self.number(0, 3) else blocks))
+        able = [block for block in blocks if not self.left_inside(block)]
+        if not able:
+            return blocks
+        apart = [block for block in able if any(isinstance(b, Parallel) for b in walk((block,)))]
+        block = self.draw(st.sampled_from(apart if apart and self.number(0, 3) else able))
         by = self.draw(st.sampled_from([other for other in blocks if other is not block]))
         on = self.draw(st.sampled_from(self.events))
         once = self.number(0, 3) == 0
@@ -329,6 +358,6 @@ class MissionDrawing(RobotDrawing):
             mandatory = i == 0 or self.chance()
             abort = self.draw(st.sampled_from([SUCCEED, FAIL])) if self.rarely(self.shape.aborts) else None
             child = replace(child, mandatory=mandatory, abort=abort, handlers=self.handlers([]))
-            children.append(self.timed(child, [None, SUCCEED, FAIL]))
+            children.append(self.becoming(self.timed(child, [None, SUCCEED, FAIL]), []))
             taken += size
         return tuple(children), taken

@@ -145,8 +145,8 @@ class WorldDrawing(MissionDrawer):
         """Facts that are changed on some occasions, each fact once on each at most."""
         found = []
         for on in occasions:
-            for fact in self.facts:
-                if self.number(0, 5) == 0:
+            for fact in self.facts if on != "start" or not self.shape.becoming else self.facts[2:]:
+                if self.number(0, 2 if self.shape.becoming else 5) == 0:
                     value = self.draw(st.sampled_from(fact.values))
                     found.append(FactChange(fact=fact.name, to=value, on=on, description=self.description()))
         return tuple(found)
@@ -161,9 +161,13 @@ class WorldDrawing(MissionDrawer):
             for i, sets in enumerate(filter(None, drawn))
         )
 
-    def condition(self) -> tuple[str, ...]:
-        """Words of a condition, of one fact or two."""
-        asked = self.draw(st.lists(st.sampled_from(self.facts), min_size=1, max_size=2, unique=True))
+    def becomes(self) -> tuple[str, ...]:
+        """What facts may become for a block to be left: of those that are not set at a start."""
+        return self.condition(self.facts[:2])
+
+    def condition(self, facts: tuple[Fact, ...] = ()) -> tuple[str, ...]:
+        """Words of a condition, of one fact or two, of some or all facts."""
+        asked = self.draw(st.lists(st.sampled_from(facts or self.facts), min_size=1, max_size=2, unique=True))
         words = [self.draw(st.sampled_from(_words(fact))) for fact in asked]
         if self.done and self.number(0, 3) == 0:
             sign = "!" if self.chance() else ""

@@ -109,6 +109,30 @@ PAUSING_IN_TIME = missions(
     UNCONTENDED, sections=7, branches=3, depth=3, events=2, aborts=1, pauses=9, early=3, timed_blocks=6
 )
 """The same where nothing contends, with pauses."""
+LEFT_BY_FACTS = missions(
+    sections=6,
+    depth=3,
+    hardware=1,
+    producers=1,
+    alternatives=2,
+    branches=3,
+    events=1,
+    facts=3,
+    aborts=2,
+    early=2,
+    timeouts=1,
+    timed_blocks=2,
+    reasons=1,
+    recovers=1,
+    pauses=2,
+    guards=1,
+    becoming=6,
+)
+"""Blocks that are left when facts become so."""
+LEFT_BY_FACTS_APART = missions(
+    UNCONTENDED, sections=6, branches=3, depth=3, hardware=2, events=1, facts=3, aborts=2, early=3, becoming=7
+)
+"""The same where nothing contends."""
 NAMED = st.integers(0, 2).flatmap(
     lambda facts: missions(
         sections=6,
@@ -175,6 +199,8 @@ MISSIONS: st.SearchStrategy[Mission] = st.one_of(
     TIMED,
     IN_TIME,
     PAUSING_IN_TIME,
+    LEFT_BY_FACTS,
+    LEFT_BY_FACTS_APART,
     NAMED,
     WORLD,
     WORLD_ABORTED,

@@ -41,6 +41,7 @@ class Shape:
             blocks route what aborts in them: with none nothing aborts.
         timeouts: How many of ten objectives end by themselves when their time is over.
         timed_blocks: The same of blocks that hold others.
+        becoming: How many of ten blocks are left when facts become so.
         reasons: How many of ten objectives and activities fail for reasons, how many of ten blocks around
             them have a route for one.
         recovers: How many of ten series have a block that recovers by another one.
@@ -86,6 +87,7 @@ class Shape:
     aborts: int = 0
     timeouts: int = 0
     timed_blocks: int = 0
+    becoming: int = 0
     reasons: int = 0
     early: int = 0
     recovers: int = 0

@@ -83,9 +83,10 @@ def _guarded(
             reset = at.setting(f"{piece.block.name}_halted", context, change, goto)
             behind.append(reset)
             goto = reset.name
-        handlers.append(Handler(event=at.event(event, why), goto=goto))
+        told = at.event(event, why)
+        handlers.append(Handler(event=told, goto=goto))
         if not slow[place]:
-            at.heard[handlers[-1].event] = (named, event.endswith("succeeds"))
+            at.heard[told] = (named, event.endswith("succeeds"))
     return replace(piece, block=handled(piece.block, handlers, at.instants)), behind
 
 

@@ -547,6 +547,8 @@ def any_missions(draw: st.DrawFn) -> Mission:
             missions(aborting, own_hardware=True, shared_activities=False),
             missions(small, facts=2, sections=4),
             missions(aborting, facts=2, own_hardware=True, shared_activities=False),
+            missions(small, facts=1, becoming=7, sections=4),
+            missions(small, facts=1, becoming=7, early=2, own_hardware=True, shared_activities=False),
             missions(small, reasons=7, recovers=2, sections=4),
             missions(aborting, reasons=7, own_hardware=True, shared_activities=False),
         )

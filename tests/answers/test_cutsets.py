@@ -45,6 +45,10 @@ IN_TIME = missions(
     max_objectives=2, max_sections=5, max_hardware=2, max_producers=1, timed_blocks=8, depth=2
 ) | fragile_missions(max_objectives=2, max_sections=5, max_hardware=3, timed_blocks=8, aborts=1)
 """Blocks that are left when their time is over."""
+LEFT_BY_FACTS = missions(
+    max_objectives=2, max_sections=5, max_hardware=2, producers=1, facts=1, becoming=8, early=2
+) | fragile_missions(max_objectives=2, max_sections=5, max_hardware=2, producers=1, facts=1, becoming=8)
+"""Blocks that are left as facts become so."""
 GUARDED = missions(
     max_objectives=3, max_sections=5, max_hardware=2, producers=1, facts=1, guards=8
 ) | fragile_missions(max_objectives=3, max_sections=5, max_hardware=2, producers=1, facts=1, guards=8)
@@ -242,7 +246,8 @@ def test_an_objective_is_entered_where_each_of_its_runs_begins(mission: Mission,
     missions(max_objectives=2, max_sections=3, max_hardware=3, max_producers=1, max_activities=3)
     | fragile_missions(max_objectives=2, max_sections=3, max_hardware=3)
     | fragile_missions(max_objectives=2, max_sections=3, max_hardware=2, reasons=8)
-    | IN_TIME,
+    | IN_TIME
+    | LEFT_BY_FACTS,
     st.sampled_from(ENGINES),
     st.booleans(),
 )
@@ -373,6 +378,7 @@ def small(mission: Mission, max_states: int) -> MissionNet | None:
     | fragile_missions(max_objectives=2, max_sections=5, max_hardware=2, late=True, lasting=True, events=1)
     | IN_TIME
     | GUARDED
+    | LEFT_BY_FACTS
     | missions(max_objectives=2, max_sections=5, max_hardware=2, max_producers=1, early=8),
     st.sampled_from(ENGINES),
 )
@@ -415,6 +421,7 @@ def test_engines_agree_on_causes_of_missions_that_abort(mission: Mission) -> Non
     | fragile_missions(max_hardware=2, max_sections=5, late=True, lasting=True)
     | IN_TIME
     | GUARDED
+    | LEFT_BY_FACTS
 )
 def test_engines_agree_on_all_causes(mission: Mission) -> None:
     agree_on_all_causes(mission)

@@ -11,11 +11,11 @@ from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
-from mcpn.nets.events import Event, What
 from mcpn.runtime import Controller
 from mcpn.testing import elements as drawn
 from mcpn.testing.judge.blocks import WrittenBlock
 from mcpn.testing.judge.interpreter import Interpreter, State, Undetermined
+from mcpn.testing.judge.players import happening
 from tests.controller.test_timers import BLOCKS, FORMS, Clock
 from tests.draws import composed, fewer
 
@@ -50,7 +50,11 @@ class Timing(Interpreter):
 
 
 @fewer(0.5)
-@given(drawn.IN_TIME | drawn.PAUSING_IN_TIME, st.sampled_from(FORMS), st.randoms(use_true_random=False))
+@given(
+    drawn.IN_TIME | drawn.PAUSING_IN_TIME | drawn.LEFT_BY_FACTS,
+    st.sampled_from(FORMS),
+    st.randoms(use_true_random=False),
+)
 def test_timers_are_those_of_what_runs(of: Mission, form: Form, rng: object) -> None:
     clock, told, began = Clock(), Timing(of), dict[str, int]()
     try:
@@ -59,6 +63,7 @@ def test_timers_are_those_of_what_runs(of: Mission, form: Form, rng: object) -> 
     except (LimitError, SemanticsError):
         return
     state, restored = told.initial, 0
+    events = {happening(t.event): str(t.event) for t in net.net.transitions if t.event}
     for _ in range(MOST_STEPS):
         possible = sorted(told.possible(state))
         if not possible or state.outcome:
@@ -70,7 +75,7 @@ def test_timers_are_those_of_what_runs(of: Mission, form: Form, rng: object) -> 
         except Undetermined:
             break
         clock.time += 1
-        controller.handle(str(Event(What(happened[0]), happened[1])))
+        controller.handle(events[happened])
         now = told.running(state)
         for name in now:
             if name not in before or name in told.gone:

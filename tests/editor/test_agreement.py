@@ -44,6 +44,7 @@ SHAPE = Shape(
     pauses=3,
     timeouts=2,
     timed_blocks=4,
+    becoming=2,
     aborts=2,
     crashes=True,
     late=True,

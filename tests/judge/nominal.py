@@ -112,7 +112,7 @@ class Level:
                     aside.append(entry(node.children[handler.goto]))
                 else:
                     self.goto(node, handler.goto or ABORT, aside, aside)
-            handled |= {handler.event for handler in node.handlers if not handler.once}
+            handled |= {h.event for h in node.handlers if h.event is not None and not h.once}
             if node is self.of or node.parent is None:
                 return
             node = node.parent

@@ -69,6 +69,16 @@ def test_facts_where_blocks_end_early(of: Mission) -> None:
     check(of)
 
 
+@given(drawn.LEFT_BY_FACTS)
+def test_blocks_that_are_left_as_facts_become_so(of: Mission) -> None:
+    check(of)
+
+
+@given(drawn.LEFT_BY_FACTS_APART)
+def test_blocks_left_by_facts_where_nothing_contends(of: Mission) -> None:
+    check(of)
+
+
 @given(drawn.WORLD_APART)
 def test_facts_where_nothing_contends(of: Mission) -> None:
     assert check(of) != "undetermined"

@@ -783,7 +783,11 @@ BROKEN: dict[str, tuple[str, int, str]] = {
         8,
         "the event leak of m leads nowhere; expected one of goto and pause",
     ),
-    "on without event": (body("<on goto='fail'/>" + OK, LEAK), 8, "<on> has no attribute event"),
+    "on without event": (
+        body("<on goto='fail'/>" + OK, LEAK),
+        8,
+        "an <on> of m has neither event nor when; expected one of them",
+    ),
     "on with a bad goto": (
         body("<on event='leak' goto='a b'/>" + OK, LEAK),
         8,

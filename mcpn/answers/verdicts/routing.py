@@ -284,7 +284,10 @@ class Routing:
                     f"event {by.element} never happens while {subject} {'run' if several else 'runs'}"
                 )
             else:
+                facts = dict(same[0].of.becoming).get(by)
                 verb = _VERBS.get(by) or f"fail for {by.removeprefix(failed_for(''))}"
+                if facts is not None:
+                    verb = f"be left as {facts.words} comes about"
                 said.append(f"{subject} can never {verb}")
         return f": {shortened(said)}" if said else ""
 

@@ -8,7 +8,8 @@ One object with these keys, all of them always, whether there is something to sa
 - ``hardware``: the hardware that can fail; ``initial``: the section entered at the mission's start;
 - ``sections``: each with ``name``, ``type`` (index in ``types``), ``routes`` (outcome, ``success``,
   ``failure``, ``failure R`` for a reason ``R`` for which it may fail, ``abort`` where a branch of it may
-  abort, ``timed out`` where its time may be over, or ``on E`` for an event ``E`` that interrupts the section,
+  abort, ``timed out`` where its time may be over, ``when 1`` for the first condition on facts by which it is
+  left, or ``on E`` for an event ``E`` that interrupts the section,
   ``on E 2`` for its second handler of it, to the section entered next, or ``succeed``, ``fail`` or
   ``abort``), ``events`` (its own text of each event of the type) and ``names`` (by kind, from names in the
   type to its own; a name that is missing stays);

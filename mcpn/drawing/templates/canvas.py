@@ -82,6 +82,8 @@ class Ranks:
 
     Where a parallel block may abort, or end early, its halting and all other control comes before any of
     that, aborts before other ends, and a block around before those in it: what an end stops begins nothing.
+    Then what runs is left as facts have become so, in the order of the document, a block around before those
+    in it, and what facts have become is forgotten.
     Then what begins changes facts, in the order of the document, before any activity looks at them. Such
     ranks are below 0, down to minus :attr:`below`.
 
@@ -92,12 +94,16 @@ class Ranks:
     def __init__(self, usage: Usage) -> None:
         self._deciding = dict(_deciding(usage.graph))
         self._starting = dict(_starting(usage.graph))
+        self._becoming = dict(_becoming(usage.graph))
         deciding = 1 + max(self._deciding.values(), default=-1)
-        self.below = 1 + deciding + 1 + max(self._starting.values(), default=-1)
-        if not self._deciding and not self._starting:
+        becoming = 2 + max(self._becoming.values(), default=-2)
+        self.below = 1 + deciding + becoming + 1 + max(self._starting.values(), default=-1)
+        if not self._deciding and not self._starting and not self._becoming:
             self.below = 0
         self.control = -self.below
-        self._first_start = self.control + 1 + deciding
+        self._first_becoming = self.control + 1 + deciding
+        self._first_start = self._first_becoming + becoming
+        self.forgetting = self._first_start - 1
         self._several = (
             usage.sharing.anything or bool(usage.handover.gated) or self.below > 0 or bool(usage.requiring)
         )
@@ -114,6 +120,10 @@ class Ranks:
     def deciding(self, block: str, outcome: str, branch: str) -> int:
         """How a branch that has ended halts its block: each branch of a section has a rank of its own."""
         return self.control + 1 + self._deciding[block, outcome, branch]
+
+    def becoming(self, section: str, outcome: str, number: int) -> int:
+        """How a section is left as facts become so: each word of each condition has a rank of its own."""
+        return self._first_becoming + self._becoming[section, outcome, number]
 
     def starting(self, objective: str) -> int:
         """How an objective that is come to changes facts: each of a section has a rank of its own."""
@@ -143,6 +153,18 @@ def _deciding(graph: ObjectivesGraph) -> Iterator[tuple[tuple[str, str, str], in
             every += [(b.name, outcome, branch.name) for b in blocks for outcome, branch in b.deciding]
             level = [inner for block in blocks for graph in block.graphs for inner in graph.sections]
         every.sort(key=lambda of: of[1] != "abort")
+        yield from ((of, number) for number, of in enumerate(every))
+
+
+def _becoming(graph: ObjectivesGraph) -> Iterator[tuple[tuple[str, str, int], int]]:
+    """Words of conditions by which sections are left, each with its number in its section of the mission."""
+    for section in graph.sections:
+        every = (
+            (inner.name, outcome, word)
+            for inner in ObjectivesGraph((section,), section.name).all_sections()
+            for outcome, each in inner.becoming
+            for word in range(len(each.when))
+        )
         yield from ((of, number) for number, of in enumerate(every))
 
 
@@ -268,6 +290,10 @@ class Canvas(NetBuilder):
     def fact(self, name: str, value: str) -> str:
         """The place that says that a fact has a value."""
         return self.names.of("fact", name, value)
+
+    def became(self, name: str, value: str) -> str:
+        """The place that says that a fact has come to a value in this reaction."""
+        return self.names.of("fact", name, f"became:{value}")
 
     def others(self, name: str, value: str) -> list[tuple[str, str]]:
         """The other values of a fact, each with the place that says it."""

@@ -99,6 +99,10 @@ class _Control(Interrupting):
                 after = [*stops, *entered, *way.produce, *self.canvas.resting]
                 asked, called = [*read, *way.read], "_".join(filter(None, (f"{part}{number}", event.reason)))
                 pen.transition(called, [place, *way.consume], after, read=asked, event=event)
+        for outcome, word, so, rank in self.becoming(section):
+            for number, way, entered in self.led(section, outcome):
+                called, asked = f"{word}_{number}" if number else word, list(dict.fromkeys((*so, *way.read)))
+                pen.transition(called, [place], [*stops, *entered], read=asked, rank=rank)
 
     def parallel(self, section: ParallelSection) -> None:
         """Each child marks that it is done; when all are, internal transitions leave the block."""

@@ -6,6 +6,9 @@ before, of facts that it changes, and those of facts that decide where it leads.
 as they are come to do so by internal transitions of ranks of their own, after all other control and before
 any activity looks (:class:`mcpn.drawing.templates.canvas.Ranks`). So nothing that reads a fact races with
 what changes it.
+
+A value for which blocks may be left has a second place, *became*: whatever changes the fact to it marks this
+one, too, and when facts have been asked it is forgotten. So it is empty in every stable state.
 """
 
 from __future__ import annotations
@@ -69,6 +72,12 @@ def _draw_fact(canvas: Canvas, mission: Pen, fact: Fact, begin: str) -> None:
     for value, place in places.items():
         canvas.role(place, ("fact", f"{fact.name}={value}"))
     canvas.unit([*places.values()])
+    for value in fact.values:
+        if (fact.name, value) in canvas.usage.world.watched:
+            became = pen.place(f"became:{value}")
+            says = "the fact has come to this value in this reaction"
+            canvas.meet(became, says, owner="tp", control="pr", event="p")
+            pen.transition(f"forget:{value}", [became], [], rank=canvas.ranks.forgetting)
     for value, place in places.items() if canvas.part else ():
         if value != fact.start:
             event = Event(What.EARLIER, f"{fact.name}={value}")
@@ -111,7 +120,9 @@ def ways(
             both = [(name, was, changes[name]) for name, was in zip(changes, before, strict=True)]
             kept = [canvas.fact(name, was) for name, was, now in both if was == now]
             ended = [canvas.fact(name, was) for name, was, now in both if was != now]
-            begun = [canvas.fact(name, now) for name, was, now in both if was != now]
+            changed = [(name, now) for name, was, now in both if was != now]
+            begun = [canvas.fact(*to) for to in changed]
+            begun += [canvas.became(*to) for to in changed if to in canvas.usage.world.watched]
             leads.append(Way(ended, begun, [*read, *kept], target))
     return leads
 

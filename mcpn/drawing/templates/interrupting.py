@@ -178,6 +178,7 @@ class Interrupting(Level):
                 pen.transition(part, [place, *all_halted], entered, read=way.read, rank=self.first)
         if section.timed_out is not None:
             self.timed_out(pen, section, all_halted)
+        self.left_by_facts(pen, section, all_halted)
         leaving = Leaving(self.canvas, section)
         leaving.decided(pen, self.of(section, "running"), partial(self.led, section), all_halted)
         if self.around.halted:
@@ -194,6 +195,27 @@ class Interrupting(Level):
         for case, way, entered in self.led(section, TIMED_OUT):
             part = "timed_out" + (f"_{case}" if case else "")
             pen.transition(part, [late, *all_halted], entered, read=way.read, rank=self.first)
+
+    def becoming(self, section: Section) -> Iterator[tuple[str, str, list[str], int]]:
+        """By outcome and word of its condition: places that say that facts have become so, and the rank."""
+        for outcome, each in section.becoming:
+            so = [self.canvas.fact(*said) for said in each.when]
+            for number, said in enumerate(each.when):
+                rank = self.canvas.ranks.becoming(section.name, outcome, number)
+                word = f"{outcome.replace(' ', '')}_{number + 1}"
+                yield outcome, word, [self.canvas.became(*said), *so], rank
+
+    def left_by_facts(self, pen: Pen, section: ParallelSection, all_halted: list[str]) -> None:
+        """Halts every branch as facts become so, then goes on to what that leads to."""
+        left = {outcome: pen.place(outcome.replace(" ", "")) for outcome, _ in section.becoming}
+        halts = self.tokens(section, 0, "halt")
+        for outcome, word, read, rank in self.becoming(section):
+            put = [left[outcome], *halts]
+            pen.transition(word, [self.of(section, "running")], put, read=read, rank=rank)
+        for outcome, place in left.items():
+            for case, way, entered in self.led(section, outcome):
+                part = f"left_{outcome.replace(' ', '')}" + (f"_{case}" if case else "")
+                pen.transition(part, [place, *all_halted], entered, read=way.read, rank=self.first)
 
     def each(self, pen: Pen, section: ParallelSection, phase: int, word: str) -> None:
         """Draws how the branches, or what runs while the block pauses, are halted, resumed and so on."""

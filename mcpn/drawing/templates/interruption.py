@@ -98,11 +98,11 @@ def events_of(section: Section) -> Iterator[str]:
 
 
 def may_halt(section: Section) -> bool:
-    """Whether the end, or the time, of a parallel block in a section or of the section may stop branches."""
+    """Whether the end or time of a parallel block in a section, or facts, may stop branches."""
     if not isinstance(section, ParallelSection):
         return False
     inside = (inner for graph in section.graphs for inner in graph.sections)
-    return section.early or section.timed_out is not None or any(map(may_halt, inside))
+    return section.early or section.stopped or any(map(may_halt, inside))
 
 
 class Shift(NamedTuple):

@@ -92,8 +92,8 @@ class Level:
         return self.around.eventful or any(events_of(section)) or may_halt(section)
 
     def halted(self, section: ParallelSection) -> bool:
-        """Whether an event, its time, or a branch that ends, may interrupt the block as a whole."""
-        return bool(self.around.running or section.interruptions or section.early or section.timed_out)
+        """Whether an event, its time, facts, or a branch that ends, may interrupt the block as a whole."""
+        return bool(self.around.running or section.interruptions or section.early or section.stopped)
 
     def enter(self, target: str) -> list[str]:
         """Places to mark so as to enter a section, or to leave the graph."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
+from mcpn.mission.expansion.routes import Becoming, left_by
 from mcpn.mission.graph import TIMED_OUT, failed_for
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.world.decisions import Condition, FactCase
@@ -86,6 +87,7 @@ class Leads(NamedTuple):
         abort: That something in it aborts.
         timed_out: That its time is over.
         named: By reason, its failure for that reason, where this may lead elsewhere.
+        becoming: By what facts become it is left, each with where that leads.
     """
 
     success: Lead
@@ -93,6 +95,7 @@ class Leads(NamedTuple):
     abort: Lead
     timed_out: Lead
     named: Mapping[str, Named] = {}
+    becoming: tuple[tuple[Becoming, Lead], ...] = ()
 
     def failing(self, lead: Lead) -> Leads:
         """The same of a copy of the block whose failure leads to the next, whatever routes name no reason."""
@@ -105,6 +108,11 @@ class Leads(NamedTuple):
         return self._replace(named={reason: self.named.get(reason, plain) for reason in reasons})
 
     @property
+    def becomes(self) -> tuple[Becoming, ...]:
+        """By what facts become it is left, as its section says it."""
+        return tuple(each for each, _ in self.becoming)
+
+    @property
     def cases(self) -> tuple[tuple[str, FactCase], ...]:
         """The cases of every outcome, each with the outcome."""
         leads = {
@@ -113,6 +121,7 @@ class Leads(NamedTuple):
             "abort": self.abort,
             TIMED_OUT: self.timed_out,
             **{failed_for(reason): each.lead for reason, each in self.named.items()},
+            **{left_by(number): lead for number, (_, lead) in enumerate(self.becoming, 1)},
         }
         return tuple((outcome, case) for outcome, lead in leads.items() for case in lead.cases)
 

@@ -39,7 +39,7 @@ def pause_problems(siblings: Sequence[Block], text: Sequence[Block]) -> Iterator
     named = {block.name: block for block in siblings}
     for block in siblings:
         for handler in block.handlers:
-            if handler.pause is not None:
+            if handler.pause is not None and handler.event is not None:
                 yield from _pause(block, handler, named)
     for by, blocks in pausing(siblings).items():
         for other in walk(tuple(text)):
@@ -51,7 +51,7 @@ def pause_problems(siblings: Sequence[Block], text: Sequence[Block]) -> Iterator
 def no_siblings(owner: str, handlers: Sequence[Handler], remedy: str) -> Iterator[Problem]:
     """Pauses of what has no siblings."""
     for handler in handlers:
-        if handler.pause is not None:
+        if handler.pause is not None and handler.event is not None:
             message = f"{owner} pauses on the event {handler.event}, though it has no siblings"
             yield Problem(handler.source, f"{message}: {remedy}")
 

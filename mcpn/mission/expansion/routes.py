@@ -1,4 +1,4 @@
-"""How sections of the objectives graph are left: by their ends, and by events that interrupt them."""
+"""How sections of the objectives graph are left: by their ends, by events that interrupt them, by facts."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from mcpn.errors import Source
-from mcpn.mission.world.decisions import FactCase
+from mcpn.mission.world.decisions import Condition, FactCase
 
 GO_ON = "go on"
 """The exit of what runs while a parallel block pauses, after which it goes on: no block is called so."""
@@ -43,6 +43,31 @@ class Interruption:
         """The same, with other targets."""
         cases = tuple(replace(case, target=to(case.target)) for case in self.cases)
         return replace(self, target=to(self.target), cases=cases)
+
+
+@dataclass(frozen=True, slots=True)
+class Becoming:
+    """That a section is stopped and left when, while it runs, facts become so.
+
+    Args:
+        when: What they must all be; that they are so as it is entered does not count.
+        target: The next section, or one of the graph's own exits.
+        source: Its line.
+    """
+
+    when: Condition
+    target: str
+    source: Source | None = field(default=None, compare=False)
+
+    @property
+    def words(self) -> str:
+        """What facts must become, as missions say it."""
+        return FactCase(self.when, self.target).words
+
+
+def left_by(number: int) -> str:
+    """The outcome of a section that is left as facts become so, by the number of what they become."""
+    return f"when {number}"
 
 
 class Interrupted:
@@ -86,6 +111,12 @@ class Routes(Interrupted):
     success: str
     failure: str
     cases: tuple[tuple[str, FactCase], ...]
+    becomes: tuple[Becoming, ...]
+
+    @property
+    def becoming(self) -> tuple[tuple[str, Becoming], ...]:
+        """The outcomes by which it is left as facts become so; the first that counts does."""
+        return tuple((left_by(number), each) for number, each in enumerate(self.becomes, 1))
 
     @property
     def routes(self) -> tuple[str, ...]:
@@ -107,6 +138,8 @@ class Routes(Interrupted):
         """The cases, with their conditions on facts, of all outcomes and all interruptions."""
         for outcome, _ in self.outcomes:
             yield from self.cases_of(outcome)
+        for each in self.becomes:
+            yield FactCase(each.when, each.target)
         for interruption in self.every_interruption:
             yield from interruption.cases
 

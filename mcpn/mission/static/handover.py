@@ -48,6 +48,9 @@ class Handover:
     @cached_property
     def gated(self) -> frozenset[str]:
         """The sections, at any depth, that begin only when what stops before them has stopped."""
+        if any(section.becomes for section in self.usage.graph.all_sections()):
+            # What begins waits for facts to be asked, which may stop it, or what is beside it.
+            return frozenset(section.name for section in self.usage.graph.all_sections())
         names = set(self._along_edges[1])
         names.update(section.name for graph in self.usage.graphs() for section in _stopped_at_once(graph))
         # An objective that changes facts at its start waits until all before it has stopped: its change must
@@ -179,7 +182,7 @@ def _endings(section: Section) -> tuple[ElementarySection, ...]:
 
     Where the end of a block, or its time, may stop branches that still run, they are all of its objectives.
     """
-    if isinstance(section, ElementarySection) or section.early or section.shelters or section.timed_out:
+    if isinstance(section, ElementarySection) or section.early or section.shelters or section.stopped:
         return tuple(section.walk())
     return tuple(
         last

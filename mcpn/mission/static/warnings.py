@@ -129,7 +129,7 @@ def _leading_out(mission: Mission) -> Iterator[Problem]:
                     )
                     yield Problem(sibling.source, message)
                 ended = () if sibling is None else sibling.handlers
-                for handler in (handler for handler in ended if handler.goto == SUCCEED):
+                for handler in (h for h in ended if h.goto == SUCCEED and h.event is not None):
                     message = (
                         f"{name} runs while {block.name} {why}, and by its event {handler.event} succeeds, "
                         f"which ends the block around both: {block.name} does not go on then; let the event "

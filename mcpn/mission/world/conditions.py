@@ -70,6 +70,8 @@ def conditions(mission: Mission) -> Iterator[str]:
             yield from alternative.requires
     for blocks in (mission.blocks, *(protocol.blocks for protocol in mission.protocols)):
         for block in walk(blocks):
+            for handler in block.handlers:
+                yield from handler.when
             for guard in block.guards:
                 yield from guard.when
             for route in block.routes:
@@ -151,6 +153,13 @@ class FactUsage:
             for event in mission.events
             if event.sets
         }
+
+    @cached_property
+    def watched(self) -> frozenset[tuple[str, str]]:
+        """Values of facts that blocks may be left for, when facts become so."""
+        texts = (self.mission.blocks, *(protocol.blocks for protocol in self.mission.protocols))
+        every = (handler.when for blocks in texts for block in walk(blocks) for handler in block.handlers)
+        return frozenset(said for when in every for said in resolved(when, self.facts))
 
     @cached_property
     def _requires(self) -> Mapping[tuple[str, int], Condition]:

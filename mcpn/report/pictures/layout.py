@@ -327,7 +327,7 @@ def _on_events(box: Box) -> list[tuple[str, str, str]]:
     return [
         (
             "event",
-            f"{'pauses on' if h.pause else 'on'} {h.event}" + (" once" if h.once else ""),
+            f"{'pauses on' if h.pause else 'on'} {h.event or ' '.join(h.when)}" + (" once" if h.once else ""),
             h.pause or h.goto or ABORT,
         )
         for h in box.handlers

@@ -161,12 +161,15 @@ def _routes(section: Section) -> Iterator[tuple[str, tuple[str, ...], str]]:
     """Where a section may lead, with what stands beside the arrow, and of which kind that is."""
     meanwhile = dict(section.away) if isinstance(section, ParallelSection) else {}
     named = {of: why for why, of in section.failures if why} if isinstance(section, ElementarySection) else {}
+    becoming = dict(section.becoming)
     for outcome, route in section.outcomes:
         if outcome in meanwhile:
             continue  # what runs meanwhile leads there by itself
         lines, kind = ((outcome,), "event") if outcome in ("abort", TIMED_OUT) else ((), outcome)
         if outcome in named:
             lines, kind = (f"for {named[outcome]}",), "failure"
+        if outcome in becoming:
+            lines, kind = (f"on {becoming[outcome].words}",), "event"
         yield from _by_facts(route, section.cases_of(outcome), lines, kind)
     for interruption in section.interruptions:
         if interruption.pauses is None:

@@ -107,8 +107,9 @@ class WrittenBlock:
 
     @property
     def whole(self) -> bool:
-        """Whether it is paused as a whole: what has branches, and a block with a time of its own."""
-        return bool(self.children) and (self.parallel or self.timeout is not None)
+        """Whether it is stopped as a whole: what has branches, a time of its own, or is left by facts."""
+        by_facts = any(handler.when for handler in self.handlers)
+        return bool(self.children) and (self.parallel or self.timeout is not None or by_facts)
 
     def within(self, other: WrittenBlock) -> bool:
         """Whether it is another node, or stands in it at any depth."""

@@ -55,6 +55,8 @@ class State:
         suspected: That of it which is found out when who has it lets it go.
         paused: By what is run while a block pauses, the objectives that are entered again after it; what is
             run may be stopped itself.
+        under_way: Within a reaction: the blocks that ran before it and have not been left since; none in a
+            stable state.
     """
 
     running: frozenset[str] = frozenset()
@@ -69,6 +71,7 @@ class State:
     unnoticed: frozenset[str] = frozenset()
     suspected: frozenset[str] = frozenset()
     paused: frozenset[tuple[str, frozenset[str]]] = frozenset()
+    under_way: frozenset[WrittenBlock] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -113,6 +116,7 @@ class Interpreter:
         self.root = written_out(mission)
         self.objectives = {leaf.name: leaf for leaf in _leaves(self.root)}
         self.branches = {branch.name: branch for branch in _branches(self.root)}
+        self.left_by_facts = [node for node in _nodes(self.root) if any(h.when for h in node.handlers)]
         self.timed = {node.name: node for node in _nodes(self.root) if node.timeout is not None}
         self.shelters = {shelter.name: shelter for shelter in _shelters(self.root)}
         values = {fact.name: fact.initial or fact.values[0] for fact in mission.facts}
@@ -209,6 +213,8 @@ class Interpreter:
             Undetermined: Two activities or objectives ask for one thing at the same moment.
         """
         what, element = happening
+        under_way = (node for node in self.left_by_facts if self.under_way(node, state))
+        before = state = replace(state, under_way=frozenset(under_way))
         routes: list[tuple[WrittenBlock, str | WrittenBlock]] = []
         if what == OUT_OF_SERVICE:
             unnoticed = {element} & self.late
@@ -253,17 +259,39 @@ class Interpreter:
         for node, route in routes:
             if not any(node.within(block) for block in aborted):
                 after = self.follow(after, node, route, aborted)
-        after = self.decided(after, aborted)
+        after = self.left_as_facts_are(before, self.decided(after, aborted), aborted)
         for block in aborted:
             state = self.left(state, block)
         for name in self.objectives:  # in document order
             if name in after.pending - waiting:
                 sets = self.objectives[name].sets
                 after = changed(after, {c.fact: c.to for c in sets if c.on == START})
+        after = replace(after, under_way=frozenset())
         rest = self.at_rest(state)
         learnt = state.suspected - self.held(replace(state, activities=rest))
         after = replace(after, unnoticed=after.unnoticed - learnt, suspected=after.suspected - learnt)
         return self.reaction(replace(after, activities=rest))
+
+    def left_as_facts_are(self, before: State, state: State, stopped: list[WrittenBlock]) -> State:
+        """Leaves blocks under way for which facts have become so, one after the other, and notes them.
+
+        A block around comes before those in it, then the order is that of the document. What is left may end
+        blocks around, which are left with it.
+        """
+        new = state.facts - before.facts
+        while True:
+            becoming = (
+                (node, handler.goto or ABORT)
+                for node in self.left_by_facts
+                if node in state.under_way and self.runs(node, state)
+                for handler in node.handlers
+                if so(state.facts, handler.when) and any(so(new, (word,)) for word in handler.when)
+            )
+            if (found := next(becoming, None)) is None:
+                return state
+            node, route = found
+            stopped.append(node)
+            state = self.decided(self.follow(self.left(state, node), node, route, stopped), stopped)
 
     def paused(self, node: WrittenBlock, handler: Handler, state: State) -> WrittenBlock:
         """What is run while a block pauses, made for the objective that runs in it."""
@@ -320,6 +348,8 @@ class Interpreter:
         self, state: State, node: WrittenBlock, route: str | WrittenBlock, aborted: list[WrittenBlock]
     ) -> State:
         """A block is left by one of its routes; parallel blocks that this aborts are noted."""
+        gone = {block for block in state.under_way if block.within(node)}
+        state = replace(state, under_way=state.under_way - gone)
         route = self.admitted(state, node, route)
         if self.shelters.get(node.name) is node:
             if route is node.success:
@@ -512,6 +542,7 @@ def _read_of_objectives(mission: Mission) -> Iterator[str]:
     texts = (mission.blocks, *(protocol.blocks for protocol in mission.protocols))
     every = [block for blocks in texts for block in walk(blocks)]
     whens += [guard.when for block in every for guard in block.guards]
+    whens += [handler.when for block in every for handler in block.handlers]
     whens += [route.when for block in every for route in block.routes]
     yield from (word.lstrip("!").partition("=")[0] for when in whens for word in when if "done(" in word)
 

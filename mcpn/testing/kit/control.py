@@ -147,7 +147,9 @@ class FactMachine(TemplateMachine):
         (was,) = self.said()
         others = [value for value in self.values if value != was]
         now = others[choice % len(others)]
-        self.of.move(f"it becomes {now}", (self.at(was),), (self.at(now),))
+        watched = (self.element[1], now) in self.of.usage.world.watched
+        noted = (self.at(f"became:{now}"),) if watched else ()  # for blocks that are left then
+        self.of.move(f"it becomes {now}", (self.at(was),), (self.at(now), *noted))
 
     @precondition(lambda self: self.at_rest and self.of.events)
     @rule(choice=CHOICE)
@@ -164,6 +166,8 @@ class FactMachine(TemplateMachine):
         """One place says the value, and an event that would change it may happen."""
         said = self.said()
         self.of.require(len(said) == 1, f"the values that are said: {told(said)}")
+        if not self.at_rest:
+            return
         changing = self.of.usage.world.changing
         expected = sorted(e for e, to in changing.items() if to.get(self.element[1], said[0]) != said[0])
         found = sorted(event.element for event in self.of.events)

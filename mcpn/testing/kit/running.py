@@ -110,7 +110,7 @@ _LEAST = replace(SMALL, hardware=2, producers=1, activities=2, outputs=1)
 SMALL_SHAPES: Mapping[str, Shape] = {
     "plain": SMALL,
     "events": replace(_LEAST, events=1, interrupted=True),
-    "facts": replace(_LEAST, facts=2, events=1, guards=3),
+    "facts": replace(_LEAST, facts=2, events=1, guards=3, becoming=3),
     "losses": replace(_LEAST, lasting=True, faults=1, crashes=True),
     "late": replace(_LEAST, hardware=1, late=True),
     "ends": replace(_LEAST, branches=3, aborts=3, early=5, timeouts=4, timed_blocks=2, reasons=3, events=1),
