@@ -12,7 +12,7 @@ from hypothesis import given, settings
 
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
-from mcpn.mission.model import Mission
+from mcpn.mission.model import Mission, Objective
 from mcpn.mission.xml import read_mission
 from mcpn.report.findings import Findings, findings
 from mcpn.report.page import page
@@ -25,6 +25,7 @@ from mcpn.runtime import Controller
 from mcpn.testing import missions
 from tests.commands import mcpn
 from tests.conftest import ROOT, ULYSSE
+from tests.small import activity, mission, robot
 
 DRONE = ROOT / "experiments" / "drone" / "mission.xml"
 
@@ -245,6 +246,17 @@ def test_rounds_that_say_the_same_are_one_row() -> None:
     assert any("stock.leave (all 3)" in row[0] for row in by_name["What happens when hardware fails"].rows)
     for table in tables(found):
         assert table.reading.endswith(".")
+
+
+def test_a_row_of_modes_names_a_dozen_objectives() -> None:
+    """Of hundreds that run in the same ways each mode would list all of them again."""
+    of = mission(
+        robot((), activity("go", ())), *(Objective(name=f"leg{n}", activities=("go",)) for n in range(15))
+    )
+    by_name = {table.name: table for table in tables(findings(compose(of)))}
+    ((objectives, number, ways),) = by_name["Functioning modes"].rows
+    assert objectives == ", ".join(f"leg{n}" for n in range(12)) + " and 3 more"
+    assert (number, ways) == ("1", "as written")
 
 
 def test_rounds_that_differ_stay_apart() -> None:

@@ -138,7 +138,7 @@ def _open(findings: Findings) -> Iterator[Tick]:
     if count := len(findings.warnings):
         yield Tick(
             f"Read the {f'{count} warnings' if count > 1 else 'warning'} below.",
-            "They are legal, and often not meant.",
+            f"{'They are' if count > 1 else 'It is'} legal, and often not meant.",
         )
 
 

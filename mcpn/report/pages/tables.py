@@ -11,7 +11,7 @@ from mcpn.answers.names import MissionNames
 from mcpn.report.failures.tables import COLUMNS, fmeca_rows
 from mcpn.report.failures.terminal import risk_counts
 from mcpn.report.words import modes_in_words, modes_together, what_happens
-from mcpn.sentences import enumeration
+from mcpn.sentences import enumeration, shortened
 
 if TYPE_CHECKING:
     from mcpn.answers.causes.find import Causes
@@ -26,6 +26,9 @@ _NAME = re.compile(r"\w(?:[\w.-]*\w)?")
 
 MOST_ROWS = 2000
 """Rows of one table of a page."""
+
+MOST_NAMED = 12
+"""Objectives that a row of functioning modes names: a mission of 300 sections has as many in each."""
 
 MOST_COLUMNS = 6
 """Columns of a matrix that a sheet has room for."""
@@ -208,7 +211,7 @@ def _modes(check: MissionCheck) -> Table:
     rows, needs_of = [], []
     for ways, objectives in modes_together(check).items():
         for number, way in enumerate(ways, 1):
-            rows.append((", ".join(objectives), str(number), way or "as written"))
+            rows.append((shortened(objectives, MOST_NAMED), str(number), way or "as written"))
             needs_of.append(sorted(needed.get(way, ())))
     return Table(
         "Functioning modes",
