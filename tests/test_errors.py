@@ -23,6 +23,7 @@ from mcpn.errors import (
     UnsafeError,
     WorkersError,
 )
+from mcpn.mission.xml import InvalidMission
 
 
 def kinds(kind: type[McpnError]) -> set[type[McpnError]]:
@@ -31,6 +32,7 @@ def kinds(kind: type[McpnError]) -> set[type[McpnError]]:
 
 
 ERRORS = [
+    InvalidMission([Problem(Source("m.xml", 3), "no such activity")], None),
     InputError([Problem(Source("m.xml", 3), "no such activity"), Problem(None, "no robot")]),
     LimitError("more than 5 states"),
     WorkersError("the last worker is gone"),
