@@ -109,6 +109,23 @@ MISSIONS: dict[str, Mission] = {
             routes=(FactRoute(when=("way=left",), goto="fail", on="success"),),
         ),
     ),
+    "left by facts": mission(
+        replace(
+            robot(hw("h"), activity("a", ("h",)), activity("b", ()), events=("dusk",)),
+            facts=(Fact(name="lit", initial="true"),),
+            events=(DeclaredEvent(name="dusk", sets=(FactChange(fact="lit", to="false"),)),),
+        ),
+        Recursive(
+            name="walk",
+            success="succeed",
+            handlers=(Handler(when=("!lit",), goto="shade"),),
+            blocks=(
+                replace(objective("x", "a"), sets=(FactChange(fact="lit", to="false", on="success"),)),
+                objective("y", "b"),
+            ),
+        ),
+        replace(objective("shade", "b"), sets=(FactChange(fact="lit", to="true", on="success"),)),
+    ),
     "found late": mission(
         robot(
             (replace(hw("h")[0], detected="late"), *hw("g")),
