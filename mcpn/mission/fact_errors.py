@@ -9,7 +9,7 @@ from functools import cached_property
 from mcpn.errors import Problem, Source
 from mcpn.mission.graph import ObjectivesGraph
 from mcpn.mission.language.datatypes import CONDITION, OCCASION, OUTCOME, VALUE
-from mcpn.mission.model import Block, Handler, Mission, Objective, walk
+from mcpn.mission.model import Block, Handler, Mission, Objective, Parallel, Use, walk
 from mcpn.mission.near import Hints, did_you_mean
 from mcpn.mission.robot import Fact, FactChange
 from mcpn.mission.world.conditions import FactUsage, conditions, is_boolean, objective_done, required, word
@@ -111,14 +111,41 @@ class _FactChecks:
             met.add((change.fact, change.occasion))
 
     def at_starts(self, objective: Objective) -> Iterator[Problem]:
-        """Facts set as an objective starts by which blocks are left: these might not have begun yet."""
-        for change in objective.sets:
-            block = self.left_by.get((change.fact, change.to)) if change.on == "start" else None
+        """Facts set as an objective starts, where blocks are left by facts.
+
+        By the facts that are asked for, blocks might be left that have not begun yet. In branches, a block
+        that is left as a whole begins after what stands beside it has looked at the facts.
+        """
+        for change in objective.sets if self.left_by else ():
+            if change.on != "start":
+                continue
+            block = self.left_by.get((change.fact, change.to))
+            message = f"objective {objective.name} sets {change.fact} to {change.to} as it starts"
+            remedy = "set it by the success of an objective, or by an event"
             if block is not None:
-                message = f"objective {objective.name} sets {change.fact} to {change.to} as it starts, and"
-                message = f"{message} {block} is left when it becomes so (on when)"
-                remedy = "set it by the success of an objective, or by an event"
-                yield Problem(change.source, f"{message}: {remedy}")
+                yield Problem(
+                    change.source, f"{message}, and {block} is left when it becomes so (on when): {remedy}"
+                )
+            elif objective.name in self.in_branches:
+                some = next(iter(self.left_by.values()))
+                yield Problem(
+                    change.source,
+                    f"{message} in a branch of a <parallel>, and {some} is left by facts (on when): {remedy}",
+                )
+
+    @cached_property
+    def in_branches(self) -> set[str]:
+        """Elementary objectives in branches of parallel blocks, written there or in what is used there."""
+        protocols = {protocol.name: protocol.blocks for protocol in self.mission.protocols}
+        todo = [child for block in self.blocks if isinstance(block, Parallel) for child in block.blocks]
+        found = set[str]()
+        while todo:
+            for block in walk((todo.pop(),)):
+                if isinstance(block, Objective):
+                    found.add(block.name)
+                elif isinstance(block, Use):
+                    todo += protocols.pop(block.protocol, ())
+        return found
 
     @cached_property
     def left_by(self) -> Mapping[tuple[str, str], str]:

@@ -167,7 +167,7 @@ def of_all_copies(mission_net: MissionNet, objective: str, text: str) -> str:
     def plain(found: re.Match[str]) -> str:
         return copies.plain(found[0]) if found[0] in copies.held else found[0]
 
-    return re.sub(r"[\w.]*\w", plain, text)
+    return re.sub(r"\w++(?:\.\w++)*+", plain, text)
 
 
 def modes_in_words(modes: Iterable[Mode]) -> tuple[str, ...]:

@@ -145,7 +145,7 @@ class WorldDrawing(MissionDrawer):
         """Facts that are changed on some occasions, each fact once on each at most."""
         found = []
         for on in occasions:
-            for fact in self.facts if on != "start" or not self.shape.becoming else self.facts[2:]:
+            for fact in self.facts if on != "start" or not self.shape.becoming else ():
                 if self.number(0, 2 if self.shape.becoming else 5) == 0:
                     value = self.draw(st.sampled_from(fact.values))
                     found.append(FactChange(fact=fact.name, to=value, on=on, description=self.description()))
@@ -162,7 +162,7 @@ class WorldDrawing(MissionDrawer):
         )
 
     def becomes(self) -> tuple[str, ...]:
-        """What facts may become for a block to be left: of those that are not set at a start."""
+        """What facts may become for a block to be left."""
         return self.condition(self.facts[:2])
 
     def condition(self, facts: tuple[Fact, ...] = ()) -> tuple[str, ...]:

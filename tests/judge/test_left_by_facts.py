@@ -72,6 +72,7 @@ def both(name: str, *blocks: Block, **others: object) -> Parallel:
 
 
 END = one("g", failure="g")
+OPENING = Objective(name="c", activities=("c",), sets=(FactChange(fact="door", to="open", on="start"),))
 PLAIN = mission(ROBOT, one("a", left("g"), success="succeed"), END)
 SERIES = mission(
     ROBOT, block("r", one("a"), one("b", lowers="success"), one("c"), handlers=(left("g"),), failure="d"),
@@ -278,6 +279,10 @@ WRONG: dict[str, tuple[Mission, str]] = {
     "what is set at a start": (
         mission(ROBOT, one("a", left("g")), one("b", lowers="start"), END),
         "objective b sets low to true as it starts, and a is left when it becomes so (on when)",
+    ),
+    "what is set at a start in a branch": (
+        mission(ROBOT, one("a", left("g")), both("p", one("b"), block("r", OPENING)), END),
+        "objective c sets door to open as it starts in a branch of a <parallel>, and a is left by facts",
     ),
     "a handler of what changes facts": (
         mission(ROBOT, one("a", Handler(event="sinks", goto="g")), END),

@@ -140,7 +140,7 @@ def test_a_gate_that_ignores_whether_its_block_runs_has_the_same_markings() -> N
             ours = Subject(mission)
             sizes = [(of.markings.states, of.markings.edges) for of in (ours, other)]
             assert sizes[0] == sizes[1]
-    assert compared == 7
+    assert compared == 8
 
 
 def test_a_set_maps_its_places_to_the_states_of_hardware() -> None:
