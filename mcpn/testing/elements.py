@@ -124,7 +124,6 @@ LEFT_BY_FACTS = missions(
     timed_blocks=2,
     reasons=1,
     recovers=1,
-    pauses=2,
     guards=1,
     becoming=6,
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -44,11 +45,12 @@ SHAPE = Shape(
     pauses=3,
     timeouts=2,
     timed_blocks=4,
-    becoming=2,
     aborts=2,
     crashes=True,
     late=True,
 )
+LEFT = replace(SHAPE, pauses=0, becoming=2)
+"""What an event pauses is not left by facts."""
 
 
 def answers(text: str, memory: Memory | None = None) -> Answers:
@@ -76,7 +78,7 @@ def words(known: tuple[NamedWord, ...]) -> Iterator[str]:
 @st.composite
 def asking(draw: st.DrawFn) -> tuple[str, list[str]]:
     """The text of a mission with requirements, and the words that these say."""
-    mission = draw(missions(SHAPE))
+    mission = draw(st.sampled_from([SHAPE, LEFT]).flatmap(missions))
     known = vocabulary(compose(mission))
     says = [f"{word}({name})" for word in ("objective", "pending") for name in words(known.objectives)]
     says += [f"block({name})" for name in words(known.blocks)]
@@ -174,7 +176,7 @@ def test_a_rename_changes_names_and_nothing_else(drawn: tuple[str, list[str]], d
     assert formulas[0] == formulas[1]
 
 
-@given(missions(SHAPE), st.data())
+@given(st.sampled_from([SHAPE, LEFT]).flatmap(missions), st.data())
 def test_a_taken_name_is_refused(mission: Mission, data: st.DataObject) -> None:
     text = as_xml(mission)
     asked = answers(text)
@@ -191,7 +193,7 @@ def test_a_taken_name_is_refused(mission: Mission, data: st.DataObject) -> None:
         asked.renamed(FILE, asked.range(FILE, one.begin, one.end).start, two.name)
 
 
-@given(missions(SHAPE), st.data())
+@given(st.sampled_from([SHAPE, LEFT]).flatmap(missions), st.data())
 def test_offered_routes_are_those_that_check_accepts(mission: Mission, data: st.DataObject) -> None:
     """Each name of a block or an exit, in the place of a route: offered, or refused by check as a route."""
     text = as_xml(mission)
