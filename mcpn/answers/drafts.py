@@ -62,12 +62,13 @@ class _DraftNames(Names):
         super().__init__(builder.build())
         self._mission = mission
         self._by_word: dict[str, dict[str, None]] = {}
+        self._named: set[str] = set()
         for name, word in words_of(mission):
+            self._named.add(name)
             self._by_word.setdefault(word.partition("(")[0], {})[name] = None
 
     def place(self, name: str) -> int:
-        named = {element for element, _ in words_of(self._mission)}
-        if name in named or not any(element in name for element in ("MISSION", *named)):
+        if name in self._named or not any(element in name for element in ("MISSION", *self._named)):
             expected(name, self._mission)
         return 0  # places of the net are called after elements
 

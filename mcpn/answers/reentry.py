@@ -8,7 +8,7 @@ every branch is at its first section.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property, reduce
 from operator import and_
 from typing import Generic, NamedTuple, TypeAlias
@@ -153,7 +153,7 @@ class Reentry(Generic[S]):
         found: dict[int, S] = {}
         for section in self._left_by_facts:
             if any(inner.name == objective for inner in section.walk()):
-                for t, so in self._becoming(section):
+                for t, so in self._becoming[section.name]:
                     if states := so & running:
                         found[t] = found[t] | states if t in found else states
         for name, block in self.blocks.items():
@@ -178,7 +178,7 @@ class Reentry(Generic[S]):
             found = found | self.space.after(before, [t])
         for block in self._left_by_facts:
             if section.name in names_in(block) and not isinstance(section, ElementarySection):
-                for t, so in self._becoming(block):
+                for t, so in self._becoming[block.name]:
                     found = found | self.space.after(so & running, [t])
         return found
 
@@ -187,19 +187,33 @@ class Reentry(Generic[S]):
         """Sections that are left when facts become so."""
         return [section for section in self.mission_net.graph.all_sections() if section.becomes]
 
-    def _becoming(self, section: Section) -> Iterator[tuple[int, S]]:
-        """Transitions by which facts become so that a section is left, each with the states before.
+    @cached_property
+    def _becoming(self) -> Mapping[str, Sequence[tuple[int, S]]]:
+        """By section, transitions by which facts become so that it is left, each with the states before.
 
         Facts that a condition asks for are changed by events alone, so that the transition of the event says
         what they become.
         """
-        by_role, net = self.mission_net.by_role, self.mission_net.net
-        for each in section.becomes:
-            places = {by_role["fact", f"{fact}={value}"][0] for fact, value in each.when}
-            for t, transition in enumerate(net.transitions):
-                begun = places & {place for place, _ in transition.produce}
-                if transition.event is not None and begun:
-                    yield t, self._holding(places - begun)
+        found: dict[str, list[tuple[int, S]]] = {section.name: [] for section in self._left_by_facts}
+        for t, transition in enumerate(self.mission_net.net.transitions):
+            for section, _, places, begun in self._beginning(t) if transition.event is not None else ():
+                found[section.name].append((t, self._holding(places - begun)))
+        return found
+
+    def _beginning(self, t: int) -> Iterator[tuple[Section, str, set[int], set[int]]]:
+        """Sections that a transition may leave as it changes facts.
+
+        Yields:
+            A section, the outcome that this is, the places of all that its condition asks for, and those of
+            them that the transition marks.
+        """
+        by_role = self.mission_net.by_role
+        marked = {place for place, _ in self.mission_net.net.transitions[t].produce}
+        for section in self._left_by_facts:
+            for outcome, each in section.becoming:
+                places = {by_role["fact", f"{fact}={value}"][0] for fact, value in each.when}
+                if begun := places & marked:
+                    yield section, outcome, places, begun
 
     def _holding(self, places: Iterable[int]) -> S:
         """States in which some places are all marked."""
@@ -245,7 +259,7 @@ class Reentry(Generic[S]):
             if event is None:
                 continue
             by_facts = list[tuple[_Around, set[_Move]]]()
-            for section, outcome in self._stopped_by(t):
+            for section, outcome, *_ in self._beginning(t):
                 around = levels[section.name][1]
                 by_facts.append((around, set(_moves(around, section.led(outcome)))))
             if event.what in _OUTCOMES and event.element in levels:
@@ -262,16 +276,6 @@ class Reentry(Generic[S]):
                     routes = (away.get(to, to) for i in handled for to in i.routes)
                     left.append((around, set(_moves(around, routes))))
                 yield t, [*left, *by_facts]
-
-    def _stopped_by(self, t: int) -> Iterator[tuple[Section, str]]:
-        """Sections that are left as a transition changes facts, each with the outcome that this is."""
-        by_role = self.mission_net.by_role
-        begun = {place for place, _ in self.mission_net.net.transitions[t].produce}
-        for section in self._left_by_facts:
-            for outcome, each in section.becoming:
-                places = (by_role["fact", f"{fact}={value}"][0] for fact, value in each.when)
-                if begun.intersection(places):
-                    yield section, outcome
 
 
 def _is_in(around: _Around, block: ParallelSection) -> bool:

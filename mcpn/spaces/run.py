@@ -52,6 +52,19 @@ class Completion:
         self.net.fire_in_place(changing, event)
         return tuple(self.settle(changing, [event])), tuple(changing)
 
+    def of_event(self, marking: Sequence[int], event: Event) -> int | None:
+        """The first transition of an event that is enabled in a stable marking; ``None`` where none is."""
+        return next((t for t in self._carrying[event] if self.net.covers(marking, t)), None)
+
+    @cached_property
+    def _carrying(self) -> Mapping[Event, Sequence[int]]:
+        """By event, the transitions that carry it."""
+        found: dict[Event, list[int]] = {}
+        for t, transition in enumerate(self.net.transitions):
+            if transition.event is not None:
+                found.setdefault(transition.event, []).append(t)
+        return found
+
     def beside(self, fired: int) -> tuple[Sequence[tuple[int, int]], Sequence[int], Sequence[int]]:
         """What a firing may have enabled.
 
@@ -248,22 +261,18 @@ def without_detours(net: PetriNet, run: Sequence[int], reached: Callable[[Markin
         :data:`MOST_REPLAYS`.
     """
     completion = Completion(net)
-    by_event: dict[Event, list[int]] = {}
-    for t, transition in enumerate(net.transitions):
-        if transition.event is not None:
-            by_event.setdefault(transition.event, []).append(t)
 
     def replayed(events: Sequence[Event]) -> tuple[int, ...] | None:
         marking, fired = list(net.initial), list[int]()
         for t in completion.settle(marking):
             fired.append(t)
         for event in events:
-            t = next((t for t in by_event[event] if net.covers(marking, t)), -1)
-            if t < 0:
+            carrying = completion.of_event(marking, event)
+            if carrying is None:
                 return None
-            net.fire_in_place(marking, t)
-            fired.append(t)
-            for u in completion.settle(marking, [t]):
+            net.fire_in_place(marking, carrying)
+            fired.append(carrying)
+            for u in completion.settle(marking, [carrying]):
                 fired.append(u)
                 if event is events[-1] and reached(tuple(marking)):
                     return tuple(fired)

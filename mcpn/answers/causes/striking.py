@@ -28,10 +28,6 @@ class Striking:
     def __init__(self, mission_net: MissionNet) -> None:
         self.mission_net = mission_net
         self._completion = Completion(mission_net.net)
-        self._carrying: dict[Event, list[int]] = {}
-        for t, transition in enumerate(mission_net.net.transitions):
-            if transition.event is not None:
-                self._carrying.setdefault(transition.event, []).append(t)
 
     def on(self, run: Run) -> Run:
         """The same events in another order, if there is one in which a loss comes where it strikes.
@@ -89,10 +85,8 @@ class Striking:
 
     def _fired(self, marking: Marking, transition: int) -> tuple[int, Marking] | None:
         """The event of a transition by one that is enabled, and what follows; ``None`` where none is."""
-        for t in self._carrying[self._event(transition)]:
-            if self.mission_net.net.covers(marking, t):
-                return t, self._completion.after(marking, t)[1]
-        return None
+        t = self._completion.of_event(marking, self._event(transition))
+        return None if t is None else (t, self._completion.after(marking, t)[1])
 
     def _ended(self, marking: Marking) -> bool:
         return any(marking[place] for place in self.mission_net.ends.values())

@@ -22,6 +22,7 @@ from math import prod
 from typing import TypeAlias
 
 from mcpn.drawing.templates.canvas import Pen
+from mcpn.drawing.templates.facts import Way
 from mcpn.drawing.templates.interruption import Pausing, Position, Shift, Strand, called, events_of
 from mcpn.drawing.templates.leaving import Leaving
 from mcpn.drawing.templates.level import Level, element_of
@@ -173,9 +174,7 @@ class Interrupting(Level):
             place = pen.place(called(interruption.event, number))
             left = called(interruption.event, number, "left")
             leading = self.ways(section, interruption.target, interruption.cases, {})
-            for case, way, entered in leading:
-                part = left + (f"_{case}" if case else "")
-                pen.transition(part, [place, *all_halted], entered, read=way.read, rank=self.first)
+            self.onward(pen, left, [place, *all_halted], leading)
         if section.timed_out is not None:
             self.timed_out(pen, section, all_halted)
         self.left_by_facts(pen, section, all_halted)
@@ -192,9 +191,15 @@ class Interrupting(Level):
         late, event = pen.place("late"), Event(What.TIMEOUT, section.name)
         put = [late, *self.tokens(section, 0, "halt"), *self.canvas.resting]
         pen.transition("EV_TIMEOUT", [self.of(section, "running")], put, event=event)
-        for case, way, entered in self.led(section, TIMED_OUT):
-            part = "timed_out" + (f"_{case}" if case else "")
-            pen.transition(part, [late, *all_halted], entered, read=way.read, rank=self.first)
+        self.onward(pen, "timed_out", [late, *all_halted], self.led(section, TIMED_OUT))
+
+    def onward(
+        self, pen: Pen, part: str, halted: list[str], leading: Iterable[tuple[str, Way, list[str]]]
+    ) -> None:
+        """Goes on to what has stopped a block leads to, once every branch has halted."""
+        for case, way, entered in leading:
+            name = f"{part}_{case}" if case else part
+            pen.transition(name, halted, entered, read=way.read, rank=self.first)
 
     def becoming(self, section: Section) -> Iterator[tuple[str, str, list[str], int]]:
         """By outcome and word of its condition: places that say that facts have become so, and the rank."""
@@ -213,9 +218,8 @@ class Interrupting(Level):
             put = [left[outcome], *halts]
             pen.transition(word, [self.of(section, "running")], put, read=read, rank=rank)
         for outcome, place in left.items():
-            for case, way, entered in self.led(section, outcome):
-                part = f"left_{outcome.replace(' ', '')}" + (f"_{case}" if case else "")
-                pen.transition(part, [place, *all_halted], entered, read=way.read, rank=self.first)
+            part = f"left_{outcome.replace(' ', '')}"
+            self.onward(pen, part, [place, *all_halted], self.led(section, outcome))
 
     def each(self, pen: Pen, section: ParallelSection, phase: int, word: str) -> None:
         """Draws how the branches, or what runs while the block pauses, are halted, resumed and so on."""
