@@ -18,7 +18,7 @@ from mcpn.drawing.sections import SectionParts, part_of, refuse_wide
 from mcpn.errors import InputError, LimitError
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.engines import Asked, Choice, Engine, On, choices_of_net, refuse_unknown
-from mcpn.spaces.kept import Spaces
+from mcpn.spaces.kept import Spaces, kept
 from mcpn.spaces.stable.completion import MAX_STABLE_STATES
 
 if TYPE_CHECKING:
@@ -145,9 +145,10 @@ class MissionSpaces(Spaces):
         return self._mortal._listed(limit)[1] if proof else self._mortal.unproved(limit)
 
     @property
+    @kept()
     def _mortal(self) -> MissionSpaces:
         """The spaces of the same mission where hardware may die."""
-        return self._once("mortal", lambda: MissionSpaces(mortal(self.mission)))
+        return MissionSpaces(mortal(self.mission))
 
     def stable(self, by: Choice) -> tuple[ArraySpace, str]:
         """The alternatives graph by listing, unless its hardware alone means too many states."""
@@ -162,11 +163,8 @@ class MissionSpaces(Spaces):
 
     # --- by sections ---
 
-    def composite(
-        self,
-        *,
-        may_die: bool = False,
-    ) -> CompositeSpace:
+    @kept()
+    def composite(self, *, may_die: bool = False) -> CompositeSpace:
         """The alternatives graph of the mission by composition; see :meth:`space`.
 
         Raises:
@@ -174,32 +172,26 @@ class MissionSpaces(Spaces):
         """
         from mcpn.composite.composing import composite_space
 
-        def build() -> CompositeSpace:
-            return composite_space(
-                self.mission,
-                templates=self.templates,
-                may_die=may_die,
-            )
+        return composite_space(self.mission, templates=self.templates, may_die=may_die)
 
-        return self._once(("composite", may_die), build)
-
+    @kept()
     def section(self, name: str) -> MissionSpaces:
         """The spaces of one section on its own net, which begins where the section does.
 
         Raises:
             InputError: There is no such section.
         """
-        return self._once(
-            ("section", name), lambda: MissionSpaces(part_of(self.mission, name).net(self.templates))
-        )
+        return MissionSpaces(part_of(self.mission, name).net(self.templates))
 
     def local(self, name: str, max_states: int | None = None) -> tuple[MissionNet, AlternativesGraph]:
         """The local graph of a section, with its net; see :func:`mcpn.composite.composing.local_graph`."""
+        return self._local(name, MAX_STABLE_STATES if max_states is None else max_states)
+
+    @kept("max_states")
+    def _local(self, name: str, max_states: int) -> tuple[MissionNet, AlternativesGraph]:
         from mcpn.composite.composing import local_graph
 
-        limit = MAX_STABLE_STATES if max_states is None else max_states
-        templates = self.templates
-        return self._once(("local", name), lambda: local_graph(self.mission, name, limit, templates), limit)
+        return local_graph(self.mission, name, max_states, self.templates)
 
 
 def spaces_of(of: MissionSubject) -> MissionSpaces:

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Hashable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+from functools import update_wrapper
+from inspect import signature
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
 
 from mcpn.errors import InputError, LimitError, SemanticsError
 from mcpn.nets.petri import PetriNet
@@ -32,9 +34,48 @@ if TYPE_CHECKING:
 
 # Each engine is loaded when it is asked.
 
+Owner = TypeVar("Owner", bound="Spaces")
+Given = ParamSpec("Given")
 Built = TypeVar("Built")
+Builder: TypeAlias = Callable[Concatenate[Owner, Given], Built]
 Subject: TypeAlias = "Spaces | PetriNet"
 """What questions are asked of: spaces that may be there already, or the net that they are to be built of."""
+
+
+def kept(limit: str | None = None) -> Callable[[Builder[Owner, Given, Built]], Builder[Owner, Given, Built]]:
+    """Makes a method of spaces build once for equal arguments, and return that, or raise its error, again.
+
+    Args:
+        limit: The argument that limits the states, if one does. What was built within a limit serves every
+            higher one; a limit that was hit does not.
+    """
+
+    def once(build: Builder[Owner, Given, Built]) -> Builder[Owner, Given, Built]:
+        bind = signature(build).bind
+
+        def built(self: Owner, /, *args: Given.args, **kwargs: Given.kwargs) -> Built:
+            given = bind(self, *args, **kwargs)
+            given.apply_defaults()
+            most = 0 if limit is None else given.arguments.pop(limit)
+            key = build.__name__, *[*given.arguments.values()][1:]
+            if key in self._kept:
+                before, outcome = self._kept[key]
+                if before == most or (before < most and not isinstance(outcome, LimitError)):
+                    if isinstance(outcome, LimitError | SemanticsError):
+                        raise copy.copy(outcome)
+                    return outcome  # type: ignore[no-any-return]
+            try:
+                outcome = build(self, *args, **kwargs)
+            except (LimitError, SemanticsError) as error:
+                self._kept[key] = most, copy.copy(error)  # without its traceback, which holds much
+                raise
+            self._kept[key] = most, outcome
+            return outcome
+
+        update_wrapper(built, build)
+        return built
+
+    return once
 
 
 class Spaces:
@@ -86,28 +127,6 @@ class Spaces:
         """Whether few stable states are expected, so that they are listed before anything else is tried."""
         return False
 
-    def _once(self, key: Hashable, build: Callable[[], Built], limit: int = 0) -> Built:
-        """What was built under a key, or the error that was raised; it is built where neither is known.
-
-        Args:
-            key: What is built, without the limit on states.
-            build: Builds it.
-            limit: The limit on states under which it is built.
-        """
-        if key in self._kept:
-            kept_limit, outcome = self._kept[key]
-            if kept_limit == limit or (kept_limit < limit and not isinstance(outcome, LimitError)):
-                if isinstance(outcome, LimitError | SemanticsError):
-                    raise copy.copy(outcome)
-                return outcome  # type: ignore[no-any-return]
-        try:
-            built = build()
-        except (LimitError, SemanticsError) as error:
-            self._kept[key] = limit, copy.copy(error)  # without its traceback, which holds much
-            raise
-        self._kept[key] = limit, built
-        return built
-
     # --- by engine and graph ---
 
     def space(
@@ -154,56 +173,54 @@ class Spaces:
         """The alternatives graph with its stable states listed, and proved; its errors are the net's own."""
         return self._listed(MAX_STABLE_STATES if max_states is None else max_states)[0]
 
+    @kept("max_states")
     def _listed(self, max_states: int) -> tuple[AlternativesGraph, ArraySpace]:
-        def build() -> tuple[AlternativesGraph, ArraySpace]:
-            step(Doing.LISTING)  # before arrays are loaded, which takes its time
-            from mcpn.spaces.arrays import ArraySpace
-            from mcpn.spaces.stable.alternatives import direct_with_proof
+        step(Doing.LISTING)  # before arrays are loaded, which takes its time
+        from mcpn.spaces.arrays import ArraySpace
+        from mcpn.spaces.stable.alternatives import direct_with_proof
 
-            graph = direct_with_proof(self.net, max_states=max_states)
-            return graph, ArraySpace(graph)
+        graph = direct_with_proof(self.net, max_states=max_states)
+        return graph, ArraySpace(graph)
 
-        return self._once("listed", build, max_states)
-
+    @kept("max_states")
     def unproved(self, max_states: int) -> ArraySpace:
         """The alternatives graph with its stable states listed, confluence taken for granted."""
+        from mcpn.spaces.arrays import ArraySpace
+        from mcpn.spaces.stable.alternatives import direct
 
-        def build() -> ArraySpace:
-            from mcpn.spaces.arrays import ArraySpace
-            from mcpn.spaces.stable.alternatives import direct
-
-            return ArraySpace(direct(self.net, proof=False, max_states=max_states))
-
-        return self._once("unproved", build, max_states)
+        return ArraySpace(direct(self.net, proof=False, max_states=max_states))
 
     def markings(self, by: Choice, *, tokens: bool = True) -> ArraySpace | DiagramMarkings:
         """The markings graph; see :meth:`space`."""
         tokens = tokens and not self.net.priorities  # else the net must be 1-safe
         if by.engine == "explicit":
-            return self._once(("explicit", tokens), lambda: self._arrays(by, tokens), by.limit)
-        edges = (
-            by.why is not None and not self.net.priorities
-        )  # ``auto`` chose: no diagram was asked for by name
+            return self._arrays(tokens, by.limit)
+        return self._drawn(tokens, self._lists_early(by))
 
-        def build() -> ArraySpace | DiagramMarkings:
-            space = self.symbolic(tokens=tokens, edges=edges)
-            if space.listed is None:
-                return DiagramMarkings(space)
-            from mcpn.spaces.arrays import ArraySpace
+    def _lists_early(self, by: Choice) -> bool:
+        """Whether few markings are listed: ``auto`` chose, no diagram was asked for by name."""
+        return by.why is not None and not self.net.priorities
 
-            return ArraySpace(space.listed)
-
-        return self._once(("markings", tokens, edges), build)
-
-    def _arrays(self, by: Choice, tokens: bool) -> ArraySpace:
+    @kept("max_states")
+    def _arrays(self, tokens: bool, max_states: int) -> ArraySpace:
         step(Doing.LISTING_MARKINGS)
         from mcpn.spaces.arrays import ArraySpace
 
         if not tokens:
-            return ArraySpace(explore(self.net, max_states=by.limit))
+            return ArraySpace(explore(self.net, max_states=max_states))
         from mcpn.spaces.markings.counted import explore_markings
 
-        return ArraySpace(explore_markings(self.net, max_states=by.limit))
+        return ArraySpace(explore_markings(self.net, max_states=max_states))
+
+    @kept()
+    def _drawn(self, tokens: bool, edges: bool) -> ArraySpace | DiagramMarkings:
+        """The markings graph on a diagram, or on arrays where the markings were listed."""
+        space = self.symbolic(tokens=tokens, edges=edges)
+        if space.listed is None:
+            return DiagramMarkings(space)
+        from mcpn.spaces.arrays import ArraySpace
+
+        return ArraySpace(space.listed)
 
     def symbolic(self, *, tokens: bool = True, edges: bool = False) -> SymbolicSpace:
         """All markings as a diagram.
@@ -212,46 +229,53 @@ class Spaces:
             tokens: Whether places may hold several tokens.
             edges: Whether firings are kept where the markings were listed, if they fit.
         """
+        return self._symbolic(tokens and not self.net.priorities, edges)
 
-        def build() -> SymbolicSpace:
-            step(Doing.MAKING_DIAGRAM)
-            return self._reaching(tokens and not self.net.priorities, edges).made
+    @kept()
+    def _symbolic(self, tokens: bool, edges: bool) -> SymbolicSpace:
+        step(Doing.MAKING_DIAGRAM)
+        return self._reaching(tokens, edges).made
 
-        return self._once(("symbolic", tokens and not self.net.priorities, edges), build)
-
+    @kept()
     def _reaching(self, tokens: bool, edges: bool) -> Resting[SymbolicSpace]:
         work = reaching_markings if tokens else reaching  # without tokens the net must be 1-safe
-        return self._once(("reaching", tokens, edges), lambda: Resting(work(self.net, edges=edges)))
+        return Resting(work(self.net, edges=edges))
 
     @property
+    @kept()
     def diagram(self) -> DiagramMarkings:
         """All markings of a bounded net on a diagram, with as many tokens as there are."""
-        return self._once("diagram", lambda: DiagramMarkings(self.symbolic()))
+        return DiagramMarkings(self.symbolic())
 
     def reduced(self, by: Choice, *, proof: bool = True) -> tuple[Space[Any], str]:
         """The alternatives graph by way of all markings of a 1-safe net, and the proof of confluence."""
+        return self._reduced(by.engine, self._lists_early(by), proof, by.limit)
 
-        def build() -> tuple[Space[Any], str]:
-            markings = self.markings(by, tokens=False)
-            step(Doing.PROVING)
-            if not isinstance(markings, DiagramMarkings):
-                from mcpn.spaces.stable.alternatives import by_reduction
+    @kept("max_states")
+    def _reduced(
+        self, engine: Engine, lists_early: bool, proof: bool, max_states: int
+    ) -> tuple[Space[Any], str]:
+        explicit = engine == "explicit"
+        markings = self._arrays(False, max_states) if explicit else self._drawn(False, lists_early)
+        step(Doing.PROVING)
+        if not isinstance(markings, DiagramMarkings):
+            from mcpn.spaces.stable.alternatives import by_reduction
 
-                graph = by_reduction(markings.graph)
-                return type(markings)(graph), graph.proof or ""
-            from mcpn.spaces.stable.confluence import prove_confluent
+            graph = by_reduction(markings.graph)
+            return type(markings)(graph), graph.proof or ""
+        from mcpn.spaces.stable.confluence import prove_confluent
 
-            space = markings.space
-            proved = prove_confluent(self.net, space) if proof else ""
-            return DiagramAlternatives(space), proved
-
-        listed_early = by.why is not None and not self.net.priorities
-        return self._once(("reduced", by.engine, listed_early, proof), build, by.limit)
+        space = markings.space
+        proved = prove_confluent(self.net, space) if proof else ""
+        return DiagramAlternatives(space), proved
 
     def ordered(self, order: Order | None = None, seed: int | None = None) -> SymbolicSpace:
         """All markings on a diagram whose order of places is given, or raced with one that a seed draws."""
-        key = "ordered", None if order is None else tuple(order), seed
-        return self._once(key, lambda: reach_markings(self.net, order=order, seed=seed))
+        return self._ordered(None if order is None else tuple(order), seed)
+
+    @kept()
+    def _ordered(self, order: Order | None, seed: int | None) -> SymbolicSpace:
+        return reach_markings(self.net, order=order, seed=seed)
 
     def go_on(self, steps: int) -> bool:
         """Goes on with the diagram of all markings of a net without priorities, as ``auto`` asks for it.
@@ -266,16 +290,15 @@ class Spaces:
 
     def counted(self, max_states: int | None = None, *, tokens: bool = True) -> Counts:
         """The sizes of the markings graph, counted marking by marking without keeping the firings."""
-        tokens, limit = tokens and not self.net.priorities, max_states or MAX_MARKINGS
+        return self._counted(tokens and not self.net.priorities, max_states or MAX_MARKINGS)
 
-        def build() -> Counts:
-            if not tokens:
-                return count(self.net, max_states=limit)
-            from mcpn.spaces.markings.counted import count_markings
+    @kept("max_states")
+    def _counted(self, tokens: bool, max_states: int) -> Counts:
+        if not tokens:
+            return count(self.net, max_states=max_states)
+        from mcpn.spaces.markings.counted import count_markings
 
-            return count_markings(self.net, max_states=limit)
-
-        return self._once(("counted", tokens), build, limit)
+        return count_markings(self.net, max_states=max_states)
 
     def reference(self, seconds: float | None = None) -> ReferenceCounts:
         """What the independent reference counts.
@@ -290,20 +313,23 @@ class Spaces:
         try:
             from mcpn.spaces import pyeda_reference
 
-            time = pyeda_reference.MAX_SECONDS if seconds is None else seconds
-            return self._once(("reference", time), lambda: pyeda_reference.count(self.net, seconds=time))
+            return self._reference(pyeda_reference.MAX_SECONDS if seconds is None else seconds)
         except ImportError as error:
             raise LimitError("the reference engine needs pyeda: pip install 'mcpn[pyeda]'") from error
 
+    @kept()
+    def _reference(self, seconds: float) -> ReferenceCounts:
+        from mcpn.spaces import pyeda_reference
+
+        return pyeda_reference.count(self.net, seconds=seconds)
+
+    @kept("max_states")
     def with_tokens(self, max_states: int) -> ArraySpace:
         """All markings of a bounded net listed, with as many tokens as there are, priorities respected."""
         from mcpn.spaces.arrays import ArraySpace
         from mcpn.spaces.markings.counted import explore_tokens
 
-        def build() -> ArraySpace:
-            return ArraySpace(explore_tokens(self.net, max_states=max_states))
-
-        return self._once("with tokens", build, max_states)
+        return ArraySpace(explore_tokens(self.net, max_states=max_states))
 
 
 def spaces_of(of: Subject) -> Spaces:
