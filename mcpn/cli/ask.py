@@ -10,26 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mcpn.cli.shared import (
-    EXIT_FAILED,
-    FILE,
-    choice_object,
-    emit_json,
-    engine_option,
-    import_option,
-    jobs_option,
-    json_option,
-    limit_option,
-    scheduler_option,
-    templates_option,
-    without_threads_of_numpy,
-)
-from mcpn.report.progress import progress_on_terminal
+from mcpn.cli.shared import EXIT_FAILED, FILE, Question, choice_object, emit_json, engine_option, question
 
 if TYPE_CHECKING:
     from mcpn.answers.safety import SafetyAnswer
     from mcpn.drawing.compose import MissionNet
-    from mcpn.drawing.templates import TemplateSet
     from mcpn.logic.questions import Answer, Questions
     from mcpn.logic.verdicts import ContestAnswer
     from mcpn.logic.witness import Witness
@@ -68,13 +53,9 @@ EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", 
 @click.option("--stop", "stops", multiple=True, metavar="EVENT", help="Stops the robot; may be repeated.")
 @click.option("--hoa", is_flag=True, help="Print the automaton of each FORMULA on paths, and answer none.")
 @click.option("--scn", type=FILE, help="Write the run of the one FORMULA as a firing sequence.")
-@jobs_option
-@scheduler_option
-@limit_option
-@import_option
-@templates_option
-@json_option
+@question(workers=True)
 def ask(
+    question: Question,
     file: Path,
     formulas: tuple[str, ...],
     properties: tuple[Path, ...],
@@ -87,12 +68,6 @@ def ask(
     stops: tuple[str, ...],
     hoa: bool,
     scn: Path | None,
-    jobs: int,
-    scheduler: str | None,
-    max_states: int | None,
-    import_root: Path | None,
-    templates: TemplateSet | None,
-    as_json: bool,
 ) -> None:
     """Answer formulas of CTL and LTL on FILE: the stable states of a mission, or the markings of a net.
 
@@ -106,42 +81,41 @@ def ask(
         raise click.UsageError("--robot-safety asks questions of its own: no FORMULA goes with it")
     if (dangerous or stops) and not robot_safety:
         raise click.UsageError("--dangerous and --stop go with --robot-safety")
-    without_threads_of_numpy()
     from mcpn.logic.verdicts import answer_typed
-    from mcpn.opening import open_study
-    from mcpn.workers import workers_of
 
-    with progress_on_terminal(as_json):
-        study = open_study(file, import_root=import_root, templates=templates)
+    with question.progress():
+        study = question.study(file)
     if robot_safety:
-        with progress_on_terminal(as_json), workers_of(jobs, scheduler):
-            found = study.robot_safety(dangerous=dangerous, stops=stops, engine=engine, max_states=max_states)
-        _tell_safety(found, study.mission_net, as_json)
+        with question.work():
+            found = study.robot_safety(
+                dangerous=dangerous, stops=stops, engine=engine, max_states=question.max_states
+            )
+        _tell_safety(found, study.mission_net, question.as_json)
         return
     if not (formulas or properties or examinations):
         if study.is_net:
             raise click.UsageError("a FORMULA, --properties or --examination is needed to ask about a net")
-        _list_words(study.mission_net, as_json)
+        _list_words(study.mission_net, question.as_json)
         return
     objects, answers = [], []
-    with workers_of(jobs, scheduler):
-        questions = study.questions(on=graph, fair=fair, engine=engine, max_states=max_states)
+    with question.workers():
+        questions = study.questions(on=graph, fair=fair, engine=engine, max_states=question.max_states)
         # Everything asked is understood before anything is answered.
         for text in formulas:
             questions.formula(text)
         if hoa:
-            _print_automata(questions, formulas, as_json)
+            _print_automata(questions, formulas, question.as_json)
             return
         for verdict in _of_contest(questions, properties, examinations):
             objects.append(_contest_object(verdict))
-            if not as_json:
+            if not question.as_json:
                 click.echo(str(verdict))
         if formulas:
-            with progress_on_terminal(as_json):
+            with question.progress():
                 answers = answer_typed(questions, formulas)
     if scn:
         _write_scenario(answers[0], scn)
-    if as_json:
+    if question.as_json:
         emit_json([*objects, *(_answer_object(answer, study.net) for answer in answers)])
     elif answers:
         from mcpn.report.text import print_answers

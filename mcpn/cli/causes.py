@@ -8,25 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mcpn.cli.shared import (
-    FILE,
-    choice_object,
-    emit_json,
-    engine_option,
-    import_option,
-    jobs_option,
-    json_option,
-    limit_option,
-    scheduler_option,
-    tell_warnings,
-    templates_option,
-    without_threads_of_numpy,
-)
+from mcpn.cli.shared import FILE, Question, choice_object, emit_json, engine_option, question, tell_warnings
 from mcpn.errors import InputError, LimitError
-from mcpn.report.progress import progress_on_terminal
 
 if TYPE_CHECKING:
-    from mcpn.drawing.templates import TemplateSet
     from mcpn.report.failures.tables import Classes
     from mcpn.spaces.engines import Asked
 
@@ -65,13 +50,9 @@ MOST_TOLD = 50
     metavar="CLASS=NAME",
     help='A name of your own for a severity class, for example "mission lost=I".',
 )
-@jobs_option
-@scheduler_option
-@limit_option
-@import_option
-@templates_option
-@json_option
+@question(workers=True)
 def causes(
+    question: Question,
     mission: Path,
     engine: Asked,
     objectives: tuple[str, ...],
@@ -81,12 +62,6 @@ def causes(
     max_chain: int | None,
     within: str | None,
     severities: tuple[str, ...],
-    jobs: int,
-    scheduler: str | None,
-    max_states: int | None,
-    import_root: Path | None,
-    templates: TemplateSet | None,
-    as_json: bool,
 ) -> None:
     """Tell what makes MISSION fail: minimal sets of lost hardware, critical events, what each loss does.
 
@@ -94,27 +69,24 @@ def causes(
     states of the whole mission, or with local those of each type of section. Of missions with more than 50
     objectives, runs and FMECA rows are of those that --objective names, or of all with --fmeca.
     """
-    without_threads_of_numpy()
     from mcpn.answers.causes.fmeca import fmeca as table_of
     from mcpn.files import write_atomically
     from mcpn.mission.static.intervals import at_their_means, interval_rates
-    from mcpn.opening import open_study
     from mcpn.report.failures import objects, tables, terminal
     from mcpn.report.failures.openpsa import open_psa
     from mcpn.report.text import print_choice
-    from mcpn.workers import workers_of
 
     started = time.perf_counter()
     classes = _classes(severities)
     hours = None if within is None else _hours(within, rates)
     if fmeca is not None:
         tables.check_table_name(fmeca)
-    study = open_study(mission, import_root=import_root, templates=templates)
-    if not as_json:
+    study = question.study(mission)
+    if not question.as_json:
         tell_warnings(study.mission_net)
-    with progress_on_terminal(as_json):
-        with workers_of(jobs, scheduler):
-            every = study.causes(engine=engine, max_states=max_states)
+    with question.progress():
+        with question.workers():
+            every = study.causes(engine=engine, max_states=question.max_states)
         found = every.of(objectives) if objectives else every
         short = len(found.objectives) <= MOST_TOLD
         wanted = None if fmeca is not None else list(found.objectives)
@@ -128,9 +100,9 @@ def causes(
             try:
                 numbers, slopes = risk(every.prospects, max_chain), slopes_of(every.prospects, max_chain)
                 if interval_rates(study.mission_net.mission):
-                    bounded = bounds(every.prospects, max_states)
+                    bounded = bounds(every.prospects, question.max_states)
                 if hours is not None:
-                    by_then = ends_within(whole_chain(every.prospects, max_states), hours)
+                    by_then = ends_within(whole_chain(every.prospects, question.max_states), hours)
             except LimitError as error:  # all else is answered
                 unanswered = LimitError(f"numbers of risk: not computed: {error}")
     if openpsa is not None:
@@ -141,7 +113,7 @@ def causes(
         write_atomically(openpsa, tree)
     if fmeca is not None:
         tables.save_fmeca(rows, fmeca, classes)
-    if as_json:
+    if question.as_json:
         document: dict[str, Any] = objects.causes_object(found, runs=short)
         if numbers is not None:
             document["risk"] = objects.risk_object(numbers)

@@ -12,23 +12,16 @@ import click
 from mcpn.cli.shared import (
     EXIT_FAILED,
     FILE,
+    Question,
     choice_object,
     emit_json,
     engine_option,
-    import_option,
-    jobs_option,
-    json_option,
-    limit_option,
-    scheduler_option,
+    question,
     tell_warnings,
-    templates_option,
-    without_threads_of_numpy,
 )
-from mcpn.report.progress import progress_on_terminal
 
 if TYPE_CHECKING:
     from mcpn.answers.verdicts.mission import MissionCheck
-    from mcpn.drawing.templates import TemplateSet
     from mcpn.spaces.engines import Asked
 
 
@@ -40,50 +33,36 @@ if TYPE_CHECKING:
     "--internal", is_flag=True, help="Show the firings inside the net between which the outcome is decided."
 )
 @click.option("--strict", is_flag=True, help="Treat warnings as failures: exit code 1.")
-@jobs_option
-@scheduler_option
-@limit_option
-@import_option
-@templates_option
-@json_option
+@question(workers=True)
 def check(
+    question: Question,
     file: Path,
     structure: bool,
     engine: Asked,
     internal: bool,
     strict: bool,
-    jobs: int,
-    scheduler: str | None,
-    max_states: int | None,
-    import_root: Path | None,
-    templates: TemplateSet | None,
-    as_json: bool,
 ) -> None:
     """Verify FILE: a mission's verdicts with their runs, or the behaviour of a net from elsewhere."""
-    without_threads_of_numpy()
-    from mcpn.opening import open_study
-
     started = time.perf_counter()
-    with progress_on_terminal(as_json):
-        study = open_study(file, import_root=import_root, templates=templates)
+    with question.progress():
+        study = question.study(file)
     if structure or study.is_net:
         from mcpn.report.nets import net_object, print_net, print_structure, structure_object
 
         if structure:
             arcs = study.structure()
-            emit_json(structure_object(arcs)) if as_json else print_structure(arcs)
+            emit_json(structure_object(arcs)) if question.as_json else print_structure(arcs)
         else:
-            with progress_on_terminal(as_json):
-                does = study.behaviour(max_states=max_states)
-            emit_json(net_object(does)) if as_json else print_net(does)
+            with question.progress():
+                does = study.behaviour(max_states=question.max_states)
+            emit_json(net_object(does)) if question.as_json else print_net(does)
         return
-    from mcpn.workers import workers_of
 
-    warned = [] if as_json else tell_warnings(study.mission_net)
-    with progress_on_terminal(as_json), workers_of(jobs, scheduler):
-        found = study.verdicts(engine=engine, max_states=max_states)
+    warned = [] if question.as_json else tell_warnings(study.mission_net)
+    with question.work():
+        found = study.verdicts(engine=engine, max_states=question.max_states)
     seconds = time.perf_counter() - started
-    if as_json:
+    if question.as_json:
         emit_json(_check_object(found, seconds, internal))
     else:
         from mcpn.report.text import print_check

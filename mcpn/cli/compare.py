@@ -9,16 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mcpn.cli.shared import (
-    EXIT_FAILED,
-    FILE,
-    FiniteRange,
-    emit_json,
-    import_option,
-    json_option,
-    limit_option,
-    without_threads_of_numpy,
-)
+from mcpn.cli.shared import EXIT_FAILED, FILE, FiniteRange, Question, emit_json, question
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -73,10 +64,9 @@ if TYPE_CHECKING:
     metavar="SET SET",
     help="Compare two sets of templates on a mission, instead of engines: paper, compact, or MODULE:NAME.",
 )
-@limit_option
-@import_option
-@json_option
+@question(templates=False)
 def compare(
+    question: Question,
     file: Path | None,
     family: tuple[str, str] | None,
     form: str,
@@ -85,9 +75,6 @@ def compare(
     own: tuple[str, ...],
     plot: Path | None,
     sets: tuple[str, str] | None,
-    max_states: int | None,
-    import_root: Path | None,
-    as_json: bool,
 ) -> None:
     """Run every engine on FILE, a mission or a net, side by side; exit code 1 if they disagree.
 
@@ -95,9 +82,8 @@ def compare(
     mission behaves the same with both, event by event.
     """
     from mcpn.answers.compare import disagreement, measure
-    from mcpn.opening import open_study
 
-    form = "json" if as_json else form
+    form = "json" if question.as_json else form
     if (file is None) == (family is None):
         raise click.UsageError("expected a FILE, or --family NAME SIZES, and not both")
     if sets:
@@ -105,7 +91,7 @@ def compare(
             raise click.UsageError(
                 "--templates takes a mission, and neither --plot, --engine nor a table's --format"
             )
-        _compare_sets(file, sets, max_states, import_root, form == "json")
+        _compare_sets(file, sets, question, form == "json")
         return
     if plot is not None:
         from mcpn.report.pictures.plots import ready
@@ -117,12 +103,12 @@ def compare(
         for name in own:
             engine_named(name)
     if family is not None:
-        members = _members(*family, max_states, seconds, repeat, own)
+        members = _members(*family, question.max_states, seconds, repeat, own)
     else:
         assert file is not None
-        study = open_study(file, import_root=import_root)
+        study = question.study(file)
         subject = study.net if study.is_net else study.mission_net.mission
-        members = [measure(subject, max_states=max_states, seconds=seconds, repeats=repeat, own=own)]
+        members = [measure(subject, max_states=question.max_states, seconds=seconds, repeats=repeat, own=own)]
     if plot is not None:
         from mcpn.report.pictures.plots import save_engines
 
@@ -161,21 +147,17 @@ def _members(
     return list(grown(nets, max_states=max_states, seconds=seconds, repeats=repeat, own=own))
 
 
-def _compare_sets(
-    file: Path, names: tuple[str, str], max_states: int | None, import_root: Path | None, as_json: bool
-) -> None:
-    from dataclasses import asdict
+def _compare_sets(file: Path, names: tuple[str, str], question: Question, as_json: bool) -> None:
+    from dataclasses import asdict, replace
 
     from mcpn.answers.likeness import likeness_of
     from mcpn.drawing.templates.named import templates_named
-    from mcpn.opening import open_study
     from mcpn.report.text import print_likeness
 
-    without_threads_of_numpy()
     sets = [templates_named(name) for name in names]
-    studies = [open_study(file, import_root=import_root, templates=templates) for templates in sets]
+    studies = [replace(question, templates=templates).study(file) for templates in sets]
     one, other = (study.mission_spaces() for study in studies)
-    found = likeness_of(one, other, names=names, max_states=max_states)
+    found = likeness_of(one, other, names=names, max_states=question.max_states)
     if as_json:
         parted = found.difference
         sizes = [{"templates": name} | asdict(of) for name, of in zip(names, found.sizes, strict=True)]

@@ -3,26 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import click
 
-from mcpn.cli.shared import (
-    FILE,
-    emit_json,
-    import_option,
-    jobs_option,
-    json_option,
-    limit_option,
-    scheduler_option,
-    templates_option,
-    without_threads_of_numpy,
-)
+from mcpn.cli.shared import FILE, Question, emit_json, question
 from mcpn.errors import InputError, Source
-from mcpn.report.progress import progress_on_terminal
-
-if TYPE_CHECKING:
-    from mcpn.drawing.templates import TemplateSet
 
 
 @click.command()
@@ -45,43 +31,30 @@ if TYPE_CHECKING:
 @click.option("--hierarchical", "form", flag_value="hierarchical", help="The same as --form hierarchical.")
 @click.option("--flat", "form", flag_value="flat", help="The same as --form flat.")
 @click.option("--minimise", "smallest", is_flag=True, help="Merge states that no run of events tells apart.")
-@jobs_option
-@scheduler_option
-@limit_option
-@import_option
-@templates_option
-@json_option
+@question(workers=True)
 def controller(
+    question: Question,
     mission: Path,
     target: str,
     output: Path,
     form: Literal["auto", "hierarchical", "modular", "flat"],
     smallest: bool,
-    jobs: int,
-    scheduler: str | None,
-    max_states: int | None,
-    import_root: Path | None,
-    templates: TemplateSet | None,
-    as_json: bool,
 ) -> None:
     """Generate the controller of MISSION: state machines, or rules, that do what was verified."""
     if smallest and form == "modular":
         raise click.UsageError("--minimise merges states of machines: a modular controller has none")
-    without_threads_of_numpy()
     from mcpn.controller.hierarchy import TableController
     from mcpn.controller.minimise import minimise
     from mcpn.controller.targets import OF_RULES, files
     from mcpn.files import write_folder
-    from mcpn.opening import open_study
-    from mcpn.workers import workers_of
 
-    study = open_study(mission, import_root=import_root, templates=templates)
+    study = question.study(mission)
     if form == "auto" and (smallest or target not in OF_RULES):
         form = "hierarchical"
-    with progress_on_terminal(as_json), workers_of(jobs, scheduler):
+    with question.work():
         found = study.controller(
             form,
-            max_states=max_states,
+            max_states=question.max_states,
             told=lambda text: click.echo(text, err=True),
         )
     size = found.size
@@ -91,7 +64,7 @@ def controller(
     texts = files(found, study.mission_net, target)
     write_folder(output, texts)
     paths = [str(output / name) for name in texts]
-    if as_json:
+    if question.as_json:
         emit_json({"mission": found.mission, "form": found.form, "size": size, "files": paths})
         return
     click.echo(f"{found.form} controller of {found.mission}: {size}")
@@ -113,20 +86,14 @@ def controller(
     is_flag=True,
     help="Write to a .drn file the chain of a mission that has rates and durations (needs mcpn[risk]).",
 )
-@limit_option
-@import_option
-@templates_option
-@json_option
+@question()
 def convert(
+    question: Question,
     source: Path,
     target: Path,
     draw: str | None,
     section: str | None,
     rates: bool,
-    max_states: int | None,
-    import_root: Path | None,
-    templates: TemplateSet | None,
-    as_json: bool,
 ) -> None:
     """Convert SOURCE (.xml mission, .pnml, .net, .json) to TARGET (.pnml, .net, .dot, .json, .svg, .png).
 
@@ -135,7 +102,6 @@ def convert(
     for the model checker Storm.
     """
     from mcpn.nets.formats import WRITABLE, save_net
-    from mcpn.opening import open_study
     from mcpn.report.pictures.drawing import KNOWN
 
     if rates or target.suffix.lower() == ".drn":
@@ -143,11 +109,11 @@ def convert(
             found = "--rates" if rates else f"the suffix {target.suffix!r} without --rates"
             expected = "a file .drn with --rates, which holds the chain of a mission"
             raise InputError.at(Source(str(target)), f"found {found}, expected {expected}")
-        _write_chain(source, target, max_states, import_root, templates, as_json)
+        _write_chain(source, target, question)
         return
     if target.suffix.lower() in KNOWN:
-        open_study(source, import_root=import_root, templates=templates).picture(draw, section).save(target)
-        if as_json:
+        question.study(source).picture(draw, section).save(target)
+        if question.as_json:
             emit_json({"file": str(target), "warnings": []})
         return
     if draw or section:
@@ -156,35 +122,26 @@ def convert(
     if target.suffix.lower() not in WRITABLE:
         expected = ", ".join((*WRITABLE, *KNOWN))
         raise InputError.at(Source(str(target)), f"found the suffix {target.suffix!r}, expected {expected}")
-    net = open_study(source, import_root=import_root, templates=templates).net
+    net = question.study(source).net
     warning = save_net(net, target)
-    if as_json:
+    if question.as_json:
         sizes = {"places": len(net.places), "transitions": len(net.transitions)}
         emit_json({"file": str(target), **sizes, "warnings": [warning] if warning else []})
     elif warning:
         click.echo(f"warning: {warning}", err=True)
 
 
-def _write_chain(
-    source: Path,
-    target: Path,
-    max_states: int | None,
-    import_root: Path | None,
-    templates: TemplateSet | None,
-    as_json: bool,
-) -> None:
+def _write_chain(source: Path, target: Path, question: Question) -> None:
     """Writes the chain of a mission with rates as a Markov automaton."""
-    without_threads_of_numpy()
     from mcpn.answers.causes.chain import decimal
     from mcpn.answers.causes.prospects import Prospects
     from mcpn.answers.causes.whole_chain import whole_chain
     from mcpn.files import write_atomically
-    from mcpn.opening import open_study
     from mcpn.report.failures.drn import drn
 
-    study = open_study(source, import_root=import_root, templates=templates)
-    space = study.alternatives(max_states=max_states)
-    chain = whole_chain(Prospects(study.mission_net, space), max_states, decimal)
+    study = question.study(source)
+    space = study.alternatives(max_states=question.max_states)
+    chain = whole_chain(Prospects(study.mission_net, space), question.max_states, decimal)
     write_atomically(target, drn(chain))
-    if as_json:
+    if question.as_json:
         emit_json({"file": str(target), "states": chain.states, "edges": len(chain.sources), "warnings": []})

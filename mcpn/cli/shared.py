@@ -5,7 +5,10 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass, fields
+from functools import wraps
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +19,7 @@ if TYPE_CHECKING:
     from mcpn.drawing.compose import MissionNet
     from mcpn.drawing.templates import TemplateSet
     from mcpn.spaces.engines import Choice, NoSpace
+    from mcpn.study import Study
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
@@ -53,13 +57,13 @@ json_option = click.option(
     callback=_remember_json,
     help="Print one JSON value and nothing else.",
 )
-limit_option = click.option(
+_limit = click.option(
     "--max-states",
     type=click.IntRange(1, (1 << 63) - 1),
     help="List at most this many states one by one. Decision diagrams, which the symbolic engine and most of "
     "the local one use, are limited by memory instead.",
 )
-import_option = click.option(
+_import = click.option(
     "--import-root",
     type=FILE,
     help="Directory that imports of the mission must stay in (default: the mission's own).",
@@ -75,7 +79,7 @@ def templates_of(_ctx: click.Context, _option: click.Parameter, name: str | None
     return None if name == PAPER else templates_named(name)
 
 
-templates_option = click.option(
+_templates = click.option(
     "--templates",
     metavar="SET",
     callback=templates_of,
@@ -84,14 +88,14 @@ templates_option = click.option(
 
 MOST_JOBS = 1024
 """No machine has more processes for this, and the queue between them has room for few more."""
-jobs_option = click.option(
+_jobs = click.option(
     "--jobs",
     type=click.IntRange(1, MOST_JOBS),
     default=1,
     show_default=True,
     help="Processes for local graphs.",
 )
-scheduler_option = click.option(
+_scheduler = click.option(
     "--scheduler", metavar="ADDRESS", help="Build local graphs on a dask cluster (needs mcpn[distributed])."
 )
 
@@ -107,14 +111,85 @@ def engine_option(*more: str) -> Callable[[Any], Any]:
     return click.option("--engine", type=known, default="auto", show_default=True, help=told)
 
 
+@dataclass(frozen=True)
+class Question:
+    """What the options say that commands which ask a question share.
+
+    Args:
+        max_states: States that are listed at most; ``None`` for the limit of each engine.
+        import_root: Where imports must stay; ``None`` for the directory of the mission.
+        templates: What draws the net of a mission; ``None`` for the paper's.
+        as_json: Whether to answer in JSON.
+        jobs: Processes that build local graphs.
+        scheduler: The address of a cluster that builds them.
+    """
+
+    max_states: int | None = None
+    import_root: Path | None = None
+    templates: TemplateSet | None = None
+    as_json: bool = False
+    jobs: int = 1
+    scheduler: str | None = None
+
+    def study(self, file: Path) -> Study:
+        """The study of a file, which is read as the options say."""
+        from mcpn.opening import open_study
+
+        return open_study(file, import_root=self.import_root, templates=self.templates)
+
+    def progress(self) -> AbstractContextManager[None]:
+        """Shows how far the work is, unless the answer is JSON."""
+        from mcpn.report.progress import progress_on_terminal
+
+        return progress_on_terminal(self.as_json)
+
+    @contextmanager
+    def workers(self) -> Iterator[None]:
+        """Shares the work with the processes that the options name."""
+        from mcpn.workers import workers_of
+
+        with workers_of(self.jobs, self.scheduler):
+            yield
+
+    @contextmanager
+    def work(self) -> Iterator[None]:
+        """Shows how far the work is, and shares it."""
+        with self.progress(), self.workers():
+            yield
+
+
+def question(
+    *, workers: bool = False, templates: bool = True, as_json: bool = True
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Gives a command the options that questions share, and their values as its first argument.
+
+    Args:
+        workers: Whether processes may share the work.
+        templates: Whether the command knows ``--templates``.
+        as_json: Whether it knows ``--json``.
+    """
+    options = [*([_jobs, _scheduler] if workers else ()), _limit, _import]
+    options += [*([_templates] if templates else ()), *([json_option] if as_json else ())]
+    shared = [field.name for field in fields(Question)]
+
+    def given_options(command: Callable[..., None]) -> Callable[..., None]:
+        @wraps(command)
+        def asked(**given: Any) -> None:
+            # Else numpy starts threads for its linear algebra; small products only wait for them.
+            os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+            said = {name: given.pop(name) for name in shared if name in given}
+            command(Question(**said), **given)
+
+        for option in reversed(options):
+            asked = option(asked)
+        return asked
+
+    return given_options
+
+
 def choice_object(choice: Choice | NoSpace) -> dict[str, str | None]:
     """Which engine answered, and why it was asked; ``null`` where the user named it."""
     return {"engine": choice.engine, "why": choice.why}
-
-
-def without_threads_of_numpy() -> None:
-    """Keeps numpy from starting threads for its linear algebra: small products only wait for them."""
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def emit_json(document: object) -> None:

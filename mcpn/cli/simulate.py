@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mcpn.cli.shared import FILE, emit_json, import_option, json_option, limit_option, templates_option
+from mcpn.cli.shared import FILE, Question, emit_json, question
 
 if TYPE_CHECKING:
-    from mcpn.drawing.templates import TemplateSet
     from mcpn.study import Study
 
 
@@ -34,30 +33,22 @@ if TYPE_CHECKING:
     "often as failures where it gives none.",
 )
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the steps at random.")
-@limit_option
-@import_option
-@templates_option
-@json_option
+@question()
 def simulate(
+    question: Question,
     file: Path,
     events: Path | None,
     nominal: bool,
     tokens: bool,
     steps: int | None,
     seed: int,
-    max_states: int | None,
-    import_root: Path | None,
-    templates: TemplateSet | None,
-    as_json: bool,
 ) -> None:
     """Play FILE: a mission event by event, or a net (of a mission, with --tokens) firing by firing.
 
     What is shown of a mission is computed by its net, not by its controller. What happens is read from
     standard input, unless a file, a number of random steps or --nominal is given.
     """
-    from mcpn.opening import open_study
-
-    study = open_study(file, import_root=import_root, templates=templates)
+    study = question.study(file)
     rng = random.Random(seed)
     if nominal and (events is not None or steps is not None):
         raise click.UsageError("--nominal takes a run of its own: no --events and no --random")
@@ -65,9 +56,9 @@ def simulate(
         if events is not None or nominal:
             option = "--nominal is" if nominal else "--events are"
             raise click.UsageError(f"{option} of a mission that is played without --tokens")
-        _play_tokens(study, steps, rng, as_json)
+        _play_tokens(study, steps, rng, question.as_json)
     else:
-        _play_events(study, events, nominal, steps, rng, max_states, as_json)
+        _play_events(study, events, nominal, steps, rng, question.max_states, question.as_json)
 
 
 def _play_tokens(study: Study, steps: int | None, rng: random.Random, as_json: bool) -> None:

@@ -8,22 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mcpn.cli.shared import (
-    FILE,
-    choice_object,
-    emit_counts,
-    engine_option,
-    import_option,
-    json_option,
-    limit_option,
-    templates_option,
-    without_threads_of_numpy,
-)
-from mcpn.report.progress import progress_on_terminal
+from mcpn.cli.shared import FILE, Question, choice_object, emit_counts, engine_option, question
 
 if TYPE_CHECKING:
     from mcpn.answers.spaces import MissionSpaces
-    from mcpn.drawing.templates import TemplateSet
     from mcpn.spaces.algebra import Space
     from mcpn.spaces.engines import Asked, Choice, On
     from mcpn.spaces.kept import Spaces
@@ -46,39 +34,33 @@ if TYPE_CHECKING:
     help="Draw one more order for the race; the same seed, the same race.",
 )
 @click.option("--save-order", type=FILE, help="Write the order of places that was used.")
-@limit_option
-@import_option
-@templates_option
-@json_option
+@question()
 def states(
+    question: Question,
     file: Path,
     engine: Counting,
     graph: On | None,
     order: Path | None,
     seed: int | None,
     save_order: Path | None,
-    max_states: int | None,
-    import_root: Path | None,
-    templates: TemplateSet | None,
-    as_json: bool,
 ) -> None:
     """Count the reachable states of FILE: the markings of a net, the stable states of a large mission."""
     from dataclasses import asdict
 
-    from mcpn.opening import open_study
-
     chosen = order is not None or save_order is not None or seed is not None
     if chosen and (engine not in ("auto", "symbolic") or graph == "alternatives"):
         raise click.UsageError("--order, --seed and --save-order need the symbolic engine, on markings")
-    with progress_on_terminal(as_json):
-        study = open_study(file, import_root=import_root, templates=templates)
+    with question.progress():
+        study = question.study(file)
     if chosen:
         found = _in_order(study.spaces, order, seed, save_order)
-        emit_counts(asdict(found) | {"why": None}, as_json)
+        emit_counts(asdict(found) | {"why": None}, question.as_json)
         return
-    with progress_on_terminal(as_json):
-        found, choice = study.sizes(engine=engine, on=graph, max_states=max_states)
-    emit_counts(asdict(found) | ({"why": None} if choice is None else choice_object(choice)), as_json)
+    with question.progress():
+        found, choice = study.sizes(engine=engine, on=graph, max_states=question.max_states)
+    emit_counts(
+        asdict(found) | ({"why": None} if choice is None else choice_object(choice)), question.as_json
+    )
 
 
 def _in_order(spaces: Spaces, order: Path | None, seed: int | None, save_order: Path | None) -> SpaceSummary:
@@ -112,35 +94,27 @@ def _listed(spaces: MissionSpaces, method: str, proof: bool, choice: Choice) -> 
 @click.option("--proof/--no-proof", default=True, help="Prove that internal evolution is confluent and ends.")
 @click.option("-o", "--output", type=FILE, help="Write the graph: .json, .graphml, .aut, .dot, .svg or .png.")
 @click.option("--section", metavar="NAME", help="The local graph of this section alone.")
-@limit_option
-@import_option
-@templates_option
-@json_option
+@question()
 def alternatives(
+    question: Question,
     mission: Path,
     engine: Asked,
     method: str | None,
     proof: bool,
     output: Path | None,
     section: str | None,
-    max_states: int | None,
-    import_root: Path | None,
-    templates: TemplateSet | None,
-    as_json: bool,
 ) -> None:
     """Build the alternatives graph of MISSION: its stable markings and events."""
     from mcpn.composite.clash import in_mission_words
-    from mcpn.opening import open_study
     from mcpn.spaces.arrays import ArraySpace
     from mcpn.spaces.engines import answered
     from mcpn.spaces.stable.alternatives import AlternativesGraph, written_out
 
-    without_threads_of_numpy()
     if method is not None or not proof:
         if engine not in ("auto", "explicit"):
             raise click.UsageError("--method and --no-proof need the explicit engine")
         engine = "explicit"
-    study = open_study(mission, import_root=import_root, templates=templates)
+    study = question.study(mission)
     spaces = study.mission_spaces("the alternatives graph")
     started = time.perf_counter()
     if section is not None:
@@ -148,19 +122,19 @@ def alternatives(
 
     def ask(choice: Choice) -> Space[Any]:
         if choice.engine == "explicit" and not choice.brief:
-            with progress_on_terminal(as_json):
+            with question.progress():
                 return _listed(spaces, method or "direct", proof, choice)
-        with progress_on_terminal(as_json):
+        with question.progress():
             return spaces.space(choice, "alternatives")
 
     with in_mission_words(spaces.mission):
-        space, choice = answered(ask, spaces.choices(engine, "alternatives", max_states))
+        space, choice = answered(ask, spaces.choices(engine, "alternatives", question.max_states))
     listed = space.graph if isinstance(space, ArraySpace) else None
     graph = listed if isinstance(listed, AlternativesGraph) else None
     if output is not None:
         from mcpn.report.graphs import save_graph
 
-        whole = graph or written_out(space, choice.engine, max_states)
+        whole = graph or written_out(space, choice.engine, question.max_states)
         save_graph(whole, spaces.mission, output, section)
     fired = space.firings(space.everything)
     counts = {
@@ -171,6 +145,6 @@ def alternatives(
         **choice_object(choice),
         "seconds": time.perf_counter() - started,
     }
-    if graph is not None and not as_json:
+    if graph is not None and not question.as_json:
         counts["proof"] = graph.proof or "none asked for"
-    emit_counts(counts, as_json)
+    emit_counts(counts, question.as_json)

@@ -10,16 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mcpn.cli.robot.monitor import monitors_for
-from mcpn.cli.shared import (
-    EXIT_FAILED,
-    FILE,
-    FiniteRange,
-    emit_json,
-    import_option,
-    json_option,
-    limit_option,
-    templates_option,
-)
+from mcpn.cli.shared import EXIT_FAILED, FILE, FiniteRange, Question, emit_json, question
 from mcpn.errors import InputError, LimitError
 
 if TYPE_CHECKING:
@@ -28,7 +19,6 @@ if TYPE_CHECKING:
     from mcpn.bench.runs import Bench, BenchRun
     from mcpn.controller.modular import AnyController
     from mcpn.drawing.compose import MissionNet
-    from mcpn.drawing.templates import TemplateSet
     from mcpn.study import Study
 
 TARGETS = ("c", "python", "scxml")
@@ -54,11 +44,9 @@ TARGETS = ("c", "python", "scxml")
 @click.option("--against", type=click.Choice(TARGETS), help="Compare generated code on all runs.")
 @click.option("--traces", type=FILE, help="Directory for a journal of each of the first ten failures.")
 @click.option("--monitors", "watching", is_flag=True, help="Watch the mission's requirements on all runs.")
-@limit_option
-@import_option
-@templates_option
-@json_option
+@question()
 def bench(
+    question: Question,
     mission: Path,
     runs: int,
     seed: int,
@@ -68,10 +56,6 @@ def bench(
     against: str | None,
     traces: Path | None,
     watching: bool,
-    max_states: int | None,
-    import_root: Path | None,
-    templates: TemplateSet | None,
-    as_json: bool,
 ) -> None:
     """Run the controller of MISSION many times with fake drivers, in virtual time.
 
@@ -86,14 +70,13 @@ def bench(
     from mcpn.controller.targets.json import document
     from mcpn.files import write_folder
     from mcpn.mission.static.intervals import at_their_means
-    from mcpn.opening import open_study
     from mcpn.runtime.tables import Tables
 
     script = [] if faults is None else read_script(faults)
-    study = open_study(mission, import_root=import_root, templates=templates)
+    study = question.study(mission)
     mission_net = study.mission_net
     untimed = duration is None and any(of.duration is None for of in mission_net.graph.walk())
-    controller = study.controller("auto", max_states=max_states)
+    controller = study.controller("auto", max_states=question.max_states)
     world = World(mission_net, Tables(document(controller, mission_net)), duration)
     nominal = nominal_run_of(world)
     started = time.perf_counter()
@@ -105,7 +88,7 @@ def bench(
     elif script:
         why = "a script of faults is played"
     else:
-        numbers, why = _risk(study, max_states)
+        numbers, why = _risk(study, question.max_states)
     told = {
         "mission": controller.mission,
         "form": controller.form,
@@ -136,7 +119,7 @@ def bench(
     if watching:
         from mcpn.bench.runs import watched
 
-        told["monitors"] = watched(monitors_for(study, max_states), every)
+        told["monitors"] = watched(monitors_for(study, question.max_states), every)
     if against is not None:
         from mcpn.bench.against import compare
 
@@ -145,7 +128,7 @@ def bench(
             every = (one_run_of(world, seed, number, script) for number in range(runs))
             difference = compare(program, world.places, ([e.event for e in run.events] for run in every))
         told["against"] = _difference(against, difference)
-    if as_json:
+    if question.as_json:
         emit_json(told)
     else:
         if means := at_their_means(mission_net.mission):
@@ -283,21 +266,15 @@ def _print(told: dict[str, Any]) -> None:
 @click.option("--tree", type=FILE, help="With --btcpp: the behaviour tree that the mission was made of.")
 @click.option("--main", metavar="ID", help="With --btcpp: the tree to execute, as for init.")
 @click.option("--nodes", type=FILE, multiple=True, help="With --btcpp: a TreeNodesModel, as for init.")
-@limit_option
-@import_option
-@templates_option
-@json_option
+@question()
 def tests(
+    question: Question,
     mission: Path,
     output: Path | None,
     btcpp: Path | None,
     tree: Path | None,
     main: str | None,
     nodes: tuple[Path, ...],
-    max_states: int | None,
-    import_root: Path | None,
-    templates: TemplateSet | None,
-    as_json: bool,
 ) -> None:
     """Write sequences of events that take every edge of the controller of MISSION.
 
@@ -307,15 +284,13 @@ def tests(
     With --btcpp they are for the tree that a mission was made of (mcpn init --from): what its leaves answer
     on a run on which nothing fails and on runs to failure, and leaves that always fail.
     """
-    from mcpn.opening import open_study
-
     if (btcpp is None) != (tree is None) or (btcpp is None and (main is not None or nodes)):
         raise click.UsageError("--btcpp and --tree need each other, --main and --nodes need both")
     if (output is None) == (btcpp is None):
         raise click.UsageError("expected either -o or --btcpp")
     if btcpp is not None and tree is not None:
-        study = open_study(mission, import_root=import_root, templates=templates)
-        _mocks(study, btcpp, tree, main, nodes, max_states, as_json)
+        study = question.study(mission)
+        _mocks(study, btcpp, tree, main, nodes, question)
         return
     assert output is not None
     from mcpn.bench.sequences import files, sequences
@@ -323,8 +298,8 @@ def tests(
     from mcpn.files import write_folder
     from mcpn.runtime.tables import Tables
 
-    study = open_study(mission, import_root=import_root, templates=templates)
-    controller = study.controller("hierarchical", max_states=max_states)
+    study = question.study(mission)
+    controller = study.controller("hierarchical", max_states=question.max_states)
     found = sequences(Tables(document(controller, study.mission_net)))
     texts = dict(files(found, controller.mission)) | {FILE_NAME: write_json(controller, study.mission_net)}
     write_folder(output, texts)
@@ -335,7 +310,7 @@ def tests(
         "events": sum(map(len, found.each)),
         "files": [str(output / name) for name in texts],
     }
-    if as_json:
+    if question.as_json:
         emit_json(told)
         return
     click.echo(
@@ -352,8 +327,7 @@ def _mocks(
     tree: Path,
     main: str | None,
     nodes: tuple[Path, ...],
-    max_states: int | None,
-    as_json: bool,
+    question: Question,
 ) -> None:
     """Writes tests of the tree that a mission was made of."""
     import json
@@ -365,11 +339,11 @@ def _mocks(
 
     mission_net = study.mission_net
     imported = translate(read_forest(tree, nodes, main), mission_net.mission.name, tree.name)
-    checked = study.verdicts(max_states=max_states)
-    found = mocks(imported, mission_net, checked, study.causes(max_states=max_states))
+    checked = study.verdicts(max_states=question.max_states)
+    found = mocks(imported, mission_net, checked, study.causes(max_states=question.max_states))
     written = document(found, mission_net.mission.name, tree.name)
     write_atomically(output, json.dumps(written, indent=1) + "\n")
-    if as_json:
+    if question.as_json:
         told = {key: written[key] for key in ("mission", "tree", "left_out")}
         emit_json({**told, "scenarios": len(found.scenarios), "files": [str(output)]})
         return

@@ -10,21 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mcpn.cli.shared import (
-    EXIT_FAILED,
-    FILE,
-    emit_json,
-    import_option,
-    json_option,
-    limit_option,
-    templates_option,
-    without_threads_of_numpy,
-)
+from mcpn.cli.shared import EXIT_FAILED, FILE, Question, emit_json, question
 from mcpn.errors import InputError, Source
 
 if TYPE_CHECKING:
     from mcpn.controller.monitors import MissionMonitors
-    from mcpn.drawing.templates import TemplateSet
     from mcpn.runtime.monitors import Monitors
     from mcpn.study import Study
 
@@ -35,20 +25,14 @@ if TYPE_CHECKING:
 @click.option("--log", type=FILE, help="Read a robot's log: a journal, or an event at the end of each line.")
 @click.option("--within-mission", "within", is_flag=True, help="Consider only what the mission allows.")
 @click.option("--btcpp", is_flag=True, help="Write conditions of BehaviorTree.CPP 4, too.")
-@limit_option
-@import_option
-@templates_option
-@json_option
+@question()
 def monitor(
+    question: Question,
     mission: Path,
     output: Path | None,
     log: Path | None,
     within: bool,
     btcpp: bool,
-    max_states: int | None,
-    import_root: Path | None,
-    templates: TemplateSet | None,
-    as_json: bool,
 ) -> None:
     """Make monitors of what MISSION requires: machines that watch its events, or the log of a robot.
 
@@ -60,17 +44,15 @@ def monitor(
         raise click.UsageError("-o or --log is needed")
     if btcpp and output is None:
         raise click.UsageError("--btcpp needs -o, the directory to write to")
-    without_threads_of_numpy()
     from mcpn.controller.monitors import files, monitors_of
     from mcpn.files import write_folder
-    from mcpn.opening import open_study
     from mcpn.runtime.journal import JournalError
     from mcpn.runtime.monitors import Monitors, told, watch
 
-    study = open_study(mission, import_root=import_root, templates=templates)
+    study = question.study(mission)
     if study.is_net:
         raise InputError.at(Source(str(mission)), "expected a mission: a net requires nothing")
-    of = monitors_of(study.mission_spaces("what it requires"), max_states, within)
+    of = monitors_of(study.mission_spaces("what it requires"), question.max_states, within)
     texts = files(of, btcpp=btcpp)
     paths: list[str] = []
     if output is not None:
@@ -82,7 +64,7 @@ def monitor(
             watch(watching, _lines(log))
         except JournalError as error:
             raise InputError.at(Source(str(log), error.line), str(error)) from None
-    if as_json:
+    if question.as_json:
         sizes = {each.name: len(each.values) for each in of.monitors}
         found: dict[str, Any] = {"mission": of.mission, "states": sizes, "unwatched": list(of.unwatched)}
         found |= {"within_mission": {each.name: each.within for each in of.monitors}}

@@ -22,22 +22,10 @@ import click
 
 from mcpn.cli import SIGNALS
 from mcpn.cli.robot.monitor import monitors_for
-from mcpn.cli.shared import (
-    EXIT_BAD_INPUT,
-    EXIT_FAILED,
-    FILE,
-    emit_json,
-    import_option,
-    json_option,
-    limit_option,
-    tell_warnings,
-    templates_option,
-    without_threads_of_numpy,
-)
+from mcpn.cli.shared import EXIT_BAD_INPUT, EXIT_FAILED, FILE, Question, emit_json, question, tell_warnings
 from mcpn.errors import InputError, Source
 
 if TYPE_CHECKING:
-    from mcpn.drawing.templates import TemplateSet
     from mcpn.drivers.running import RobotRun
     from mcpn.editor.served import RobotPage
     from mcpn.runtime.controller import Controller, Step
@@ -269,11 +257,9 @@ INTERRUPTED = 128
     "--must-record", is_flag=True, help="End the run when its journal or snapshot cannot be written."
 )
 @click.option("--resume", type=FILE, help="Resume from this snapshot.")
-@limit_option
-@import_option
-@templates_option
-@json_option
+@question()
 def run(
+    question: Question,
     mission: Path,
     drivers: Path,
     unverified: bool,
@@ -285,10 +271,6 @@ def run(
     paged: bool,
     must_record: bool,
     resume: Path | None,
-    max_states: int | None,
-    import_root: Path | None,
-    templates: TemplateSet | None,
-    as_json: bool,
 ) -> None:
     """Run MISSION on a robot: its controller among the drivers that a file names.
 
@@ -296,32 +278,30 @@ def run(
     what runs, releases its hardware, and writes the snapshot. Exit code 0 if the mission succeeds, 1 if it
     fails or aborts, or a monitor finds a requirement violated, 2 if its journal or snapshot is not whole.
     """
-    without_threads_of_numpy()
     from mcpn.controller.targets.json import document
     from mcpn.drivers.mapping import check_plan
     from mcpn.drivers.reading import read_drivers
-    from mcpn.opening import open_study
     from mcpn.runtime.controller import Controller
     from mcpn.runtime.tables import Tables
 
     if paged and resume is not None:
         raise click.UsageError("--page shows a run from its start: it cannot be given with --resume")
-    study = open_study(mission, import_root=import_root, templates=templates)
+    study = question.study(mission)
     if study.is_net:
         raise InputError.at(Source(str(mission)), "expected a mission: a net has no controller")
     if begins:
-        _begin(study, drivers, max_states, as_json)
+        _begin(study, drivers, question)
         return
     plan = read_drivers(drivers)
     if not unverified:
-        _verify(study, max_states, as_json)
-    tables = Tables(document(study.controller("auto", max_states=max_states), study.mission_net))
+        _verify(study, question)
+    tables = Tables(document(study.controller("auto", max_states=question.max_states), study.mission_net))
     check_plan(plan, tables)
     controller = Controller(tables)
     if only_check:
-        _tell(_found(controller, len(plan.specs), None, 0.0, [], [], 0), as_json)
+        _tell(_found(controller, len(plan.specs), None, 0.0, [], [], 0), question.as_json)
         return
-    monitors = monitors_for(study, max_states) if watched else None
+    monitors = monitors_for(study, question.max_states) if watched else None
     from mcpn.cli.robot.records import Records, Resumed, beside, resumed
     from mcpn.drivers.running import RobotRun
 
@@ -333,13 +313,13 @@ def run(
     )
     started = time.monotonic()
     received: list[int] = []
-    with _warnings() as warnings, _page(controller, study if paged else None, max_states) as content:
+    with _warnings() as warnings, _page(controller, study if paged else None, question.max_states) as content:
         records = Records(must_record, None if content is None else content.lost)
         if monitors is not None:
             controller.observe(lambda step: monitors.take(step.event) if step.taken else None)
         if journal is not None:
             controller.observe(records.journal_of(journal, controller.count if goes_on else None))
-        shown = None if as_json else EventLines()
+        shown = None if question.as_json else EventLines()
         if shown is not None:
             controller.observe(shown)
         actions = None
@@ -377,7 +357,7 @@ def run(
             _log.error("not everything is recorded: the %s", ", the ".join(lost))
     seconds = time.monotonic() - started
     found = _found(controller, len(plan.specs), monitors, seconds, received, lost, warnings.left_out)
-    _tell(found, as_json)
+    _tell(found, question.as_json)
     if lost:
         click.get_current_context().exit(EXIT_BAD_INPUT)
     if received:
@@ -386,7 +366,7 @@ def run(
         click.get_current_context().exit(EXIT_FAILED)
 
 
-def _begin(study: Study, drivers: Path, max_states: int | None, as_json: bool) -> None:
+def _begin(study: Study, drivers: Path, question: Question) -> None:
     """Writes a file of drivers to start from; one that is there is not overwritten."""
     from mcpn.controller.targets.json import document
     from mcpn.drivers.reading import skeleton
@@ -395,22 +375,22 @@ def _begin(study: Study, drivers: Path, max_states: int | None, as_json: bool) -
 
     if drivers.exists():
         raise InputError.at(Source(str(drivers)), "is there already, and is not overwritten")
-    tables = Tables(document(study.controller("auto", max_states=max_states), study.mission_net))
+    tables = Tables(document(study.controller("auto", max_states=question.max_states), study.mission_net))
     write_atomically(drivers, skeleton(tables))
-    if as_json:
+    if question.as_json:
         emit_json({"files": [str(drivers)]})
     else:
         click.echo(str(drivers))
 
 
-def _verify(study: Study, max_states: int | None, as_json: bool) -> None:
+def _verify(study: Study, question: Question) -> None:
     """Verifies a mission; one that fails is told of, and not run."""
-    warned = [] if as_json else tell_warnings(study.mission_net)
+    warned = [] if question.as_json else tell_warnings(study.mission_net)
     started = time.perf_counter()
-    found = study.verdicts(max_states=max_states)
+    found = study.verdicts(max_states=question.max_states)
     if found.passed:
         return
-    if as_json:
+    if question.as_json:
         failed = [name for name, verdict in found.verdicts.items() if verdict.holds is False]
         unmet = [answer.asked.name for answer in found.requirements if not answer.met]
         emit_json({"mission": found.mission_net.mission.name, "failed": failed, "unmet": unmet})
