@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from math import prod
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 from mcpn.drawing.templates.canvas import Pen
 from mcpn.drawing.templates.facts import Way
@@ -34,6 +34,9 @@ from mcpn.nets.events import Event, What
 
 MAX_POSITIONS = 10_000
 """Combinations of where the branches of a block may be that handle one event, each with a transition."""
+
+Word: TypeAlias = Literal["halt", "pause", "resume", "drop"]
+"""What a token of a branch has it do."""
 
 _Ways: TypeAlias = Iterable[tuple[list[str], Iterable[str]]]
 """For each combination of values of facts: the places that say so, and the places to mark."""
@@ -221,76 +224,74 @@ class Interrupting(Level):
             part = f"left_{outcome.replace(' ', '')}"
             self.onward(pen, part, [place, *all_halted], self.led(section, outcome))
 
-    def each(self, pen: Pen, section: ParallelSection, phase: int, word: str) -> None:
+    def each(self, pen: Pen, section: ParallelSection, phase: int, word: Word) -> None:
         """Draws how the branches, or what runs while the block pauses, are halted, resumed and so on."""
         number = 0
         for strand in self.strands(section, phase):
             token = pen.own(strand.place(word))
             if word == "halt":
                 pen.own(strand.place("halted"))
-            for taken, put, read in getattr(strand.level, f"to_{word}")(strand):
+            for taken, put, read in strand.level.shifts(word, strand):
                 number += 1
                 part = f"{word}{number}" + (f"of{phase}" if phase else "")
                 pen.transition(part, [token, *taken], put, read=[*read], rank=self.first)
 
-    def to_halt(self, strand: Strand[Interrupting]) -> Iterator[Shift]:
-        """By position of this graph, that of a branch, the places that are taken and those that are put."""
+    def shifts(self, word: Word, strand: Strand[Interrupting]) -> Iterator[Shift]:
+        """What a branch does with its token ``word``, by where it is in this graph.
+
+        To *pause* notes where the branch is; to *resume* and to *drop* ask what was noted::
+
+                     at its entry   in an objective      in a phase of a block   ended
+            halt     halted         stops, halted        its branches halt       halted
+            pause    noted, halted  stops, noted, halted its branches pause      stays, halted
+            resume                  enters it again      its branches resume     stays
+            drop                    halted               its branches drop       halted
+        """
         halted = strand.place("halted")
         for inner in self.graph.sections:
-            if self.gated(inner):
-                yield Shift([self.of(inner, "enter")], [halted])
             if isinstance(inner, ElementarySection):
-                if inner.setting("start"):
-                    yield Shift([self.of(inner, "starts")], [halted])
-                yield Shift([self.of(inner)], [*self.stops(inner), halted])
+                yield from self._in_objective(word, inner, halted)
                 continue
+            if word == "halt" and self.gated(inner):
+                yield Shift([self.of(inner, "enter")], [halted])
             for phase in range(len(inner.shelters) + 1):
-                halting = [self.of_phase(inner, phase, "halting"), *self.tokens(inner, phase, "halt")]
-                yield Shift([self.active(inner, phase)], halting)
-        for end in strand.ends:
-            yield Shift(list(end), [halted])
-        if self.graph.aborts and strand.ends:
+                yield self._in_phase(word, inner, phase)
+        if word in ("halt", "drop"):
+            yield from (Shift(list(end), [halted]) for end in strand.ends)
+        else:
+            put = [halted] if word == "pause" else []
+            yield from (Shift([], put, [end]) for end in strand.ended)
+        if word == "halt" and self.graph.aborts and strand.ends:
             yield Shift([strand.place("abort")], [halted])
 
-    def to_pause(self, strand: Strand[Interrupting]) -> Iterator[Shift]:
-        """The same where the graph goes on later: each position is noted."""
-        halted = strand.place("halted")
-        for inner in self.graph.sections:
-            if isinstance(inner, ElementarySection):
-                paused = self.of(inner, "paused")
-                if self.gated(inner):
-                    yield Shift([self.of(inner, "enter")], [paused, halted])
-                yield Shift([self.of(inner)], [*self.stops(inner), paused, halted])
-                continue
-            for phase in range(len(inner.shelters) + 1):
-                pausing = [self.of_phase(inner, phase, "pausing"), *self.tokens(inner, phase, "pause")]
-                yield Shift([self.active(inner, phase)], pausing)
-        for end in strand.ended:
-            yield Shift([], [halted], [end])
+    def _in_objective(self, word: Word, section: ElementarySection, halted: str) -> Iterator[Shift]:
+        paused = self.of(section, "paused")
+        if word == "resume":
+            yield Shift([paused], self.enter(section.name))
+        elif word == "drop":
+            yield Shift([paused], [halted])
+        else:
+            left = [halted] if word == "halt" else [paused, halted]
+            if self.gated(section):
+                yield Shift([self.of(section, "enter")], left)
+            if word == "halt" and section.setting("start"):
+                yield Shift([self.of(section, "starts")], left)
+            yield Shift([self.of(section)], [*self.stops(section), *left])
 
-    def to_resume(self, strand: Strand[Interrupting]) -> Iterator[Shift]:
-        """By noted position, how the graph goes on: its objective is entered again."""
-        for inner in self.graph.sections:
-            if isinstance(inner, ElementarySection):
-                yield Shift([self.of(inner, "paused")], self.enter(inner.name))
-                continue
-            for phase in range(len(inner.shelters) + 1):
-                yield Shift([self.of_phase(inner, phase, "paused")], self.going_on(inner, phase))
-        for end in strand.ended:
-            yield Shift([], [], [end])
-
-    def to_drop(self, strand: Strand[Interrupting]) -> Iterator[Shift]:
-        """By noted position, how it is given up."""
-        halted = strand.place("halted")
-        for inner in self.graph.sections:
-            if isinstance(inner, ElementarySection):
-                yield Shift([self.of(inner, "paused")], [halted])
-                continue
-            for phase in range(len(inner.shelters) + 1):
-                dropped = [*self.given_up(inner, phase), self.of(inner, "then_halted")]
-                yield Shift([self.of_phase(inner, phase, "paused")], dropped)
-        for end in strand.ends:
-            yield Shift(list(end), [halted])
+    def _in_phase(self, word: Word, section: ParallelSection, phase: int) -> Shift:
+        running, paused = self.active(section, phase), self.of_phase(section, phase, "paused")
+        match word:
+            case "halt":
+                halting = self.of_phase(section, phase, "halting")
+                return Shift([running], [halting, *self.tokens(section, phase, word)])
+            case "pause":
+                pausing = self.of_phase(section, phase, "pausing")
+                return Shift([running], [pausing, *self.tokens(section, phase, word)])
+            case "resume":
+                return Shift([paused], self.going_on(section, phase))
+            case "drop":
+                then = self.of(section, "then_halted")
+                return Shift([paused], [*self.given_up(section, phase), then])
 
     def going_on(self, section: ParallelSection, phase: int) -> list[str]:
         """Places to mark so that a phase of a block that paused goes on."""
