@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from math import inf
 from pathlib import Path
 
@@ -56,9 +57,9 @@ FIRST_PATIENCE = 64
 """Bounds that a search raises before it looks at all places around; later as many as it then looked at."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Expected:
-    """One event of a sequence, and what a controller does on it.
+    """One event of a sequence, and what a controller does on it: one object, however often it is taken.
 
     Args:
         event: Its text.
@@ -141,7 +142,6 @@ class _PlaceGraph:
         self._tables, self._most = tables, most
         self._numbers: dict[tuple[str, str, int, frozenset[str], frozenset[str]], int] = {}
         self._places: list[RuntimePosition] = []
-        self._ahead: dict[int, list[_PlaceEdge]] = {}
         self._edges: dict[tuple[str, int, str], int] = {}
         gone, happened = frozenset(tables.out_of_service), frozenset(tables.true_at_first)
         self._number(RuntimePosition(BEFORE, None, 0, gone, happened))
@@ -158,13 +158,11 @@ class _PlaceGraph:
         """Whether an edge of a place leads out of the section that runs there."""
         return self._places[edge.target].section is not self._places[place].section
 
-    def ahead(self, place: int) -> list[_PlaceEdge]:
-        """What may happen in a place, in the order of the events."""
-        if place not in self._ahead:
-            at = self._places[place]
-            events = () if self.outcome(place) else sorted(self._tables.possible(at))
-            self._ahead[place] = [self._edge(at, event) for event in events]
-        return self._ahead[place]
+    def follow(self, place: int) -> list[_PlaceEdge]:
+        """What may happen in a place, in the order of the events; to be asked once."""
+        at = self._places[place]
+        events = () if self.outcome(place) else sorted(self._tables.possible(at))
+        return [self._edge(at, event) for event in events]
 
     def _edge(self, at: RuntimePosition, event: str) -> _PlaceEdge:
         step = self._tables.after(at, event)
@@ -179,7 +177,7 @@ class _PlaceGraph:
         gone, happened = frozenset(at.gone), frozenset(at.happened)
         number = self._numbers.setdefault((at.phase, name, at.state, gone, happened), len(self._places))
         if number == len(self._places):
-            self._places.append(at._replace(gone=gone, happened=happened))
+            self._places.append(RuntimePosition(at.phase, at.section, at.state, gone, happened))
             if number == self._most:
                 raise LimitError(
                     f"more than {self._most} places of the controller looked at for an edge that is not "
@@ -203,6 +201,10 @@ class _UntakenEdges:
     def __init__(self, graph: _PlaceGraph) -> None:
         self._graph = graph
         self._taken = set[int]()
+        self._ahead: dict[int, list[_PlaceEdge]] = {}
+        """By place that was followed, its edges."""
+        self._targets: dict[int, list[int]] = {}
+        """Where they lead."""
         self._open: dict[int, list[_PlaceEdge]] = {}
         """By place, edges that may not be taken yet, the first one last."""
         self._least = list[float]()
@@ -226,27 +228,27 @@ class _UntakenEdges:
     def way(self, start: int) -> list[_PlaceEdge] | None:
         """A shortest way from a place over an edge that is not taken yet."""
         way = list[_PlaceEdge]()
-        raised = 0
+        raised, place, bounds = 0, start, self._least
         while True:
-            place = way[-1].target if way else start
             if (edge := self._untaken(place)) is not None:
-                return [*way, edge]
-            ahead = self._ahead(place)
-            bound = self._least.__getitem__
-            nearest = min(ahead, key=lambda edge: bound(edge.target), default=None)
-            far = inf if nearest is None else 1 + bound(nearest.target)
-            if far == inf and not way:
+                way.append(edge)
+                return way
+            each = [bounds[target] for target in self._targets[place]]
+            nearest = min(each, default=inf)
+            if nearest == inf and not way:
                 return None
-            if nearest is not None and far <= bound(place):
-                way.append(nearest)
+            if nearest < bounds[place]:
+                way.append(self._ahead[place][each.index(nearest)])
+                place = way[-1].target
                 continue
-            self._least[place] = far
+            bounds[place] = nearest + 1
             raised += 1
             if way:
                 way.pop()
             if raised >= self._patience:
                 raised, self._patience = 0, max(self._measure(start), FIRST_PATIENCE)
                 way.clear()
+            place = way[-1].target if way else start
 
     def _measure(self, start: int) -> int:
         """Bounds all places by their distance from one; returns how many were looked at."""
@@ -258,30 +260,34 @@ class _UntakenEdges:
             if self._untaken(place) is not None:
                 far = steps[place]
                 break
-            for edge in self._ahead(place):
-                if edge.target not in steps and self._least[edge.target] < inf:
-                    steps[edge.target] = steps[place] + 1
-                    queue.append(edge.target)
+            for target in self._targets[place]:
+                if target not in steps and self._least[target] < inf:
+                    steps[target] = steps[place] + 1
+                    queue.append(target)
         for place, step in steps.items():
             self._least[place] = max(self._least[place], far - step)
         return len(steps)
-
-    def _ahead(self, place: int) -> list[_PlaceEdge]:
-        ahead = self._graph.ahead(place)
-        self._least += [0] * (len(self._graph) - len(self._least))
-        return ahead
 
     def _untaken(self, place: int) -> _PlaceEdge | None:
         """The first edge of a place that is not taken yet."""
         left = self._open.get(place)
         if left is None:
-            left = [edge for edge in reversed(self._ahead(place)) if edge.number is not None]
-            # What stays in the section comes first: few sequences come back to it.
-            left.sort(key=lambda edge: not self._graph.leaves(place, edge))
-            self._open[place] = left
+            left = self._follow(place)
         while left and left[-1].number in self._taken:
             left.pop()
         return left[-1] if left else None
+
+    def _follow(self, place: int) -> list[_PlaceEdge]:
+        """Follows a place, whose edges none has asked for; those of its section, the first one last."""
+        graph = self._graph
+        ahead = self._ahead[place] = graph.follow(place)
+        self._targets[place] = [edge.target for edge in ahead]
+        self._least += [0] * (len(graph) - len(self._least))
+        left = [edge for edge in reversed(ahead) if edge.number is not None]
+        # What stays in the section comes first: few sequences come back to it.
+        left.sort(key=lambda edge: not graph.leaves(place, edge))
+        self._open[place] = left
+        return left
 
 
 def files(found: Sequences, mission: str) -> Iterator[tuple[str, str]]:
@@ -292,13 +298,20 @@ def files(found: Sequences, mission: str) -> Iterator[tuple[str, str]]:
         mission: The mission's name.
     """
     yield "events.txt", "".join(f"{step.event}\n" for each in found.each for step in (_BEGIN, *each))
-    lines = (f"taken: {'; '.join(step.actions)}".rstrip() for each in found.each for step in each)
-    yield "expected.txt", "".join(f"{line}\n" for line in lines)
-    rows = []
-    for each in found.each:
-        steps = (f"        ({s.event!r}, {list(s.actions)!r}, {s.outcome!r}),\n" for s in each)
-        rows.append("    [\n" + "".join(steps) + "    ],\n")
+    line, row = cache(_line), cache(_row)  # by identity: steps are shared, and are many
+    yield "expected.txt", "".join(line(step) for each in found.each for step in each)
+    rows = (f"    [\n{''.join(map(row, each))}    ],\n" for each in found.each)
     yield "test_controller.py", _PYTEST.format(mission=mission, edges=found.edges, rows="".join(rows))
+
+
+def _line(step: Expected) -> str:
+    """What a program that reads events prints of a step."""
+    return f"taken: {'; '.join(step.actions)}".rstrip() + "\n"
+
+
+def _row(step: Expected) -> str:
+    """A step as Python."""
+    return f"        ({step.event!r}, {list(step.actions)!r}, {step.outcome!r}),\n"
 
 
 _BEGIN = Expected("", (), None)

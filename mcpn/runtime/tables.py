@@ -142,7 +142,7 @@ class TableSection:
         return target, self.actions(actions), self._named(happening), self._named(ended)
 
     def _named(self, numbers: Set[int]) -> Set[str]:
-        return {self.once[i] for i in numbers}
+        return {self.once[i] for i in numbers} if numbers else _NO_NAMES
 
     def possible(self, state: int, happened: Set[str] = frozenset()) -> list[str]:
         """Events of the section that are possible in a state, with some handlers that have happened."""
@@ -220,7 +220,7 @@ class RuntimePosition(NamedTuple):
 
 def _numbers(names: Sequence[str], some: Set[str]) -> Set[int]:
     """The positions in ``names`` of those names that are in ``some``."""
-    return {number for number, name in enumerate(names) if name in some}
+    return {number for number, name in enumerate(names) if name in some} if names else _NONE
 
 
 def _in(names: Mapping[str, Mapping[str, str]], kind: str, name: str | None) -> str | None:
@@ -330,7 +330,7 @@ class Tables:
             if not self.may_happen(event, at.gone, at.happened):
                 return None
             happened, gone = self.changed(event, at.happened), self.out_after(event, at.gone)
-            return at._replace(gone=gone, happened=happened), ()
+            return RuntimePosition(at.phase, section, at.state, gone, happened), ()
         if event == START and at.phase == BEFORE:
             return self._entered(self.initial.name, at.gone, at.happened)
         return None
@@ -403,6 +403,8 @@ class Tables:
 
 
 START = "MISSION_EV_START"
+_NONE: frozenset[int] = frozenset()
+_NO_NAMES: frozenset[str] = frozenset()
 _NO_CHANGE: dict[str, list[str]] = {"true": [], "false": []}
 
 
