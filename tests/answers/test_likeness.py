@@ -79,15 +79,17 @@ def test_faults_are_told_apart_by_a_shortest_run(name: str) -> None:
     for told, mission in MISSIONS.items():
         templates = Faulty(*{**FAULTS, **HARMLESS}[name])
         faulty = MissionSpaces(compose(mission, templates), templates=templates)
+        if faulty.net == of_paper(told).net:
+            continue  # nothing in this mission has the fault
         try:
-            found = likeness_of(of_paper(told), faulty, max_states=50_000)
+            found = likeness_of(of_paper(told), faulty, max_states=20_000)
         except SemanticsError:  # an event has several outcomes: that is how these are known to be wrong
             assert name in FAULTS
             continue
         if found.sizes[1].reason:
             assert found.difference is not None  # the paper's templates always have a graph here
             assert found.sizes[1].reason in found.difference.message
-            continue
+            return  # it goes on without end: in the next mission, too, which takes seconds each
         expected = rounds(behaviour_of_paper(told), behaviour(faulty))
         assert expected == (None if found.difference is None else len(found.difference.events))
         replayed(found, of_paper(told), faulty)
