@@ -177,7 +177,9 @@ def worked(name: str) -> tuple[Prospects[Any], bytes]:
 
 @needs_storm
 @pytest.mark.parametrize("factor", [1.0, 1e-6])
-@pytest.mark.parametrize("name", RATED)
+@pytest.mark.parametrize(
+    "name", [*(pytest.param(name, marks=pytest.mark.slow) for name in RATED[:2]), *RATED[2:]]
+)
 def test_storm_agrees_on_the_worked_missions(name: str, factor: float) -> None:
     mission_net = compose(scaled(worked(name)[0].mission_net.mission, factor))
     text = drn(whole_chain(whole(mission_net), number=decimal))

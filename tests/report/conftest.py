@@ -22,7 +22,7 @@ def ulysse_findings() -> Findings:
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
+def chromium() -> Iterator[Any]:
     api = pytest.importorskip("playwright.sync_api", reason="needs playwright")
     if CHROMIUM is None:
         pytest.skip("needs Chromium: chromium, chromium-browser or google-chrome on the path")
@@ -30,3 +30,11 @@ def browser() -> Iterator[Any]:
         opened = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
         yield opened
         opened.close()
+
+
+@pytest.fixture
+def browser(chromium: Any) -> Iterator[Any]:
+    """Pages that a test leaves open would go on playing."""
+    yield chromium
+    for context in chromium.contexts:
+        context.close()

@@ -231,14 +231,14 @@ def test_line_breaks_in_names_are_told() -> None:
 @pytest.mark.parametrize(
     "text",
     [
-        "tr t " + "p" * 2_000_000,
-        "tr t " + "p " * 300_000 + "-> q",
-        "tr t " + "-" * 2_000_000 + "> q",
-        "tr {" + "\\" * 2_000_000,
-        "tr {" + "\\{" * 1_000_000 + "} p -> q",
-        "tr t [" * 300_000,
-        "".join(f"tr t{n} p -> q\n" for n in range(50_000))
-        + " ".join(["pr", *(f"t{n}" for n in range(25_000)), ">", *(f"t{n}" for n in range(25_000, 50_000))]),
+        "tr t " + "p" * 500_000,
+        "tr t " + "p " * 100_000 + "-> q",
+        "tr t " + "-" * 500_000 + "> q",
+        "tr {" + "\\" * 500_000,
+        "tr {" + "\\{" * 250_000 + "} p -> q",
+        "tr t [" * 100_000,
+        "".join(f"tr t{n} p -> q\n" for n in range(20_000))
+        + " ".join(["pr", *(f"t{n}" for n in range(10_000)), ">", *(f"t{n}" for n in range(10_000, 20_000))]),
     ],
     ids=["word", "arcs", "dashes", "backslashes", "escapes", "brackets", "priorities"],
 )
