@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 ASKED = {
     "ends_safely": "Whatever fails, the mission can still end; where it can abort, in success or a safe way.",
     "events_answered": "Every handled event is answered in one reaction, which ends and is always the same.",
-    "no_event_ignored": "No declared event is ignored while something runs.",
+    "no_event_ignored": "No declared event is ignored, but while what it leads to runs already.",
     "dark_after_stop": "After a stop nothing dangerous runs.",
     "no_single_loss_endangers": "No single loss of hardware, at whatever moment, leaves no safe end.",
     "no_late_loss_endangers": "No loss noticed late lets an objective go on in vain, or leaves no safe end.",
@@ -120,6 +120,12 @@ def robot_safety(
         evaluation, run = Evaluation(checked.alternatives), None
         # What is ignored never happens in formulas, so that they would be met there.
         why = [each.sentence for each in checked.ignored if each.event in stops]
+        for each in (each for each in checked.changing_nothing if each.event in stops):
+            for activity in dangerous if each.answering else ():
+                here = " | ".join(f"objective({name})" for name in each.answering)
+                later = f"AG (({here}) & !event({each.event}) -> AG !activity({activity}))"
+                if not evaluation.holds(parse(later, names)):
+                    why.append(f"{activity} may run after {each.event} while {each.answering_words}")
         for (stop, activity), formula in meant.items():
             if not evaluation.holds(formula):
                 why.append(f"{activity} may run after {stop}")
@@ -191,11 +197,16 @@ def _late_losses(checked: MissionCheck, alone: Sequence[str] | None) -> SafetyAn
 
 def _where_handled(checked: MissionCheck) -> tuple[str, ...]:
     """Of which events an answer on handled events speaks."""
-    ignored = {each.event: each for each in checked.ignored}
+    idle = {each.event: each for each in checked.changing_nothing}
     every = [event.name for event in checked.mission_net.mission.events if not event.sets]
-    always = [name for name in every if name not in ignored]
+    always = [name for name in every if name not in idle]
     lines = [f"{enumeration(always)}: handled whatever runs"] if always else []
-    return (*lines, *(f"not of {name} while {ignored[name].words}: it is ignored there" for name in ignored))
+    for name, each in idle.items():
+        if each.objectives:
+            lines.append(f"not of {name} while {each.words}: it is ignored there")
+        if each.answering:
+            lines.append(f"not of {name} while {each.answering_words}: it leads there already")
+    return tuple(lines)
 
 
 def _does_not_apply(name: str, why: str) -> SafetyAnswer:

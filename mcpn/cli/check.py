@@ -82,7 +82,7 @@ def _requirements_object(found: MissionCheck) -> list[dict[str, Any]]:
             "holds": answer.holds,
             "met": answer.met,
             "vacuous": list(answer.vacuous),
-            "ignored": [each.event for each in found.ignored if each.event in answer.asked.events],
+            "ignored": [each.event for each in found.changing_nothing if each.event in answer.asked.events],
             "witness": None if answer.witness is None else witness_object(answer.witness, net),
         }
         for answer in found.requirements
@@ -134,8 +134,13 @@ def _check_object(found: MissionCheck, seconds: float, internal: bool) -> dict[s
             if (runs := verdict.runs if internal else verdict.runs_of_events)
         },
         "ignored": [
-            {"event": each.event, "objectives": list(each.objectives), "required": each.required}
-            for each in found.ignored
+            {
+                "event": each.event,
+                "objectives": list(each.objectives),
+                "answering": list(each.answering),
+                "required": each.required,
+            }
+            for each in found.changing_nothing
         ],
         "late": [
             {

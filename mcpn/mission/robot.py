@@ -159,7 +159,8 @@ class DeclaredEvent(Element):
     TAG = "event"
     NAMED = "event"
     required: Annotated[
-        bool, "true: it must be handled whatever runs; where it is ignored, events_handled fails."
+        bool,
+        "true: events_handled fails where it is ignored: not handled, while nothing that it leads to runs.",
     ] = False
     rate: Annotated[Rate, "Risk: occurrences per hour; without it, none."] = None
     sets: tuple[FactChange, ...] = ()

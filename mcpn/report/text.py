@@ -211,7 +211,7 @@ def _print_requirements(terminal: Terminal, check: MissionCheck) -> None:
             mark, colour = _INFORMATIVE, "yellow"
         asked = answer.asked
         terminal.print(f"{mark:4} {asked.words} ({asked.name})", style=colour, indent=2, hang=5)
-        for sentence in unhandled_in_words(asked, check.ignored):
+        for sentence in unhandled_in_words(asked, check.changing_nothing):
             terminal.print(sentence, indent=7)
         if answer.met:
             if answer.says_nothing_of:
@@ -295,9 +295,12 @@ def print_check(
             shown.update(check.verdicts[name].runs)
             if name == "confluent" and check.verdicts[name].holds and check.mission_net.usage.contentions:
                 terminal.print("of two that need one thing, who comes second waits", indent=7, style="dim")
-    for ignored in check.ignored:
-        line = f"{_INFORMATIVE:4} Ignored: {ignored.event} while {ignored.words}."
-        terminal.print(line, style="dim", indent=2, hang=5)
+    for idle in check.changing_nothing:
+        lines = [f"Ignored: {idle.event} while {idle.words}."] if idle.objectives else []
+        if idle.answering:
+            lines.append(f"Answered already: {idle.event} while {idle.answering_words}, where it leads.")
+        for line in lines:
+            terminal.print(f"{_INFORMATIVE:4} {line}", style="dim", indent=2, hang=5)
     for sentence in (sentence for late in check.late for sentence in late.sentences):
         line = f"{_INFORMATIVE:4} Noticed late: {sentence}."
         terminal.print(line, style="dim", indent=2, hang=5)

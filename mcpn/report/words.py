@@ -14,8 +14,8 @@ from mcpn.spaces.run import Run
 
 if TYPE_CHECKING:
     from mcpn.answers.requirements import AskedRequirement
+    from mcpn.answers.verdicts.ignored import Ignored
     from mcpn.answers.verdicts.mission import MissionCheck
-    from mcpn.answers.verdicts.never import Ignored
     from mcpn.drawing.compose import MissionNet
     from mcpn.runtime.tables import Inside
 
@@ -95,12 +95,17 @@ def wrong_in_words(mission_net: MissionNet, run: Run) -> str:
     return f"on this run {enumeration([*said])}" if said else ""
 
 
-def unhandled_in_words(asked: AskedRequirement, ignored: Sequence[Ignored]) -> Iterator[str]:
-    """Of each event that a requirement names, where it is ignored: what is asked holds of handled ones."""
+def unhandled_in_words(asked: AskedRequirement, idle: Sequence[Ignored]) -> Iterator[str]:
+    """Of each event that a requirement names, where it is not handled: what is asked does not speak of it."""
     named = asked.events
-    for each in ignored:
+    for each in idle:
         if each.event in named:
-            yield f"It holds of {each.event} where that is handled: it is ignored while {each.words}."
+            ignored, meanwhile = (
+                f"is ignored while {each.words}",
+                f"changes nothing while {each.answering_words}",
+            )
+            how = ignored if each.objectives else meanwhile
+            yield f"It holds of {each.event} where that is handled: it {how}."
 
 
 def changes(before: Situation, after: Situation) -> list[str]:

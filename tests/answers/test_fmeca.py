@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
@@ -347,7 +348,8 @@ class Words:
     def leading(self, to: str, block: ParallelSection | None, branch: Branch | None) -> str:
         """The same, in the branch of a block, or in none."""
         if to not in ("succeed", "fail", "abort"):
-            return f"its failure leads to {to}"
+            here, there = (re.sub("_try[0-9]+", "_try", name) for name in (self.section.name, to))
+            return f"its failure leads to {'the next try' if here == there and '_try' in here else to}"
         if block is None or branch is None:
             ends = {"succeed": "success", "fail": "failure", "abort": "abort"}
             return f"its failure ends the mission in {ends[to]}"

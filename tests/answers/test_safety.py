@@ -115,7 +115,7 @@ def test_of_which_events_the_answer_speaks(tmp_path: Path) -> None:
     assert answered.holds
     assert answered.notes == (
         "stop: handled whatever runs",
-        "not of leak while home runs: it is ignored there",
+        "not of leak while home runs: it leads there already",
     )
 
 

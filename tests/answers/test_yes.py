@@ -84,10 +84,12 @@ def test_an_event_that_is_ignored(folder: Path, tmp_path: Path) -> None:
     (ignored,) = found.ignored
     (event,) = found.mission_net.mission.events
     last, final = [section.name for section in found.mission_net.graph.sections][1:]
-    assert ignored.sentence == f"{event.name} is ignored while {last}, {final} run"
+    assert ignored.sentence == f"{event.name} is ignored while {last} runs"
+    assert ignored.answering == (final,)
     assert found.passed
     told = " ".join(mcpn("check", path).stdout.split())
-    assert f"Ignored: {event.name} while {last}, {final} run" in told
+    assert f"Ignored: {event.name} while {last} runs" in told
+    assert f"Answered already: {event.name} while {final} runs" in told
     assert f"It holds of {event.name} where that is handled" in told
     page = tmp_path / "page.html"
     assert mcpn("report", path, "-o", page).returncode == 0

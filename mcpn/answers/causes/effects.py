@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
@@ -189,7 +190,8 @@ def route(section: ElementarySection, around: Around) -> str:
 def _route(section: ElementarySection, around: Around) -> str:
     """Where the failure of an objective leads."""
     if section.failure not in _ENDS:
-        return f"its failure leads to {section.failure}"
+        again = _TRY.search(section.name) and _TRY.sub("", section.name) == _TRY.sub("", section.failure)
+        return f"its failure leads to {'the next try' if again else section.failure}"
     if not around:
         return f"its failure ends the mission in {_ENDS[section.failure]}"
     block, branch = around[-1]
@@ -208,6 +210,9 @@ def _route(section: ElementarySection, around: Around) -> str:
 
 
 _ENDS = {SUCCEED: "success", FAIL: "failure", ABORT: "abort"}
+_TRY = re.compile(r"_try[0-9]+")
+NOT_HERE = "none here; "
+"""Begins what is said of a loss that changes nothing but in other branches, or later."""
 
 
 def joined(texts: Iterable[str]) -> str:
@@ -253,4 +258,4 @@ def local_effect(cases: Sequence[Case]) -> str:
         for case in cases
         for words in ([f"in {name}, {changed}" for name, changed in case.elsewhere] or ["needed later"])
     )
-    return f"none here; {'; '.join(sorted(elsewhere, key='needed later'.__eq__))}"
+    return f"{NOT_HERE}{'; '.join(sorted(elsewhere, key='needed later'.__eq__))}"

@@ -14,8 +14,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.spaces import MissionSpaces, MissionSubject, spaces_of
+from mcpn.answers.verdicts.ignored import Ignored, changing_nothing
 from mcpn.answers.verdicts.modes import Mode, functioning_modes
-from mcpn.answers.verdicts.never import Ignored, Never, ignored_events, never_happens
+from mcpn.answers.verdicts.never import Never, never_happens
 from mcpn.answers.verdicts.nominal import NominalRuns
 from mcpn.answers.verdicts.unsafe_abort import abort_by_failure
 from mcpn.drawing.compose import MissionNet
@@ -181,7 +182,8 @@ class MissionCheck(Told):
         modes: Functioning modes by objective.
         unselectable: What can never be selected, entered or used, with its line.
         futile: Objectives and blocks whose success leads only to failure, with their lines.
-        ignored: Declared events that are ignored in some state, with what runs then.
+        changing_nothing: Declared events that are ignored or answered already in some state, with what runs
+            then.
         late: Hardware whose loss is noticed late, with what then can only fail.
         requirements: What the mission says that it must satisfy, and whether it does.
     """
@@ -195,7 +197,7 @@ class MissionCheck(Told):
     modes: dict[str, list[Mode]] = field(default_factory=dict)
     unselectable: tuple[Problem, ...] = ()
     futile: tuple[Problem, ...] = ()
-    ignored: tuple[Ignored, ...] = ()
+    changing_nothing: tuple[Ignored, ...] = ()
     late: tuple[LateLoss, ...] = ()
     requirements: tuple[RequirementAnswer, ...] = ()
 
@@ -236,6 +238,11 @@ class MissionCheck(Told):
         """What is suspicious in the mission, by its text and by its states, each once."""
         problems = (*static_warnings(self.mission_net.usage), *self.unselectable, *self.futile)
         return list({str(problem): problem for problem in problems}.values())
+
+    @property
+    def ignored(self) -> tuple[Ignored, ...]:
+        """Declared events that are ignored in some state, with what runs then."""
+        return tuple(each for each in self.changing_nothing if each.objectives)
 
     @property
     def failing(self) -> list[str]:
@@ -367,7 +374,7 @@ def _verdicts(
     known, reason = [decided], "" if space else UNDECIDED[decided.name]
     never = Never()
     firings: Mapping[int, int] = {}
-    ignored: tuple[Ignored, ...] = ()
+    idle: tuple[Ignored, ...] = ()
     if space is not None:
         known.append(Verdict("safe", True, "no firing puts a second token in a place"))
         known.append(Verdict("bounded", True, "a 1-safe net is bounded"))
@@ -377,8 +384,8 @@ def _verdicts(
         never = never_happens(mission_net, space, firings)
         found = f"{len(never.unselectable)} found" if never.unselectable else "nothing found"
         known.append(Verdict("unselectable", bool(never.unselectable), found))
-        ignored = tuple(ignored_events(mission_net, space))
-        wrong = [each.sentence for each in ignored if each.required]
+        idle = tuple(changing_nothing(mission_net, space))
+        wrong = [each.sentence for each in idle if each.required and each.objectives]
         said = "; ".join(wrong) or "every event that must be handled is handled whatever runs"
         known.append(Verdict(HANDLED, not wrong, said))
         step(Doing.FINDING_MODES)
@@ -393,7 +400,7 @@ def _verdicts(
         None if alternatives is None else (alternatives.everything.count(), sum(firings.values())),
         {} if space is None else functioning_modes(mission_net, space),
         *never,
-        ignored,
+        idle,
         _late(mission_net, alternatives),
     )
 

@@ -1,30 +1,21 @@
-"""What never happens: objectives that never run, alternatives never selected, events that are ignored.
-
-A declared event is ignored while something runs and nothing around it handles the event. One that no block
-handles where it would come changes nothing, and in formulas it does not happen there. So "after a leak the
-robot comes up" is met by a mission that handles no leak.
-"""
+"""What never happens: objectives that never run, alternatives never selected."""
 
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from mcpn.answers.verdicts.routing import Routing
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import Problem
-from mcpn.mission.expansion.copies import Copies
 from mcpn.mission.static.usage import Usage
 from mcpn.mission.static.warnings import (
     in_order,
-    names_of_objectives,
     never_entered,
     never_used,
     of_objectives,
 )
 from mcpn.nets.events import Event, What
-from mcpn.sentences import shortened
 from mcpn.spaces.algebra import Piece, S, Space
 
 
@@ -138,55 +129,3 @@ def _held(usage: Usage, activity: str, consumed: Sequence[str]) -> str:
         if contention.wanted in consumed and len(above) == 1 and activity in usage.closure(above[0]):
             return f": {above[0]}, which it serves, has {contention.wanted} already"
     return ""
-
-
-MOST_TOLD = 12
-"""Objectives that a sentence on an ignored event names; copies of one block count as one."""
-
-
-@dataclass(frozen=True)
-class Ignored:
-    """A declared event that is ignored.
-
-    Args:
-        event: Its name.
-        objectives: Those that run in some state in which it is ignored, in document order.
-        required: Whether its declaration says that it must always be handled.
-        words: The same for a reader, without the event: copies of one objective are said together.
-    """
-
-    event: str
-    objectives: tuple[str, ...]
-    required: bool
-    words: str
-
-    @property
-    def sentence(self) -> str:
-        """What is ignored, and while what runs."""
-        return f"{self.event} is ignored while {self.words}"
-
-
-def ignored_events(mission_net: MissionNet, space: Space[S]) -> Iterator[Ignored]:
-    """The declared events that are ignored in some state in which an objective runs, in document order.
-
-    Args:
-        mission_net: The mission's net.
-        space: Its stable states, or its markings.
-    """
-    graph, transitions = mission_net.graph, mission_net.net.transitions
-    for declared in mission_net.mission.events:
-        if declared.sets:
-            continue  # it changes facts, and interrupts nothing
-        event = Event(What.DECLARED, declared.name)
-        own = [t for t, transition in enumerate(transitions) if transition.event == event]
-        unhandled = space.stable - space.enabling(own) if own else space.stable
-        running = objectives_run(mission_net, space, unhandled)
-        names = tuple(section.name for section in graph.walk() if section.name in running)
-        if names:
-            words = _while(graph.copies, names, names_of_objectives(graph))
-            yield Ignored(declared.name, names, declared.required, words)
-
-
-def _while(copies: Copies, names: Sequence[str], every: Sequence[str]) -> str:
-    told = copies.told(names, every)
-    return f"{shortened(told, MOST_TOLD)} {'runs' if len(told) == 1 else 'run'}"

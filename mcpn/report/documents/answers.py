@@ -54,7 +54,7 @@ CHECK = Document(
                         ),
                         "met": Nullable(Boolean("Whether the requirement is met.")),
                         "ignored": ListOf(
-                            "Events that it names and that are ignored in some state: it holds of handled "
+                            "Events that it names and that change nothing in some state: it holds of handled "
                             "ones.",
                             String("An event."),
                         ),
@@ -154,12 +154,17 @@ CHECK = Document(
                 ListOf("Runs.", texts("A run: its events in order, and with --internal its firings.")),
             ),
             "ignored": ListOf(
-                "Declared events that are ignored in some state.",
+                "Declared events that change nothing in some state.",
                 ObjectOf(
                     "",
                     {
                         "event": String("Its name."),
-                        "objectives": ListOf("What runs in such states.", String("An objective.")),
+                        "objectives": texts(
+                            "What runs in states in which it is ignored, empty where there are none."
+                        ),
+                        "answering": texts(
+                            "What runs, of what its handlers lead to, where it is answered already."
+                        ),
                         "required": Boolean("Whether its declaration says that it must always be handled."),
                     },
                 ),

@@ -349,7 +349,11 @@ def _ignored(check: MissionCheck) -> Iterator[StoryLine]:
         said = f"{told}. What is required of these events holds only where they are handled."
         yield StoryLine("note", asked, said)
     elif events and (check.alternatives is not None or check.markings is not None):
-        yield StoryLine("holds", asked, f"No event: {_few(events)} {_is(events)} handled whatever runs.")
+        said = f"No event: {_few(events)} {_is(events)} handled whatever runs"
+        if again := [each.event for each in check.changing_nothing]:
+            they = "it leads" if len(again) == 1 else "they lead"
+            said += f", but {_few(again)} while what {they} to runs already"
+        yield StoryLine("holds", asked, f"{said}.")
 
 
 def _unnoticed(check: MissionCheck) -> Iterator[StoryLine]:
@@ -452,7 +456,7 @@ def _requirements(check: MissionCheck) -> Iterator[dict[str, Any]]:
         runs, notes = [], [f"{'' if asked.requirement.expected == 'holds' else 'not: '}{asked.text}"]
         if asked.sentence not in asked.words:
             notes.insert(0, asked.sentence)
-        notes += unhandled_in_words(asked, check.ignored)
+        notes += unhandled_in_words(asked, check.changing_nothing)
         if answer.witness is not None and not answer.met:
             steps = [(str(event), words) for event, words in in_words(check.mission_net, answer.witness.run)]
             runs = [{"steps": steps, "events": json.dumps([event for event, _ in steps])}]

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from mcpn.answers.causes.effects import NOT_HERE
 from mcpn.answers.names import MissionNames
 from mcpn.report.failures.tables import COLUMNS, fmeca_rows
 from mcpn.report.failures.terminal import risk_counts
@@ -82,7 +83,9 @@ def tables(findings: Findings) -> list[Table]:
 
 
 def fold_rows(mission_net: MissionNet, rows: Iterable[Texts], column: int = 0) -> list[Texts]:
-    """Merges rows of all rounds and tries of one objective where they are equal but for its name.
+    """Merges rows of rounds and tries of one objective where they are equal but for its name.
+
+    Rows of all of them may differ in the names of their own rounds and tries, those of some may not.
 
     Args:
         mission_net: The mission's net.
@@ -98,8 +101,9 @@ def fold_rows(mission_net: MissionNet, rows: Iterable[Texts], column: int = 0) -
     >>> fold_rows(drone, [("stock_A1.leave", "no way"), ("stock_A2.leave", ""), ("stock_B1.leave", "")])
     [('stock_A1.leave', 'no way'), ('stock_A2.leave', ''), ('stock_B1.leave', '')]
     """
-    names = MissionNames(mission_net)
-    whole = names.folded([objective.name for objective in mission_net.graph.walk()])
+    names, copies = MissionNames(mission_net), mission_net.graph.copies
+    every = [objective.name for objective in mission_net.graph.walk()]
+    whole = names.folded(every)
     plain = {copy: name for name, copies in whole.items() if len(copies) > 1 for copy in copies}
     groups: dict[tuple[str, ...], list[Texts]] = {}
     for row in rows:
@@ -109,8 +113,13 @@ def fold_rows(mission_net: MissionNet, rows: Iterable[Texts], column: int = 0) -
     for key, same in groups.items():
         if len(same) > 1 and {row[column] for row in same} == {*whole.get(key[column], ())}:
             found.append(tuple(f"{c} (all {len(same)})" if i == column else c for i, c in enumerate(key)))
-        else:
-            found += same
+            continue
+        alike: dict[tuple[str, ...], list[str]] = {}
+        for row in same:
+            alike.setdefault((*row[:column], *row[column + 1 :]), []).append(row[column])
+        for rest, these in alike.items():
+            told = these if len(these) == 1 else copies.told(these, every)
+            found += ((*rest[:column], name, *rest[column:]) for name in told)
     return found
 
 
@@ -167,6 +176,9 @@ def merged(rows: Iterable[Texts], column: int = 0) -> list[Texts]:
 def _effect(row: Row) -> str:
     if row.local_effect == "none":
         return UNCHANGED
+    elsewhere = row.local_effect.removeprefix(NOT_HERE)
+    if row.objective_effect == "none" and elsewhere != row.local_effect:
+        return f"{elsewhere}; mission {row.mission_effect}"
     return f"{row.objective_effect} ({row.local_effect}); mission {row.mission_effect}"
 
 
