@@ -18,9 +18,31 @@ from mcpn.mission.model import BlockElement
 from mcpn.mission.robot import Described, Element
 from mcpn.mission.xml import SCHEMA
 from mcpn.report.documents import FORMATS, json_schema
+from mcpn.report.documents.answers import NAMED
+from mcpn.report.documents.graphs import ANSWERED
+from mcpn.report.documents.nets import ENGINE
+from mcpn.report.documents.robots import ESTIMATED
+from mcpn.runtime.documents import PLACE, REQUIREMENT, STATE
+from mcpn.runtime.shapes import Document, ObjectOf
 
 SHARED = {"common": (Element, Described), "routing": (BlockElement,)}
 """Attributes that several elements have, in tables of their own: by table, the classes that declare them."""
+GROUPED = {
+    of: json_schema(Document("", "", ObjectOf("", keys)))["properties"]
+    for of, keys in (
+        ("answer", ANSWERED),
+        ("requirement", REQUIREMENT),
+        ("state", STATE),
+        ("named", NAMED),
+        ("estimate", ESTIMATED),
+        ("place", PLACE),
+        ("engine", ENGINE.keys),
+    )
+}
+"""Keys that several formats share, by what they are told as."""
+MOST_PLAIN = 3
+"""Words that say of a member no more than what it is."""
+HEAD = ("| key | meaning |", "|---|---|")
 PAGES = [
     Path(__file__).with_name(name)
     for name in ("language.md", "patterns.md", "from-a-tree.md", "formats.md", "templates.md")
@@ -47,8 +69,13 @@ def table(name: str) -> str:
     return "\n".join([tag.words, "", *own, *(["", f"Inside: {children}."] if children else [])])
 
 
-def kind(node: dict[str, Any]) -> str:
-    """The kind of value that a JSON Schema allows, in words."""
+def kind(node: dict[str, Any], many: bool = False) -> str:
+    """The kind of value that a JSON Schema allows, in words.
+
+    Args:
+        node: The schema.
+        many: Whether several are spoken of.
+    """
     if "$ref" in node:
         return f"*{node['$ref'].rpartition('/')[2]}*"
     if "const" in node:
@@ -56,33 +83,82 @@ def kind(node: dict[str, Any]) -> str:
     if "enum" in node:
         return ", ".join(f"`{json.dumps(value)}`" for value in node["enum"])
     if "anyOf" in node:
-        return " or ".join(kind(each) for each in node["anyOf"])
+        return " or ".join(kind(each, many) for each in node["anyOf"])
     types = node.get("type", "any")
     names = [types] if isinstance(types, str) else types
-    return " or ".join("list" if name == "array" else name for name in names)
+    plural = "s" if many else ""
+    said = [f"{'list' if name == 'array' else name}{plural if name != 'null' else ''}" for name in names]
+    inner, _ = inner_of(node)
+    of = "" if inner is None else kind(inner, many=True)
+    if of not in ("", "strings"):
+        said[0] += f" of {of}"
+    return " or ".join(said)
+
+
+def has_keys(node: dict[str, Any]) -> bool:
+    """Whether rows of its own keys follow it, so that they say what it is."""
+    inner, _ = inner_of(node)
+    return "properties" in node or (inner is not None and has_keys(inner))
+
+
+def inner_of(node: dict[str, Any]) -> tuple[dict[str, Any] | None, str]:
+    """What the members of a list or a map are, and what its key is called; nothing of other values."""
+    for word, called in (("items", "[]"), ("additionalProperties", ".*")):
+        if isinstance(inner := node.get(word), dict):
+            return inner, called
+    return None, ""
+
+
+def meaning(node: dict[str, Any]) -> str:
+    """What a value means, and what its members do where that is more than what they are."""
+    inner, _ = inner_of(node)
+    said = node.get("description", "")
+    own = meaning(inner) if inner else ""
+    return " ".join(filter(None, (said, own if len(own.split()) > MOST_PLAIN or not said else "")))
 
 
 def keys(node: dict[str, Any], way: str, optional: bool) -> Iterator[str]:
-    """A row for each key of a JSON value, those inside others too."""
-    if way and "description" in node:
-        yield f"| `{way}`{' (optional)' if optional else ''} | {kind(node)} | {node['description']} |"
-    for key, inner in node.get("properties", {}).items():
-        yield from keys(inner, f"{way}.{key}".lstrip("."), key not in node.get("required", ()))
-    if isinstance(inner := node.get("additionalProperties"), dict):
-        yield from keys(inner, f"{way}.*".lstrip("."), False)
-    if isinstance(inner := node.get("items"), dict):
-        yield from keys(inner, f"{way}[]", False)
+    """A row for each key of a JSON value, those inside others too; members of lists and maps have none."""
+    properties, shared = node.get("properties", {}), list[str]()
+    for name, group in GROUPED.items():
+        if (way or len(group) < len(properties)) and group.items() <= properties.items():
+            shared.append(f"The keys of *{name}*.")
+            properties = {key: of for key, of in properties.items() if key not in group}
+    said = "" if not way or way.endswith(("]", "*")) else meaning(node)
+    alone = way and not way.endswith(("]", "*")) and not has_keys(node)
+    if said or shared or alone:
+        told = " ".join(filter(None, (said, *shared)))
+        of = "null too" * ("null" in node["type"]) if shared or has_keys(node) else kind(node)
+        of = ": ".join(part for part in ("" if of == "string" else of, told) if part)
+        yield f"| {f'`{way}`' * bool(way)}{'?' * optional} | {of} |"
+    for key, of in properties.items():
+        yield from keys(of, f"{way}.{key}".lstrip("."), key not in node.get("required", ()))
+    for each in node.get("anyOf", ()):
+        yield from keys(each, way, False)
+    inner, called = inner_of(node)
+    if inner is not None:
+        yield from keys(inner, f"{way}{called}".lstrip("."), False)
 
 
 def format_table(name: str) -> str:
     """The tables of one JSON format, parts that it names after it."""
+    if name == "many":
+        return "\n\n".join("\n".join((f"*{of}*", "", *HEAD, *plain(group))) for of, group in GROUPED.items())
     schema = json_schema(FORMATS[name])
-    head = ["| key | value | meaning |", "|---|---|---|"]
-    lines = [f"`{schema['title']}`: {schema['description']}", "", *head, *keys(schema, "", False)]
+    lines = [f"`{schema['title']}`: {meaning(schema)}"]
+    for each in schema.get("anyOf", [schema]):
+        lines += ["", *([meaning(each), ""] if each is not schema else []), *HEAD, *keys(each, "", False)]
     for part, node in schema.get("$defs", {}).items():
-        lines += ["", f"*{part}*: {node['description']}", "", *head]
-        lines += list(keys(node, "", False)) or [f"| | {kind(node)} | {node['description']} |"]
+        lines += ["", f"*{part}*: {'' if (of := kind(node)) == 'object' else f'{of}: '}{meaning(node)}"]
+        if inside := [*keys(node, "", False)]:
+            lines += ["", *HEAD, *inside]
     return "\n".join(lines)
+
+
+def plain(group: dict[str, Any]) -> Iterator[str]:
+    """The rows of keys that several formats share."""
+    for key, of in group.items():
+        yield from keys(of, key, False)
 
 
 def contract(kind: str) -> str:

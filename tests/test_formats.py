@@ -175,3 +175,25 @@ def test_an_unknown_schema_is_an_error_that_names_those_there_are() -> None:
     assert found.returncode == 2
     assert all(name in found.stderr for name in SCHEMAS)
     assert json.loads(output("schema", "check")["schema"]) == SCHEMAS["check"]
+
+
+def declared(node: Any) -> set[str]:
+    """The keys that a schema declares, at any depth."""
+    if isinstance(node, list):
+        return set().union(*map(declared, node))
+    if not isinstance(node, dict):
+        return set()
+    inner = set().union(*map(declared, node.values()))
+    return inner | {*node["properties"]} if isinstance(node.get("properties"), dict) else inner
+
+
+def test_the_page_has_every_key() -> None:
+    """In the section of its format, or among those that several formats share."""
+    sections = (ROOT / "docs" / "formats.md").read_text().split("<!-- format ")
+    by_name = {section.split(" ", 1)[0]: section.split("<!-- end -->")[0] for section in sections[1:]}
+    for name, document in FORMATS.items():
+        if name == "controller-rules":
+            continue  # the page leads to its schema
+        text = by_name[name] + by_name["many"]
+        missing = [key for key in declared(json_schema(document)) if f"{key}`" not in text]
+        assert missing == [], name

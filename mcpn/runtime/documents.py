@@ -397,7 +397,7 @@ SAVED = Document(
         },
     ),
 )
-_PLACE = {
+PLACE = {
     "phase": OneOf("As in a snapshot.", BEFORE, RUNNING, *ENDS.values()),
     "section": Nullable(String("The section that runs.")),
     "state": Integer("Its state."),
@@ -414,8 +414,8 @@ STEP = ObjectOf(
         "event": String("What happened."),
         "refused": Boolean("Whether the controller refused it."),
         "number?": Integer("Its number, from 1; a refused one has that of the one before."),
-        "from?": ObjectOf("Where the controller was.", _PLACE),
-        "to?": ObjectOf("Where it is.", _PLACE),
+        "from?": ObjectOf("Where the controller was.", PLACE),
+        "to?": ObjectOf("Where it is.", PLACE),
         "actions?": texts("What it ordered, in this order."),
         **_SIGNED,
     },

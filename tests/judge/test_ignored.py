@@ -53,7 +53,8 @@ def led_to(interpreter: Interpreter, event: str) -> set[str]:
                 target, outer = handler.goto or handler.pause, node.parent
                 while target == ABORT and outer is not None:
                     target, outer = outer.abort, outer.parent
-                found |= {target} - {SUCCEED, FAIL, ABORT}
+                if target not in (None, SUCCEED, FAIL, ABORT):
+                    found.add(target)
     return found
 
 

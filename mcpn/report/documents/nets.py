@@ -39,7 +39,7 @@ _SIZES = ObjectOf(
         "peak_nodes": Nullable(Integer("The most nodes at once while it was made.")),
     },
 )
-_ENGINE = ObjectOf(
+ENGINE = ObjectOf(
     "What it found.",
     {
         "engine": String("Which."),
@@ -211,7 +211,7 @@ COMPARE = Document(
         "The engines side by side.",
         {
             "engines": ListOf(
-                "One for each engine, of one subject; those of a family stand in its members.", _ENGINE
+                "One for each engine, of one subject; those of a family stand in its members.", ENGINE
             ),
             "members": ListOf(
                 "The subject, or the members of the family.",
@@ -222,7 +222,7 @@ COMPARE = Document(
                         "places": Integer("Of its net."),
                         "transitions": Integer("Of its net."),
                         "arcs": Integer("Of its net."),
-                        "engines": ListOf("One for each engine.", _ENGINE),
+                        "engines": ListOf("One for each engine.", ENGINE),
                         "size": Nullable(Integer("In its family; null of a subject of its own.")),
                     },
                 ),
