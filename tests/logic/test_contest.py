@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import suppress
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from fractions import Fraction
 from itertools import islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -28,11 +29,14 @@ from mcpn.spaces.diagrams.bounded import reach_markings
 from mcpn.spaces.diagrams.runners import OneByOne
 from mcpn.spaces.engines import Asked
 from mcpn.spaces.names import Names
+from mcpn.spaces.search.equation import Ceiling, Proof, Solution, StateEquation
+from mcpn.spaces.search.goal import Goal
 from mcpn.testing.nets import FAMILIES
 from tests.draws import fewer
 from tests.logic.formulas import RELATIONS, Written, edges_of, formulas, read, satisfying
 from tests.nets.nets import graph_of, nets, state_machines, token_nets
 from tests.spaces.search.goals import all_markings
+from tests.spaces.search.test_equation import assert_proved
 from tests.spaces.search.test_home import leading_back
 
 PLAIN = (
@@ -336,6 +340,51 @@ def test_what_is_answered_without_a_space_is_right(net: PetriNet, data: st.DataO
         for verdict in answer_all(Questions(net, engine="search"), properties, examinations):
             event(f"by {'+'.join(verdict.techniques)}")
             assert verdict.value == expected[verdict.name], verdict
+
+
+@contextmanager
+def proofs_given() -> Iterator[list[tuple[Proof, PetriNet, dict[int, int], Fraction]]]:
+    """The proofs of the state equation meanwhile, each with its net and the bound that it shows of a sum."""
+    given: list[tuple[Proof, PetriNet, dict[int, int], Fraction]] = []
+    solve, most = StateEquation.solve, StateEquation.most
+    less = Fraction(1, 10**9)
+
+    def solved(self: StateEquation, goal: Goal, *cases: int) -> Solution:
+        found = solve(self, goal, *cases)
+        assert bool(found.proofs) == (found.kind == "unreachable")
+        given.extend((proof, self.net, {}, -less) for proof in found.proofs)
+        return found
+
+    def bounded(self: StateEquation, weights: Mapping[int, int], empty: Iterable[int] = ()) -> Ceiling:
+        found = most(self, weights, empty)
+        if found.bound is not None:
+            assert found.proof is not None
+            given.append((found.proof, self.net, dict(weights), found.bound + 1 - less))
+        return found
+
+    with patch.object(StateEquation, "solve", solved), patch.object(StateEquation, "most", bounded):
+        yield given
+
+
+@pytest.mark.parametrize(
+    ("family", "size"),
+    [("kanban", 30), ("fms", 12), ("philosophers", 12), ("token_ring", 12), ("eratosthenes", 24)],
+)
+def test_whatever_the_state_equation_answers_is_proved_in_fractions(family: str, size: int) -> None:
+    net = FAMILIES[family].net(size)
+    sums = [(p,) if p % 2 else (p, (7 * p + 3) % len(net.places)) for p in range(9)]
+    asked = [Property(f"most-{i}", places, Source(net.name)) for i, places in enumerate(sums)]
+    by_equation = []
+    with proofs_given() as given, suppress(LimitError):
+        for verdict in answer_all(
+            Questions(net, engine="search"), asked, ["OneSafe", "QuasiLiveness", "StableMarking", "Liveness"]
+        ):
+            if "STATE_EQUATION" in verdict.techniques:
+                assert given
+                by_equation.append(verdict.name)
+    assert {f"most-{i}" for i in range(len(sums))} <= set(by_equation)
+    for proof, of, weights, bound in given:
+        assert_proved(proof, of, weights, bound)
 
 
 @given(PLAIN)

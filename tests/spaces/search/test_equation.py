@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from math import inf
 from pathlib import Path
 
 import pytest
@@ -46,11 +47,16 @@ def assert_proved(proof: Proof, net: PetriNet, weights: dict[int, int], bound: F
     factors = [Fraction(m, proof.common) for m in proof.multipliers]
     total = [Fraction(weights.get(p, 0)) for p in range(len(net.places))]
     columns, left = [Fraction(0)] * len(proof.lower), Fraction(0)
+    assert set(proof.lower[:first]) <= {0}
+    assert set(proof.upper[:first]) <= {inf}  # transitions fire any number of times
     for number, (factor, (row, least, most)) in enumerate(zip(factors, proof.rows, strict=True)):
         if number < len(net.places):  # the equation: initial tokens, what firings add, less the tokens
             assert least == most == -net.initial[number]
             changed = {t: effect[number] for t, effect in enumerate(effects) if effect.get(number)}
             assert row == {**changed, first + number: -1}
+        elif weights:  # a bound needs no rows but those of traps that are marked at first
+            assert_marked_trap({variable - first for variable in row}, net)
+            assert (set(row.values()), least) == ({1}, 1)
         end_of_row = least if factor > 0 else most
         if factor:
             left -= factor * Fraction(end_of_row)
@@ -62,6 +68,15 @@ def assert_proved(proof: Proof, net: PetriNet, weights: dict[int, int], bound: F
         if column:
             left += column * Fraction(proof.upper[variable] if column > 0 else proof.lower[variable])
     assert left <= bound
+
+
+def assert_marked_trap(trap: set[int], net: PetriNet) -> None:
+    """Each transition that leaves no token in a set of places takes none from it; one is there at first."""
+    assert any(net.initial[place] for place in trap)
+    for t in net.transitions:
+        taken, put = dict(t.consume), {place for place, _ in t.produce}
+        kept = {place for place, tokens in t.read if tokens > taken.get(place, 0)}
+        assert not trap & taken.keys() or trap & (put | kept)
 
 
 def arcs_of(net: PetriNet) -> list[dict[int, tuple[int, int]]]:
