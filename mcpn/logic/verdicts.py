@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -221,9 +221,10 @@ class _Answers:
                     yield from self.answer(name, value, _technique(questions.choice.engine))
             if not self.waiting:
                 return
-            steps = LOCAL_STEPS[min(2 + number, len(LOCAL_STEPS) - 1)]
-            yield from self.by_need(steps)
-            yield from self.by_paths(steps, enrich=True)
+            # Those whose slice has not done are asked of markings for about as long.
+            steps = LOCAL_STEPS[min(1 + number, len(LOCAL_STEPS) - 1)]
+            yield from self.by_need(steps, among=tried)
+            yield from self.by_paths(steps, enrich=True, among=tried)
 
     def shown(self, formula: Formula, holds: bool, ways: Sequence[str]) -> tuple[Witness, Choice | NoSpace]:
         """The run that shows the value of a formula, and who has answered."""
@@ -279,9 +280,17 @@ class _Answers:
         size = len(self.net.places) + len(self.net.transitions)
         return max(FEWEST_STEPS, steps * PACED // max(size, PACED))
 
-    def parts(self) -> list[Formula]:
-        """The parts whose values in the initial marking are asked for, each once, cheap ones first."""
-        formulas = (asked for asked in self.waiting.values() if isinstance(asked, Formula))
+    def parts(self, among: Container[str] | None = None) -> list[Formula]:
+        """The parts whose values in the initial marking are asked for, each once, cheap ones first.
+
+        Args:
+            among: Names of the questions that count; by default all.
+        """
+        formulas = (
+            asked
+            for name, asked in self.waiting.items()
+            if isinstance(asked, Formula) and (among is None or name in among)
+        )
         return sorted(dict.fromkeys(chain.from_iterable(map(parts_at_first, formulas))), key=_effort)
 
     def learn(self, part: Meaning, value: int, *ways: str) -> Iterator[ContestAnswer]:
@@ -396,7 +405,11 @@ class _Answers:
         sums = [asked for asked in dict.fromkeys(self.waiting.values()) if isinstance(asked, tuple)]
         for places, bound, ways in facts.sums(sums):
             yield from self.learn(places, bound, *ways)
+        came = self.raced()
         for name, decide in facts.examinations.items():
+            if came():
+                yield from self.bounds_by_space()
+                return
             if name in self.waiting.values():
                 value, ways = decide()
                 if value is not None:
@@ -442,16 +455,25 @@ class _Answers:
         most = self.questions.max_states
         return budget if most is None else replace(budget, states=min(budget.states, most))
 
-    def by_need(self, steps: int, *, searched: bool = True, runs: bool = False) -> Iterator[ContestAnswer]:
+    def by_need(
+        self,
+        steps: int,
+        *,
+        searched: bool = True,
+        runs: bool = False,
+        among: Container[str] | None = None,
+    ) -> Iterator[ContestAnswer]:
         """Asks markings as they are needed, so many steps for each part.
 
         Args:
             steps: How many.
             searched: Whether parts are asked that a search may decide.
             runs: Whether a part that holds is answered although no run is known that shows it.
+            among: Names of the questions whose parts are asked; by default all.
         """
         asked = [part for part in (*self.parts(), *self.nested) if not says_paths(part)]
-        parts = [part for part in asked if searched or self.known.goal(part) is None]
+        counted = {*self.parts(among), *self.nested}
+        parts = [part for part in asked if part in counted and (searched or self.known.goal(part) is None)]
         if not parts or self.net.priorities:  # whose atoms are no conditions on tokens alone
             return
         if not self.searches.fits:
@@ -471,17 +493,20 @@ class _Answers:
                 yield from self.learn(part, value, EXPLICIT)
         self.rounds += 1
 
-    def by_paths(self, steps: int, *, enrich: bool = False) -> Iterator[ContestAnswer]:
+    def by_paths(
+        self, steps: int, *, enrich: bool = False, among: Container[str] | None = None
+    ) -> Iterator[ContestAnswer]:
         """Looks for paths that parts ask for, marking by marking, so many steps for each part.
 
         Args:
             steps: How many.
             enrich: Whether to ask first what holds always, or never.
+            among: Names of the questions whose parts are asked; by default all.
         """
         yield from self.bounded()
         # Others are asked marking by marking as well, and the space is quicker, once it is there.
         every = enrich and steps <= LOCAL_STEPS[1] and not (self.typed or self.questions.made)
-        parts = [part for part in self.parts() if every or says_paths(part)]
+        parts = [part for part in self.parts(among) if every or says_paths(part)]
         parts += () if self.questions.made else self.bounding
         parts = [part for part in parts if self.known.goal(part) is None]
         if not parts or not self.questions.searchable or self.net.priorities:
