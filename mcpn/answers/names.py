@@ -13,10 +13,10 @@ from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError
 from mcpn.logic.formulas import Justice
 from mcpn.logic.ltl.formulas import Happens
+from mcpn.mission.conditions import is_boolean, objective_done
 from mcpn.mission.expansion.copies import Copies, grouped
 from mcpn.mission.model import Mission, Objective, walk
 from mcpn.mission.robot import BOOLEAN_VALUES
-from mcpn.mission.world.conditions import is_boolean, objective_done
 from mcpn.nets.events import ENDING, START, Event, What
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.names import ENDINGS, Names, known, unknown

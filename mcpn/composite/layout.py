@@ -10,10 +10,10 @@ from typing import Literal, NamedTuple, TypeAlias
 from mcpn._kernel import Store, Zdd, clustered
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.sections import Element, LocalPart
+from mcpn.mission.conditions import all_flags, flags
 from mcpn.mission.expansion.faults import noticed
 from mcpn.mission.flatten import ElementarySection, Section
 from mcpn.mission.graph import names_in
-from mcpn.mission.world.conditions import all_flags, flags
 from mcpn.nets.events import What
 from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY
 from mcpn.spaces.memoized import memoized
@@ -98,7 +98,7 @@ ONCE: tuple[Said, ...] = ("happened",)
 """What the slot of a handler that happens once says."""
 
 FACT: tuple[Said, ...] = ("fact",)
-"""What the slot of a truth value of a fact says (:func:`mcpn.mission.world.conditions.flags`)."""
+"""What the slot of a truth value of a fact says (:func:`mcpn.mission.conditions.flags`)."""
 
 KNOWN: tuple[Said, ...] = ("known",)
 """What the slot of hardware that is detected late says besides: that its loss is known."""

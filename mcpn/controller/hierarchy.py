@@ -33,10 +33,10 @@ from mcpn.controller.sizes import refuse_entries
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.mortal import ALWAYS, Guard
 from mcpn.drawing.sections import LocalPart
+from mcpn.mission.conditions import all_flags, flags
 from mcpn.mission.expansion.faults import noticed
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Fact
-from mcpn.mission.world.conditions import all_flags, flags
 from mcpn.nets.events import START, Event, What
 from mcpn.notebook import Drawn
 from mcpn.spaces.stable.alternatives import AlternativesGraph
@@ -331,7 +331,7 @@ def cut(
 
 
 class _Flags:
-    """What is true of facts (:func:`mcpn.mission.world.conditions.flags`) and of late hardware in states.
+    """What is true of facts (:func:`mcpn.mission.conditions.flags`) and of late hardware in states.
 
     Args:
         machine: The machine.

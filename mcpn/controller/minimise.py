@@ -3,7 +3,7 @@
 Two states may be merged where they show the same (objectives, mode, what waits, what was refused, branches
 that have ended, hardware out of service, noticed or not), allow the same events under the same guards, order
 the same actions on each, and lead to states that may be merged. The coarsest such partition is a
-bisimulation; :func:`is_bisimulation` checks one on its own.
+bisimulation.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from collections.abc import Hashable, Sequence
 from dataclasses import replace
 
 from mcpn.controller.hierarchy import Move, SectionMachine, TableController
-from mcpn.drawing.mortal import Guard
 
 
 def minimise(controller: TableController) -> TableController:
@@ -54,41 +53,6 @@ def partition(machine: SectionMachine) -> list[int]:
         if finer == classes:
             return classes
         classes = finer
-
-
-def is_bisimulation(machine: SectionMachine, classes: Sequence[int]) -> bool:
-    """Whether states of one class show the same and do the same on every event, up to classes.
-
-    It compares each state with the first of its class, one move at a time, and shares no code with
-    :func:`partition`.
-
-    Args:
-        machine: The machine.
-        classes: The number of its class by state.
-    """
-    first: dict[int, int] = {}
-    by_source: dict[int, dict[tuple[int, Guard], Move]] = {n: {} for n in range(len(machine.states))}
-    for move in machine.moves:
-        by_source[move.source][move.event, move.guard] = move
-    for number, class_ in enumerate(classes):
-        other = first.setdefault(class_, number)
-        if machine.states[number] != machine.states[other]:
-            return False
-        mine, theirs = by_source[number], by_source[other]
-        if mine.keys() != theirs.keys():
-            return False
-        for event, move in mine.items():
-            same = theirs[event]
-            if (move.gained, move.lost) != (same.gained, same.lost):
-                return False
-            if move.actions != same.actions or type(move.target) is not type(same.target):
-                return False
-            if isinstance(move.target, int) and isinstance(same.target, int):
-                if classes[move.target] != classes[same.target]:
-                    return False
-            elif move.target != same.target:
-                return False
-    return True
 
 
 def quotient(machine: SectionMachine, classes: Sequence[int]) -> SectionMachine:

@@ -18,15 +18,14 @@ from mcpn.drawing.compose import MissionNet, Parts, compose_parts
 from mcpn.drawing.mortal import crashed_before, noticed_before
 from mcpn.drawing.templates import TemplateSet
 from mcpn.errors import InputError, LimitError, Problem
+from mcpn.mission.conditions import all_flags, touched_by
 from mcpn.mission.expansion.faults import Crash, noticed
-from mcpn.mission.expansion.routes import Interrupted, exits_by_facts, exits_on
+from mcpn.mission.expansion.routes import FactCase, Interrupted, exits_by_facts, exits_on
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.graph import TIMED_OUT, failed_for
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Activity, Fact, Hardware, Software
 from mcpn.mission.static.usage import Usage
-from mcpn.mission.world.conditions import all_flags, touched_by
-from mcpn.mission.world.decisions import FactCase
 
 Element: TypeAlias = tuple[str, str]
 """The kind and the name that the provenances of an element's places have."""
@@ -205,7 +204,7 @@ class LocalPart:
 
     @cached_property
     def flags(self) -> tuple[str, ...]:
-        """What may be true of these facts (:func:`mcpn.mission.world.conditions.flags`), fact by fact."""
+        """What may be true of these facts (:func:`mcpn.mission.conditions.flags`), fact by fact."""
         return tuple(flag for fact in self.facts for flag in all_flags(fact))
 
     @property

@@ -13,13 +13,13 @@ from mcpn.drawing.compose import MissionNet, compose
 from mcpn.editor.scan import Scan, scan
 from mcpn.errors import InputError, LimitError, Problem
 from mcpn.files import read_bounded
+from mcpn.mission.conditions import facts_of, objective_done
 from mcpn.mission.flatten import flatten
 from mcpn.mission.language.drafts import MissionDraft
 from mcpn.mission.model import Import, Mission
 from mcpn.mission.robot import Robot
 from mcpn.mission.static.usage import Usage
 from mcpn.mission.static.warnings import static_warnings
-from mcpn.mission.world.conditions import facts_of, objective_done
 from mcpn.mission.xml import MAX_FILE_BYTES, misfits_of, read_mission
 
 MOST_TYPED = 3_000

@@ -24,7 +24,7 @@ from mcpn.spaces.search.goal import Formula
 if TYPE_CHECKING:
     from mcpn.logic.witness import Witness
 
-FIRST_STEPS, GROWTH = 150_000, 2
+FIRST_STEPS, STEPS_FACTOR = 150_000, 2
 """Of the race for the space, of which rounds are taken between searches."""
 
 
@@ -154,7 +154,7 @@ class Questions:
         now = time.process_time()
         if self._steps == FIRST_STEPS or self._for_space <= now - self._begun - self._for_space:
             self._begun = self._begun or now
-            self._steps *= GROWTH
+            self._steps *= STEPS_FACTOR
             if self.spaces.go_on(self._steps):
                 _ = self._chosen
             self._for_space += time.process_time() - now

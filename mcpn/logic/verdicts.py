@@ -29,7 +29,7 @@ from mcpn.logic.simplify import at_first, bounds_of, conditions, parts_at_first
 from mcpn.logic.witness import NoRun, Witness, explain
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.spaces.engines import Asked, Choice, NoSpace
-from mcpn.spaces.search import HOME
+from mcpn.spaces.search import EXPLICIT, HOME, INITIAL_STATE, RANDOM_WALK, STATE_EQUATION
 from mcpn.spaces.search.goal import FALSE, TRUE, Formula
 from mcpn.steps import Doing, step
 
@@ -44,8 +44,7 @@ if TYPE_CHECKING:
 # What searches is loaded when something is searched.
 
 DIAGRAMS, REWRITING, COMPOSITION = "DECISION_DIAGRAMS", "QUERY_REDUCTION", "COMPOSITION"
-EXPLICIT, INITIAL_STATE, RANDOM_WALK = "EXPLICIT", "INITIAL_STATE", "RANDOM_WALK"
-FIRST_SLICE, FIRST_ROUND, GROWTH = 0.4, 1.0, 3.0
+FIRST_SLICE, FIRST_ROUND, SLICE_FACTOR = 0.4, 1.0, 3.0
 WALK_STEPS = 50_000
 Meaning: TypeAlias = Formula | tuple[int, ...] | str
 """A formula; places, where the most tokens that they hold together is asked; or an examination's name."""
@@ -211,11 +210,11 @@ class _Answers:
             for name in sorted(self.waiting, key=lambda name: (tried[name], _effort(self.waiting[name]))):
                 if name not in self.waiting:  # what was answered before it has implied its answer
                     continue
-                if store and time.process_time() - begun > FIRST_ROUND * GROWTH**number:
+                if store and time.process_time() - begun > FIRST_ROUND * SLICE_FACTOR**number:
                     break
                 value = None
                 tried[name] += 1
-                with _limited(store, FIRST_SLICE * GROWTH ** (tried[name] - 1)):
+                with _limited(store, FIRST_SLICE * SLICE_FACTOR ** (tried[name] - 1)):
                     value = self.by_space(name)
                 if value is not None:
                     yield from self.answer(name, value, _technique(questions.choice.engine))
@@ -399,7 +398,6 @@ class _Answers:
         if self.net.priorities or not self.waiting:
             return
         from mcpn.spaces.search.facts import Facts
-        from mcpn.spaces.search.portfolio import STATE_EQUATION
 
         facts = self.facts = Facts(self.net, self.known.bounds, self.searches)
         sums = [asked for asked in dict.fromkeys(self.waiting.values()) if isinstance(asked, tuple)]

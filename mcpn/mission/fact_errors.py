@@ -7,12 +7,12 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 
 from mcpn.errors import Problem, Source
+from mcpn.mission.conditions import FactUsage, conditions, is_boolean, objective_done, required, word
 from mcpn.mission.graph import ObjectivesGraph
 from mcpn.mission.language.datatypes import CONDITION, OCCASION, OUTCOME, VALUE
 from mcpn.mission.model import Block, Handler, Mission, Objective, Parallel, Use, walk
 from mcpn.mission.near import Hints, did_you_mean
 from mcpn.mission.robot import Fact, FactChange
-from mcpn.mission.world.conditions import FactUsage, conditions, is_boolean, objective_done, required, word
 
 
 def fact_errors(mission: Mission, hints: Hints) -> Iterator[Problem]:

@@ -17,13 +17,13 @@ from dataclasses import replace
 from functools import partial
 
 from mcpn.errors import InputError, Source
-from mcpn.mission.expansion.becoming import left_by_facts, refuse_paused
+from mcpn.mission.conditions import facts_of, resolved
 from mcpn.mission.expansion.copies import Copies
-from mcpn.mission.expansion.guards import guarded
+from mcpn.mission.expansion.guards import guarded, left_by_facts, refuse_paused
 from mcpn.mission.expansion.leads import Lead, Leads, Named, by_facts, failing_for, reasons_led
 from mcpn.mission.expansion.pauses import PAUSE, sheltered, suffix_at
 from mcpn.mission.expansion.recovery import entered, following, helping
-from mcpn.mission.expansion.routes import GO_ON, Becoming, Interruption
+from mcpn.mission.expansion.routes import GO_ON, Becoming, Condition, Interruption, Setting
 from mcpn.mission.expansion.scope import (
     MAX_NESTING,
     MAX_OBJECTIVES,
@@ -59,8 +59,6 @@ from mcpn.mission.reasons import probabilities, reasons_of
 from mcpn.mission.requirement import Requirement
 from mcpn.mission.robot import BOOLEAN_VALUES
 from mcpn.mission.validate import valid
-from mcpn.mission.world.conditions import facts_of, resolved
-from mcpn.mission.world.decisions import Condition, Setting
 
 __all__ = [
     "MAX_NESTING",

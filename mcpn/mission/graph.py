@@ -9,10 +9,17 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mcpn.errors import Source
 from mcpn.mission.expansion.copies import Copies
-from mcpn.mission.expansion.routes import GO_ON, Becoming, Interrupted, Interruption, Routes
+from mcpn.mission.expansion.routes import (
+    GO_ON,
+    Becoming,
+    FactCase,
+    Interrupted,
+    Interruption,
+    Routes,
+    Setting,
+)
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Parameter
-from mcpn.mission.world.decisions import FactCase, Setting
 from mcpn.notebook import Drawn
 
 if TYPE_CHECKING:

@@ -8,7 +8,6 @@ from types import NoneType
 from typing import Any
 
 from mcpn.errors import InputError, Problem, Source
-from mcpn.mission.expansion.becoming import becoming_problems, of_missions
 from mcpn.mission.expansion.faults import (
     Crash,
     crash_errors,
@@ -16,7 +15,7 @@ from mcpn.mission.expansion.faults import (
     detection_errors,
     failure_errors,
 )
-from mcpn.mission.expansion.guards import guard_problems, of_branches
+from mcpn.mission.expansion.guards import becoming_problems, guard_problems, of_branches, of_missions
 from mcpn.mission.expansion.pauses import no_siblings, pause_problems
 from mcpn.mission.expansion.recovery import problems as recoveries
 from mcpn.mission.expansion.scope import clashes

@@ -349,7 +349,7 @@ def drop_irrelevant(draft: Draft, wanted: Mapping[int, Set[int]]) -> bool:
 
 # --- Reduces a net for one question, and lifts the runs of the smaller net --------------------------------
 
-GROWTHS = (0, 4, 16)
+MORE_TRANSITIONS = (0, 4, 16)
 """How many more transitions an agglomeration may cost than it takes away, step by step."""
 MOST_NAMED = 3
 
@@ -459,7 +459,7 @@ def _reduce(
     branching: bool = False,
 ) -> None:
     most = len(draft.pre)
-    for growth in GROWTHS:
+    for growth in MORE_TRANSITIONS:
         changed = True
         while changed and len(draft.pre) <= most:
             changed = drop_never_marked(draft)

@@ -8,10 +8,10 @@ from typing import Any
 
 from hypothesis import strategies as st
 
+from mcpn.mission.conditions import objective_done, word
 from mcpn.mission.language.forms import form_of
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission, Protocol
 from mcpn.mission.robot import Alternative, Element
-from mcpn.mission.world.conditions import objective_done, word
 
 
 def renamed(mission: Mission, rename: Callable[[str, str], str]) -> Mission:

@@ -24,10 +24,9 @@ from mcpn.trees.decorators import DECORATING, unknown
 from mcpn.trees.ledger import Kind, Ledger, in_order, in_words
 from mcpn.trees.nav2 import NAV2
 from mcpn.trees.nodes import Forest
-from mcpn.trees.reactive import REACTIVE
 from mcpn.trees.translator import BlockOrigin, Context, Translator, series_of
 
-RULES = {**CONTROLS, **REACTIVE, **DECORATING, **NAV2}
+RULES = {**CONTROLS, **DECORATING, **NAV2}
 """How control nodes and decorators are translated, by registered name."""
 
 

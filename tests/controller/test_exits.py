@@ -10,7 +10,7 @@ import pytest
 
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.hierarchy import TableController
-from mcpn.controller.minimise import is_bisimulation, minimise, partition
+from mcpn.controller.minimise import minimise, partition
 from mcpn.controller.modular import AnyController
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
@@ -20,6 +20,7 @@ from mcpn.mission.robot import Fault, Hardware, Robot
 from mcpn.mission.xml import read_mission
 from mcpn.runtime import Controller as Runtime
 from mcpn.runtime import ControllerFileError, Refused
+from tests.controller.bisimulation import is_bisimulation
 from tests.controller.test_c import build, run_lines
 from tests.controller.test_lockstep import walk
 from tests.controller.test_scxml import check

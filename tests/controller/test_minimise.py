@@ -12,7 +12,7 @@ from mcpn.answers.verdicts.modes import Situation
 from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import Entry, Move, SectionMachine
 from mcpn.controller.machine import PlannedAction
-from mcpn.controller.minimise import is_bisimulation, minimise, partition, quotient
+from mcpn.controller.minimise import minimise, partition, quotient
 from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.mortal import Guard
@@ -20,6 +20,7 @@ from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.nets.events import Event
 from mcpn.testing import missions
+from tests.controller.bisimulation import is_bisimulation
 from tests.controller.test_lockstep import walk
 from tests.controller.traces import Traced, random_events
 from tests.draws import fewer

@@ -9,7 +9,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from mcpn.mission.expansion.leads import Lead, by_facts
-from mcpn.mission.world.decisions import Condition, FactCase
+from mcpn.mission.expansion.routes import Condition, FactCase
 
 FACTS = {"door": ("open", "shut"), "light": ("on", "off", "dim")}
 WORLDS = [dict(zip(FACTS, values, strict=True)) for values in product(*FACTS.values())]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import struct
 from dataclasses import replace
+from functools import reduce
+from operator import or_
 from typing import Any
 
 import pytest
@@ -139,25 +141,34 @@ def test_closures_are_those_of_one_step_after_the_other(of: Mission, few: int, d
         return
     space, steps = found
     events = [*steps]
-    asked = data.draw(st.none() | st.lists(st.sampled_from(events), unique=True)) if events else None
-    conditions = [
-        p for p in range(len(space.net.places)) if space.marked([p]) not in (space.nothing, space.everything)
-    ]
-    drawn = [
-        space.marked([data.draw(st.sampled_from(conditions))]) if conditions else space.everything
-        for _ in range(3)
-    ]
-    goal, along, guard = drawn
-    guards = data.draw(st.none() | st.just(dict.fromkeys(events[:2], guard)))
+    chosen = data.draw(st.none() | st.lists(st.sampled_from(events), unique=True)) if events else None
+    asked = events if chosen is None else chosen
+    parts = [part for p in range(len(space.net.places)) if (part := space.marked([p])) != space.nothing]
+    parts += [space.everything - part for part in parts] + [space.everything]
+    along, *limits = (data.draw(st.sampled_from(parts)) for _ in range(3))
+    guarded = data.draw(st.lists(st.sampled_from(events), unique=True)) if events else []
+    guards = {t: limits[number % 2] for number, t in enumerate(guarded)}
+
+    def back(states: Zdd) -> Zdd:
+        """One step back by the definition: event by event, each from where its guard lets it be taken."""
+        each = (space.before(states, [t]) & guards.get(t, space.everything) for t in asked)
+        return reduce(or_, each, space.nothing)
+
+    def ahead(states: Zdd) -> Zdd:
+        each = (space.after(states & guards.get(t, space.everything), [t]) for t in asked)
+        return reduce(or_, each, space.nothing)
 
     def closed(begin: Zdd, step: Any, within: Zdd) -> Zdd:
         states = begin
-        while (more := states | (step(states, asked, guards) & within)) != states:
+        while (more := states | (step(states) & within)) != states:
             states = more
         return states
 
-    assert space.reaching(goal, along, asked, guards) == closed(goal, space.before, along)
-    assert space.reached(goal, along, asked, guards) == closed(goal & along, space.after, along)
+    for goal in parts[::3]:
+        assert space.before(goal, chosen, guards) == back(goal)
+        assert space.after(goal, chosen, guards) == ahead(goal)
+        assert space.reaching(goal, along, chosen, guards) == closed(goal, back, along)
+        assert space.reached(goal, along, chosen, guards) == closed(goal & along, ahead, along)
 
 
 def test_few_big_steps_tell_of_many_states() -> None:

@@ -41,9 +41,9 @@ from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.mortal import crashed_before
 from mcpn.drawing.sections import Element, LocalPart
 from mcpn.errors import InputError, LimitError
+from mcpn.mission.conditions import all_flags
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.static.warnings import of_objectives
-from mcpn.mission.world.conditions import all_flags
 from mcpn.nets.events import Event, What
 from mcpn.spaces.arrays import ArraySet, ArraySpace
 from mcpn.spaces.stable.alternatives import written_out

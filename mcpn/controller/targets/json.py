@@ -83,10 +83,10 @@ from mcpn.controller.hierarchy import SectionMachine
 from mcpn.controller.machine import PlannedAction
 from mcpn.controller.modular import AnyController, Rules
 from mcpn.drawing.compose import MissionNet
+from mcpn.mission.conditions import FactUsage, all_flags, flags
 from mcpn.mission.expansion.faults import noticed
 from mcpn.mission.flatten import requirements_of
 from mcpn.mission.robot import Parameter
-from mcpn.mission.world.conditions import FactUsage, all_flags, flags
 from mcpn.nets.events import Event, What
 from mcpn.runtime.documents import FORMAT, VERSION
 from mcpn.runtime.file_schema import digest_of

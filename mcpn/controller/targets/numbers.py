@@ -19,11 +19,11 @@ from mcpn.controller.hierarchy import KINDS, PlacedMachine, SectionMachine
 from mcpn.controller.machine import PlannedAction, Verb
 from mcpn.controller.modular import AnyController, Rules
 from mcpn.drawing.compose import MissionNet
+from mcpn.mission.conditions import all_flags, flags
 from mcpn.mission.expansion.faults import noticed
 from mcpn.mission.graph import ElementarySection, ObjectivesGraph
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Parameter
-from mcpn.mission.world.conditions import all_flags, flags
 from mcpn.nets.events import START, Event, What
 
 VERBS: tuple[Verb, ...] = ("stop", "release", "select", "start", "disarm", "arm")

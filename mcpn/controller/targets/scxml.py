@@ -34,9 +34,9 @@ from mcpn.controller.machine import PlannedAction
 from mcpn.controller.targets.json import laws
 from mcpn.controller.targets.names import comment, identifiers
 from mcpn.drawing.compose import MissionNet
+from mcpn.mission.conditions import all_flags, flags
 from mcpn.mission.expansion.faults import noticed
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
-from mcpn.mission.world.conditions import all_flags, flags
 from mcpn.nets.events import START, Event, What
 from mcpn.runtime.tables import Laws
 

@@ -19,8 +19,8 @@ from typing import NamedTuple
 
 from mcpn.drawing.templates.canvas import Canvas, Pen
 from mcpn.errors import LimitError
+from mcpn.mission.expansion.routes import FactCase
 from mcpn.mission.robot import Fact
-from mcpn.mission.world.decisions import FactCase
 from mcpn.nets.events import Event, What
 
 MAX_WAYS = 4096

@@ -10,10 +10,9 @@ from mcpn.drawing.templates.canvas import Canvas
 from mcpn.drawing.templates.facts import Way, ways
 from mcpn.drawing.templates.interruption import Around, events_of, may_halt
 from mcpn.drawing.templates.leaving import Leaving
-from mcpn.mission.expansion.routes import GO_ON
+from mcpn.mission.expansion.routes import GO_ON, FactCase
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
-from mcpn.mission.world.decisions import FactCase
 
 
 class Level:

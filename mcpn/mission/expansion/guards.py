@@ -1,20 +1,27 @@
-"""Blocks that are entered only where facts are so: what leads to one leads elsewhere where they are not.
+"""Blocks that are entered only where facts are so, and blocks that are left when facts become so.
 
-Nothing of a guard is left in the objectives graph: it becomes the cases of whatever leads to the block. So a
-block that nothing but its place leads to, as the first of a series, cannot have one.
+What leads to a block with a guard leads elsewhere where its facts are not so. Nothing of a guard is left in
+the objectives graph: it becomes the cases of whatever leads to the block. So a block that nothing but its
+place leads to, as the first of a series, cannot have one.
+
+A block that is left when facts become so is one section, an objective or a block with branches, of which it
+may have one alone. The net asks for what facts have become by internal transitions, after all that ends and
+before anything begins (:mod:`mcpn.drawing.templates.facts`). So what is entered in the same reaction is not
+left by it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
-from mcpn.errors import Problem
+from mcpn.errors import InputError, Problem, Source
+from mcpn.mission.conditions import resolved
 from mcpn.mission.expansion.leads import Lead, by_facts
 from mcpn.mission.expansion.recovery import helping
+from mcpn.mission.graph import ObjectivesGraph, Section
 from mcpn.mission.language.repeats import cycles
-from mcpn.mission.model import Block, Parallel
+from mcpn.mission.model import Block, Mission, Parallel
 from mcpn.mission.robot import Fact
-from mcpn.mission.world.conditions import resolved
 
 
 def guarded(
@@ -68,3 +75,48 @@ def of_branches(block: Parallel) -> Iterator[Problem]:
         for guard in child.guards[:1]:
             message = f"{child.name} has a guard (enter), though it is a child of a parallel block"
             yield Problem(guard.source, f"{message}: guards stand on {block.name}")
+
+
+# --- Left when facts become so ---------------------------------------------------------------------------
+
+
+def left_by_facts(block: Block) -> bool:
+    """Whether a block is left when facts become so."""
+    return any(handler.when for handler in block.handlers)
+
+
+def becoming_problems(block: Block) -> Iterator[Problem]:
+    """What else a block cannot have that is left when facts become so."""
+    handler = next((handler for handler in block.handlers if handler.when), None)
+    if handler is None:
+        return
+    if block.recover is not None:
+        yield _alone(block, handler.source, f"recovers by {block.recover}")
+    if block.timeout_goto is not None and (block.retries or block.repeat):
+        yield _alone(block, handler.source, "has copies, each with a timeout_goto")
+
+
+def _alone(block: Block, source: Source | None, though: str) -> Problem:
+    message = f"{block.name} is left when facts become so (on when), though it {though}"
+    return Problem(source, f"{message}: put it into an objective of its own, and <on when> there")
+
+
+def of_missions(mission: Mission) -> Iterator[Problem]:
+    """Facts by which a whole mission would be left."""
+    for handler in mission.handlers:
+        if handler.when:
+            message = f"{mission.name} is left when facts become so (on when), though it is the mission"
+            yield Problem(handler.source, f"{message}: put its blocks into an objective, and <on when> there")
+
+
+def refuse_paused(section: Section) -> None:
+    """Refuses what pauses as a whole, on an event, if facts may leave it or something in it.
+
+    Raises:
+        InputError: It does, with the line of the condition.
+    """
+    for inner in ObjectivesGraph((section,), section.name).all_sections():
+        for each in inner.becomes:
+            message = f"{inner.name} is left when facts become so (on when), and an event pauses it"
+            reason = "what facts become meanwhile would be lost: lead away by goto, and back by a route"
+            raise InputError.at(each.source, f"{message}: {reason}")

@@ -8,10 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
-from mcpn.mission.expansion.routes import Becoming, left_by
+from mcpn.mission.expansion.routes import Becoming, Condition, FactCase, left_by
 from mcpn.mission.graph import TIMED_OUT, failed_for
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
-from mcpn.mission.world.decisions import Condition, FactCase
 
 
 class Lead(NamedTuple):

@@ -18,11 +18,11 @@ from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
 from mcpn.errors import Problem, Source
+from mcpn.mission.conditions import FACTS, cause
 from mcpn.mission.expansion.copies import grouped
 from mcpn.mission.flatten import ParallelSection
 from mcpn.mission.graph import ObjectivesGraph
 from mcpn.mission.model import Mission
-from mcpn.mission.world.conditions import FACTS, cause
 
 if TYPE_CHECKING:
     from mcpn.mission.static.usage import Usage

@@ -15,7 +15,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 from mcpn.errors import LimitError
-from mcpn.mission.world.conditions import cause
+from mcpn.mission.conditions import cause
 
 if TYPE_CHECKING:
     from mcpn.mission.static.usage import Usage

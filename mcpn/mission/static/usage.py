@@ -16,13 +16,13 @@ from itertools import combinations
 from typing import TypeAlias
 
 from mcpn.errors import Source
+from mcpn.mission.conditions import FACTS, FactUsage
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection
 from mcpn.mission.model import Mission
 from mcpn.mission.robot import Activity, Hardware
 from mcpn.mission.static.handover import Handover
 from mcpn.mission.static.sharing import Contention, Sharing, occasions
 from mcpn.mission.static.switching import Switching
-from mcpn.mission.world.conditions import FACTS, FactUsage
 
 Demand: TypeAlias = tuple[str, int]
 """An activity's name and the index of one of its alternatives, from 0."""
@@ -115,7 +115,7 @@ class Usage:
     def hardware_under(self, resource: str) -> frozenset[str]:
         """The faulty hardware whose failure may end in an error of the resource, itself included.
 
-        :data:`mcpn.mission.world.conditions.FACTS` is among it where a change of facts may.
+        :data:`mcpn.mission.conditions.FACTS` is among it where a change of facts may.
         """
         if resource in self.hardware:
             return frozenset({resource}) if self.hardware[resource].faulty else frozenset()

@@ -6,10 +6,9 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 
 from mcpn.drawing.compose import MissionNet
-from mcpn.mission.expansion.routes import GO_ON, Interruption
+from mcpn.mission.expansion.routes import GO_ON, FactCase, Interruption
 from mcpn.mission.graph import TIMED_OUT, ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
-from mcpn.mission.world.decisions import FactCase
 from mcpn.report.pictures.boxes import boxes
 from mcpn.report.pictures.drawing import Drawing, rendered
 from mcpn.report.pictures.graph import Arrow, Cluster, Graph, Node, drawing

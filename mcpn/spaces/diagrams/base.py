@@ -14,8 +14,8 @@ from mcpn.spaces.diagrams.staying import Staying
 from mcpn.spaces.diagrams.symbolic import SymbolicSpace, elements
 from mcpn.spaces.images import ImageStore
 
-GROWTH = 4
-"""Of the budget of a closure, from turn to turn."""
+CLOSURE_FACTOR = 4
+"""By how many times the budget of a closure grows from turn to turn."""
 
 
 class Diagrams:
@@ -208,7 +208,7 @@ class Diagrams:
                 reached = wider
                 if unchanged == len(events):
                     return reached
-            budget *= GROWTH
+            budget *= CLOSURE_FACTOR
             if self.most_steps and budget > self.most_steps:
                 raise BudgetExceeded(f"a closure took more than {self.most_steps} steps")
 

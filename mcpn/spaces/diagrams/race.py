@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Future
 
 FIRST_BUDGET = 50_000
-GROWTH = 2
+BUDGET_FACTOR = 2
 SIDE_BY_SIDE = 8_000_000
 """Budgets from which on runners work in parallel; below they take turns, so that a winner saves work."""
 
@@ -147,7 +147,7 @@ class Race(Generic[Result]):
             if len(self._out) == len(self._drawn):
                 return None
             self._make_room()
-            budget *= GROWTH
+            budget *= BUDGET_FACTOR
 
     def run(self) -> Result | None:
         """The result of the winner, or ``None`` where none stays within memory."""

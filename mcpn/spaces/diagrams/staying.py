@@ -32,7 +32,7 @@ SHARE = 4
 """Layers of some transitions alone are worth while where they are at most one in so many."""
 FIRST_CHECK = 8
 """After how many layers what may fire on cycles is looked at again."""
-GROWTH = 2
+LONGER = 2
 """By how many times both ways may take longer each time, and what may fire on cycles is looked at later."""
 
 
@@ -59,7 +59,7 @@ class Staying:
                 self.cycles = _ByCycles(self.space, self.rest, self.asked)
             if (result := self.cycles.states(self.steps)) is not None:
                 return result
-            self.steps *= GROWTH
+            self.steps *= LONGER
         return result
 
     def _by_layers(self) -> Zdd | None:
@@ -116,7 +116,7 @@ class _ByCycles:
             ended = kept == self.rest
             self.rest = kept
             if ended or self.layers >= self.check:
-                self.check = GROWTH * self.layers
+                self.check = LONGER * self.layers
                 known = self.transitions
                 self.transitions = repeatable(space.net, known & space.firing(self.rest))
                 if ended and self.transitions == known:

@@ -1,4 +1,9 @@
 """Deadlocks, unsafe firings and reachable markings without the space: walks, search, the state equation."""
 
+# The techniques, in words of the Model Checking Contest: answers name them before they load a search.
+
+INITIAL_STATE, RANDOM_WALK, STUBBORN_SETS = "INITIAL_STATE", "RANDOM_WALK", "STUBBORN_SETS"
+EXPLICIT, REDUCTION, STRUCTURE = "EXPLICIT", "STRUCTURAL_REDUCTION", "STRUCTURAL"
+STATE_EQUATION, TRAPS = "STATE_EQUATION", "TRAPS"
 HOME = "HOME_MARKING"
-"""The technique of what a home marking tells; here since answers name it before they load a search."""
+"""What a home marking tells."""

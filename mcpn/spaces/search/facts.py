@@ -18,21 +18,13 @@ from mcpn.errors import LimitError
 from mcpn.nets.petri import Marking, PetriNet
 from mcpn.nets.siphons import classes, commoner
 from mcpn.nets.structure import incidence, needs, repeatable
-from mcpn.spaces.search import HOME
+from mcpn.spaces.search import HOME, INITIAL_STATE, RANDOM_WALK, STATE_EQUATION, STRUCTURE, TRAPS
 from mcpn.spaces.search.equation import Ceiling, StateEquation
 from mcpn.spaces.search.goal import AtMost, Fires, Formula, Goal, as_goal, asks_dead, fireable, holds, marked
 from mcpn.spaces.search.home import Home, proved_home
-from mcpn.spaces.search.portfolio import (
-    FIRINGS,
-    INITIAL_STATE,
-    MOST_COUNTED,
-    RANDOM_WALK,
-    STATE_EQUATION,
-    TRAPS,
-)
+from mcpn.spaces.search.portfolio import FIRINGS, MOST_COUNTED
 from mcpn.spaces.search.searches import Searches
 
-STRUCTURE = "STRUCTURAL"
 STEPS = 20_000
 """Firings of walks for each sum; as many for all transitions together, and some for each."""
 STEPS_OF_TRANSITION = 50

@@ -13,12 +13,18 @@ from dataclasses import dataclass
 
 from mcpn.nets.petri import PetriNet
 from mcpn.nets.reduction import Reduction, reduce_for_deadlock, reduce_for_goal
+from mcpn.spaces.search import (
+    EXPLICIT,
+    INITIAL_STATE,
+    RANDOM_WALK,
+    REDUCTION,
+    STATE_EQUATION,
+    STUBBORN_SETS,
+    TRAPS,
+)
 from mcpn.spaces.search.goal import DEADLOCK, Goal, asks_dead, holds, renamed, wanted
 from mcpn.spaces.search.searches import Run, Searches, leads_to, replay, shortened
 
-INITIAL_STATE, RANDOM_WALK, STUBBORN_SETS = "INITIAL_STATE", "RANDOM_WALK", "STUBBORN_SETS"
-EXPLICIT, REDUCTION = "EXPLICIT", "STRUCTURAL_REDUCTION"
-STATE_EQUATION, TRAPS = "STATE_EQUATION", "TRAPS"
 MOST_LEFT = 100_000
 """Firings after a lifted run before its end must be dead."""
 

@@ -20,9 +20,9 @@ from mcpn.drawing.templates import TemplateSet
 from mcpn.drawing.templates.canvas import RoleName
 from mcpn.drawing.templates.interface import CONTROL, HAPPENING, MEETINGS, SAYING, Meeting
 from mcpn.drawing.templates.names import names_of
+from mcpn.mission.conditions import word
 from mcpn.mission.model import Mission
 from mcpn.mission.static.usage import Usage
-from mcpn.mission.world.conditions import word
 from mcpn.nets.events import Event
 from mcpn.nets.petri import Provenance, Transition
 from mcpn.testing.kit.subject import Subject, Violation

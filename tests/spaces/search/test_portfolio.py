@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from mcpn.logic.behaviour import check_net
 from mcpn.nets.formats import read_net
 from mcpn.nets.petri import NetBuilder, PetriNet
-from mcpn.spaces.search import portfolio
+from mcpn.spaces.search import INITIAL_STATE, REDUCTION, portfolio
 from mcpn.spaces.search.goal import DEADLOCK, AtMost, Goal, marked
-from mcpn.spaces.search.portfolio import INITIAL_STATE, REDUCTION, ROUNDS, Portfolio, Round, SearchResult
+from mcpn.spaces.search.portfolio import ROUNDS, Portfolio, Round, SearchResult
 from mcpn.spaces.search.searches import Searches, replay
 from tests.nets.nets import nets, state_machines
 from tests.spaces.search.goals import all_markings, goals, is_goal

@@ -13,10 +13,10 @@ from dataclasses import fields
 from functools import cached_property
 from typing import Any, NamedTuple
 
+from mcpn.mission.expansion.routes import Condition
 from mcpn.mission.graph import ElementarySection, ObjectivesGraph, Section
 from mcpn.mission.model import Mission, walk
 from mcpn.mission.robot import BOOLEAN_VALUES, Described, Fact
-from mcpn.mission.world.decisions import Condition
 
 _WORD = re.compile(r"(!?)(done\([^()\s]*\)|[^=!()\s]+)(?:=(\S*))?")
 _DONE = re.compile(r"done\(\s*([A-Za-z_][A-Za-z0-9_.]*)\s*\)")
