@@ -310,6 +310,24 @@ def test_a_path_of_a_smaller_net_is_one_of_the_net(net: PetriNet, data: st.DataO
         assert_found(found, net, written, edges)
 
 
+def test_a_cycle_of_a_smaller_net_alone_is_not_shown() -> None:
+    """What counts the rounds is left out of the smaller net, and keeps every round from being a cycle."""
+    builder = NetBuilder("counts its rounds")
+    for name, tokens in (("a", 1), ("b", 0), ("rounds", 0)):
+        builder.place(name, initial=tokens)
+    builder.transition("ab", consume=["a"], produce=["b"])
+    builder.transition("ba", consume=["b"], produce=["a", "rounds"])
+    net = builder.build()
+    path = normal(parse_open("(G F a) & G F b", Names(net)))
+    reduced = PathParts(net)._reduced(path)
+    assert reduced is not None
+    smaller, there = reduced
+    assert PathSearch(smaller.net, translated(there)).search(1_000, 1).cycle is not None
+    found = PathParts(net).decide(path, 1_000, 1, enrich=True)
+    assert found is not None
+    assert found.outcome != "found"
+
+
 def test_what_comes_on_every_path_is_known_before_the_search() -> None:
     builder = NetBuilder("ends, and counts meanwhile")
     for name, tokens in (("begun", 1), ("ended", 0), ("even", 1), ("odd", 0)):
