@@ -141,7 +141,7 @@ class MissionSpaces(Spaces):
         proof = bool(self.mission.mission.crashes)
         if by.engine == "symbolic":
             return self._mortal.reduced(by, proof=proof)[0]
-        limit = by.beside(MORTAL)
+        limit = by.second_limit(MORTAL)
         return self._mortal._listed(limit)[1] if proof else self._mortal.unproved(limit)
 
     @property

@@ -469,7 +469,7 @@ class CompositeSpace(Glued):
         """The edges of one member, in the order of the whole net's transitions: into any section, or some."""
         stage, into, store = self.stages[state[0]], self.stages if into is None else into, self.layout.store
         here, edges = store.singleton(state[1]), list[Edge]()
-        for toggle in stage.beside() if stage.name in into else ():
+        for toggle in stage.toggling() if stage.name in into else ():
             if (levels := here.images([toggle.event]).pick()) is not None:
                 edges.append(Edge(toggle.transition, (stage.name, tuple(levels))))
         local = tuple(level for level in state[1] if level < self.layout.first_slot)

@@ -258,7 +258,7 @@ class Layout:
         return slots
 
     @memoized
-    def beside(
+    def toggling(
         self, transitions: frozenset[int] | None = None, but: tuple[Element, ...] = ()
     ) -> list[Toggle]:
         """The toggles of some transitions, of all by default, without those of some elements."""

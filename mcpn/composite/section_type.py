@@ -280,13 +280,13 @@ class SectionType:
             hardware beside the section (``own`` are its own elements).
         """
         local = {t: self.graph.before(goal, [t]) & among for t in self.graph.waiting}
-        beside = {t.transition: goal.images([t.undo], within=among) for t in self.layout.beside(None, own)}
+        beside = {t.transition: goal.images([t.undo], within=among) for t in self.layout.toggling(None, own)}
         return {t: s for t, s in local.items() if s}, {t: s for t, s in beside.items() if s}
 
     @memoized
     def firings(self, states: Zdd, own: tuple[Element, ...]) -> tuple[Mapping[int, int], Mapping[int, int]]:
         """How many of some states enable each event: the section's own, and those of hardware beside it."""
-        beside = self.layout.beside(None, own)
+        beside = self.layout.toggling(None, own)
         counts = states.counts([toggle.condition for toggle in beside])
         return self.graph.firings(states), {t.transition: n for t, n in zip(beside, counts, strict=True)}
 
@@ -294,7 +294,7 @@ class SectionType:
     def reached(self, begin: Zdd, along: Zdd, allowed: Allowed) -> Zdd:
         """States to which runs through a set of states inside lead from some of them."""
         steps = self.graph.ahead(along, *allowed.own)
-        beside = [toggle.event for toggle in self.layout.beside(allowed.beside)]
+        beside = [toggle.event for toggle in self.layout.toggling(allowed.beside)]
         return chained(begin & along, [*steps, lambda states: states.saturate(beside, within=along)])
 
     @memoized
@@ -304,7 +304,7 @@ class SectionType:
             return goal
         within = along | goal
         steps = self.graph.back(along, *allowed.own)
-        beside = [toggle.undo for toggle in self.layout.beside(allowed.beside)]
+        beside = [toggle.undo for toggle in self.layout.toggling(allowed.beside)]
         return chained(goal, [*steps, lambda states: states.saturate(beside, within=within) & within])
 
     # --- entry and exits: the status of all elements is handed from section to section, in slots ---

@@ -134,16 +134,16 @@ class Stage(Levels):
             if ended := after & self.type.ended[exit_]:
                 yield route, self.type.to_slots(ended, self.slots, exit_)
 
-    def beside(self, allowed: Allowed = ALL) -> list[Toggle]:
+    def toggling(self, allowed: Allowed = ALL) -> list[Toggle]:
         """Failures and repairs of hardware that the section does not use.
 
         Those of its own hardware are events of its local net.
         """
-        return self.layout.beside(allowed.beside, self.carried)
+        return self.layout.toggling(allowed.beside, self.carried)
 
     def conditions(self, allowed: Allowed = ALL) -> list[int]:
         """The condition, in the store, of each event of :meth:`beside`."""
-        return [toggle.condition for toggle in self.beside(allowed)]
+        return [toggle.condition for toggle in self.toggling(allowed)]
 
     def named(self, own: Mapping[int, Found], beside: Mapping[int, Found]) -> Iterator[tuple[int, Found]]:
         """Values of both kinds of events by transition of the whole net: renames those of the local net."""
@@ -152,12 +152,12 @@ class Stage(Levels):
 
     def forth(self, part: Zdd, allowed: Allowed) -> Zdd:
         """States one event after some states: an event of its own or of hardware beside it."""
-        toggled = part.images([toggle.event for toggle in self.beside(allowed)])
+        toggled = part.images([toggle.event for toggle in self.toggling(allowed)])
         return (self.type.after(part, allowed) & self.type.inside) | toggled
 
     def back(self, part: Zdd, allowed: Allowed, within: Zdd) -> Zdd:
         """States of a set one event before some states: an event of its own or of hardware beside it."""
-        toggled = part.images([toggle.undo for toggle in self.beside(allowed)])
+        toggled = part.images([toggle.undo for toggle in self.toggling(allowed)])
         return (self.type.before_step(part, allowed) | toggled) & within
 
 

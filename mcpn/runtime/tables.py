@@ -305,7 +305,7 @@ class Tables:
 
     def possible(self, at: RuntimePosition) -> set[str]:
         """The events that can be taken."""
-        events = {*self.beside(at.section, at.gone, at.happened)}
+        events = {*self.outside(at.section, at.gone, at.happened)}
         if at.section:
             events.update(at.section.possible(at.state, at.happened))
         elif at.phase == BEFORE:
@@ -326,7 +326,7 @@ class Tables:
                 return RuntimePosition(RUNNING, section, target, gone, happened), actions
             inside, first = self._entered(section.routes[target], gone, happened)
             return inside, actions + first
-        if self.is_beside(event):
+        if self.is_outside(event):
             if not self.may_happen(event, at.gone, at.happened):
                 return None
             happened, gone = self.changed(event, at.happened), self.out_after(event, at.gone)
@@ -345,17 +345,17 @@ class Tables:
         state, actions, begun, ended = section.entry(gone, happened)
         return RuntimePosition(RUNNING, section, state, gone, (happened | begun) - ended), actions
 
-    def beside(self, section: TableSection | None, gone: Set[str], true: Set[str]) -> Iterator[str]:
+    def outside(self, section: TableSection | None, gone: Set[str], true: Set[str]) -> Iterator[str]:
         """Possible events that the section does not handle itself: of hardware, and changes of facts."""
         hardware, events = (section.hardware, section.number) if section else ((), ())
         for name in self.hardware:
             if name not in hardware:
                 event = f"{name}_EV_RD" if name in gone else f"{name}_EV_OOS"
-                if self.is_beside(event) and self.may_happen(event, gone, true):
+                if self.is_outside(event) and self.may_happen(event, gone, true):
                     yield event
         yield from (e for e in self.changing if e not in events and self.changes(e, true))
 
-    def is_beside(self, event: str) -> bool:
+    def is_outside(self, event: str) -> bool:
         """Whether an event may happen whatever runs, unless the section handles it itself."""
         return event in self.failures or event in self.repairs or event in self.changing
 
@@ -363,7 +363,7 @@ class Tables:
         """Whether an event that the section does not handle itself can be taken.
 
         Args:
-            event: One of :meth:`is_beside`.
+            event: One of :meth:`is_outside`.
             gone: Hardware out of service.
             true: The flags that are true.
         """

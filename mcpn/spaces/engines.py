@@ -55,7 +55,7 @@ class Choice:
         """The most states that it lists."""
         return MAX_MARKINGS if self.max_states is None else self.max_states
 
-    def beside(self, most: int) -> int:
+    def second_limit(self, most: int) -> int:
         """Limit on states of a second graph: its own limit; where that one is for few states, ``most``."""
         if not self.brief:
             return self.limit

@@ -35,7 +35,7 @@ class Completion:
         self.net = net
         self.needs = _Needs(net)
         self._queue = {net.ranks[of[0]]: number for number, of in enumerate(net.internal_ranks)}
-        self._beside: dict[int, tuple[Sequence[tuple[int, int]], Sequence[int], Sequence[int]]] = {}
+        self._concerned: dict[int, tuple[Sequence[tuple[int, int]], Sequence[int], Sequence[int]]] = {}
 
     def settle(self, marking: list[int], fired: Iterable[int] | None = None) -> Iterator[int]:
         """The internal transitions fired until the marking is stable; it is changed in place.
@@ -65,21 +65,21 @@ class Completion:
                 found.setdefault(transition.event, []).append(t)
         return found
 
-    def beside(self, fired: int) -> tuple[Sequence[tuple[int, int]], Sequence[int], Sequence[int]]:
+    def concerned(self, fired: int) -> tuple[Sequence[tuple[int, int]], Sequence[int], Sequence[int]]:
         """What a firing may have enabled.
 
         Returns:
             Internal transitions, each after the number of its rank; crowded places that receive a token; and
             rarest places (:attr:`crowds`) whose tokens the firing changes.
         """
-        if fired not in self._beside:
+        if fired not in self._concerned:
             users, transition = self.net.internal_users, self.net.transitions[fired]
             places = {place for place, _ in transition.produce}
             crowded = [place for place in places if place in self.crowds]
             few = {t for place in places.difference(crowded) for t in users.get(place, ())}
             touched = {place for place, _ in (*transition.consume, *transition.produce)}
-            self._beside[fired] = self.queued(few), crowded, sorted(touched & self.rarer)
-        return self._beside[fired]
+            self._concerned[fired] = self.queued(few), crowded, sorted(touched & self.rarer)
+        return self._concerned[fired]
 
     def queued(self, transitions: Iterable[int]) -> list[tuple[int, int]]:
         """Internal transitions in their order, each after the number of its rank."""
@@ -150,7 +150,7 @@ class Evolution:
                 queue.extend(of)
         else:
             for t in self._since:
-                for number, u in self._beside(t):
+                for number, u in self._enabled_by(t):
                     queues[number].append(u)
         needs, marking = self.completion.needs, self.marking
         while True:
@@ -167,19 +167,19 @@ class Evolution:
                 self._fire(t)
                 yield t
                 queue.append(t)
-                for number, u in self._beside(t):
+                for number, u in self._enabled_by(t):
                     queues[number].append(u)
         self._since = []
 
     def _fire(self, t: int) -> None:
         marking = self.marking
         self.completion.net.fire_in_place(marking, t)
-        for place in self.completion.beside(t)[2]:
+        for place in self.completion.concerned(t)[2]:
             (self._rarer.add if marking[place] else self._rarer.discard)(place)
 
-    def _beside(self, fired: int) -> Sequence[tuple[int, int]]:
+    def _enabled_by(self, fired: int) -> Sequence[tuple[int, int]]:
         """Internal transitions that a firing may have enabled, each after the number of its rank."""
-        few, crowded, _ = self.completion.beside(fired)
+        few, crowded, _ = self.completion.concerned(fired)
         if not crowded:
             return few
         crowds = [self.completion.crowds[place] for place in crowded]

@@ -220,7 +220,7 @@ class MissionCheck(Told):
         if self.markings is not None or self.choice.engine != "explicit":
             return self.sizes_seen
         try:
-            found = self.spaces.counted(self.choice.beside(SMALL), tokens=False)
+            found = self.spaces.counted(self.choice.second_limit(SMALL), tokens=False)
         except (LimitError, UnsafeError):
             return None
         return found.states, found.edges
@@ -305,7 +305,7 @@ def check(
                 proof = "each type of section, and each way from one to the next, proved on its own net"
             elif choice.engine == "symbolic" or not spaces.net.priorities:
                 # Without priorities no marking is stable.
-                every = replace(choice, max_states=choice.beside(SMALL))
+                every = replace(choice, max_states=choice.second_limit(SMALL))
                 markings = spaces.markings(every, tokens=False)
                 alternatives, proof = spaces.reduced(every)
             else:
@@ -334,7 +334,7 @@ def _markings_instead(
     Raises:
         LimitError: There are more markings than may be listed, and another engine may be asked.
     """
-    listed = replace(choice, max_states=choice.beside(SMALL))
+    listed = replace(choice, max_states=choice.second_limit(SMALL))
     try:
         markings = spaces.markings(listed, tokens=False)
     except UnsafeError as unsafe:

@@ -104,7 +104,7 @@ class Interrupting(Level):
                     yield inside
                     continue
                 for outer in handled(self.active(section, phase), whole, of):
-                    if self.possible(both := inside.beside(outer)):
+                    if self.possible(both := inside.together_with(outer)):
                         yield both
 
     def in_strands(self, section: ParallelSection, phase: int, event: str) -> list[Position]:
@@ -116,7 +116,7 @@ class Interrupting(Level):
         ]
         positions_so_far = [Position(())]
         for number, positions in enumerate(handling, 1):
-            both = (one.beside(other) for one in positions_so_far for other in positions)
+            both = (one.together_with(other) for one in positions_so_far for other in positions)
             positions_so_far = [position for position in both if self.possible(position)]
             if len(positions_so_far) > MAX_POSITIONS:
                 count = len(positions_so_far) * prod(map(len, handling[number:]))

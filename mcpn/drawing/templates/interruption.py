@@ -71,7 +71,7 @@ class Position:
     once: tuple[str, ...] = ()
     happened: tuple[str, ...] = ()
 
-    def beside(self, other: Position) -> Position:
+    def together_with(self, other: Position) -> Position:
         """What the event does where both hold, each in a branch of its own."""
         put = None if self.put is other.put is None else (*(self.put or ()), *(other.put or ()))
         read, take = (*self.read, *other.read), (*self.take, *other.take)
