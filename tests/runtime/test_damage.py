@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import random
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Literal
 
@@ -94,6 +95,49 @@ def test_what_is_wrong_is_said_with_its_place(change: Any, where: str, watch: Mi
     change(said)
     with pytest.raises(ControllerFileError, match=where):
         Controller.from_document(signed(said))
+
+
+def numbers_in(value: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[str | int, ...]]:
+    """Where numbers stand in a value."""
+    if type(value) is int:
+        yield path
+    for key, inner in (
+        value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    ):
+        yield from numbers_in(inner, (*path, key))
+
+
+def test_each_number_of_a_table_is_of_something_that_is_there(found: dict[str, Any]) -> None:
+    """Of each kind of number the first: one that is far too large is refused, and the place is said."""
+    kinds = dict[tuple[str, ...], tuple[str | int, ...]]()
+    for table in ("types", "sections"):
+        for path in numbers_in(found[table], (table,)):
+            kinds.setdefault(tuple(key for key in path if isinstance(key, str)), path)
+    assert len(kinds) >= 5
+    for path in kinds.values():
+        changed = json.loads(json.dumps(found))
+        holder = changed
+        for key in path[:-1]:
+            holder = holder[key]
+        holder[path[-1]] = 10**7
+        with pytest.raises(ControllerFileError, match=r"(types|sections)\[\d+\].*found "):
+            Controller.from_document(signed(changed))
+
+
+@pytest.mark.parametrize("key", ["out_of_service", "happened"])
+def test_a_snapshot_names_what_the_controller_has(key: str, found: dict[str, Any]) -> None:
+    controller = Controller.from_document(found)
+    snapshot = json.loads(controller.snapshot())
+    controller.restore(snapshot_text(snapshot))
+    with pytest.raises(SnapshotError, match="what cannot be"):
+        controller.restore(snapshot_text({**snapshot, key: [*snapshot[key], "nobody"]}))
+
+
+@pytest.mark.parametrize("text", ["[]", "null", "7", '"format"'])
+def test_a_file_is_an_object(text: str, tmp_path: Path) -> None:
+    (tmp_path / "controller.json").write_text(text)
+    with pytest.raises(ControllerFileError, match="expected a JSON object, found"):
+        Controller.load(tmp_path / "controller.json")
 
 
 LIGHT = """<mission name="m" xmlns="urn:mcpn:mission:1">
