@@ -24,6 +24,14 @@ def client() -> Iterator[Client]:
     assert made.close() == 0
 
 
+@pytest.fixture(scope="module")
+def lasting() -> Iterator[Client]:
+    """One server for tests that leave it as it was: to start one takes a second."""
+    made = Client()
+    yield made
+    assert made.close() == 0
+
+
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     shutil.copytree(ROOT / "experiments" / "ulysse", tmp_path / "ulysse")
@@ -159,12 +167,12 @@ def test_a_wrong_name_in_a_formula_is_underlined_at_once(client: Client, tmp_pat
     ],
 )
 def test_completion_inside_values(
-    client: Client, tmp_path: Path, part: str, within: int, has: set[str], hasnt: set[str]
+    lasting: Client, tmp_path: Path, part: str, within: int, has: set[str], hasnt: set[str]
 ) -> None:
     path = (tmp_path / "mission.xml").resolve()
-    client.open(path, FORMULAS)
+    lasting.open(path, FORMULAS)
     offered = {
-        i["label"] for i in client.ask("textDocument/completion", **place(path, FORMULAS, part, within))
+        i["label"] for i in lasting.ask("textDocument/completion", **place(path, FORMULAS, part, within))
     }
     assert has <= offered
     assert not hasnt & offered
@@ -248,10 +256,10 @@ def test_what_is_no_regular_file_is_not_read(client: Client, folder: Path) -> No
 @pytest.mark.parametrize("length", ["99999999999", "9" * 30, "9" * 5000, "-5", "x", "0"])
 @pytest.mark.parametrize("body", ["", "{}", "\n\n"])
 def test_lengths_that_no_message_has_are_passed_over(
-    client: Client, folder: Path, length: str, body: str
+    lasting: Client, folder: Path, length: str, body: str
 ) -> None:
     """A length beyond memory ended the server."""
-    assert client.process.stdin is not None
-    client.process.stdin.write(f"Content-Length: {length}\r\n\r\n{body}".encode())
+    assert lasting.process.stdin is not None
+    lasting.process.stdin.write(f"Content-Length: {length}\r\n\r\n{body}".encode())
     at = {"textDocument": {"uri": (folder / "no.xml").as_uri()}, "position": {"line": 0, "character": 0}}
-    assert client.ask("textDocument/hover", **at) is None
+    assert lasting.ask("textDocument/hover", **at) is None

@@ -92,6 +92,7 @@ def test_faults_of_facts_losses_and_control_are_found(machine: str, name: str) -
     assert faulty.changed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*ELSEWHERE, *(n for n, (kind, *_) in HARMLESS.items() if kind in DRIVEN)])
 def test_other_faults_are_no_faults_here(name: str) -> None:
     fault = {**FAULTS, **HARMLESS}[name]
