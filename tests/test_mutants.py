@@ -163,6 +163,7 @@ def test_without_git_all_files_are_drawn_and_it_says_so(checkout: Path, path: st
     assert said == "git does not know what changed: mutants of all files are drawn\n"
 
 
+@pytest.mark.slow
 def test_a_run(tmp_path: Path) -> None:
     command = [sys.executable, str(ROOT / "experiments" / "mutants.py"), "--seed", "1", "--number", "3"]
     what = ["--why", "--folder", "mcpn/errors.py", "--tests", "tests/test_errors.py"]

@@ -60,7 +60,9 @@ def test_ulysse_survives_one_failure_at_most(ulysse_net: MissionNet, engine: Eng
         assert failure in ("GPS_sensor_EV_OOS", "IMU_sensor_EV_OOS")
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(
+    "engine", [pytest.param(e, marks=pytest.mark.slow) if e == "explicit" else e for e in ENGINES]
+)
 def test_the_glider_is_defeated_by_its_losses_and_by_no_leak(engine: Engine) -> None:
     """A leak aborts the mission by itself: a run to failure that it is on would explain no loss."""
     causes = find_causes(

@@ -79,7 +79,7 @@ def lockstep(mission_net: MissionNet, form: Form, folder: Path, against: list[st
 def test_a_tree_in_lockstep_with_the_runtime(
     form: Form, ulysse_net: MissionNet, against: list[str], tmp_path: Path
 ) -> None:
-    lockstep(ulysse_net, form, tmp_path, against, 100_000 if form == "hierarchical" else 5_000)
+    lockstep(ulysse_net, form, tmp_path, against, 20_000 if form == "hierarchical" else 5_000)
 
 
 @pytest.fixture(scope="module")

@@ -181,7 +181,7 @@ def test_logs_are_read(survey: Path, capsys: pytest.CaptureFixture[str]) -> None
 
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
-@pytest.mark.parametrize("path", ["survey", "courier"])
+@pytest.mark.parametrize("path", ["survey", pytest.param("courier", marks=pytest.mark.slow)])
 def test_c_says_what_python_says(path: str, survey: Path, tmp_path: Path) -> None:
     texts = files(
         monitors_of(open_study(COURIER if path == "courier" else survey / "survey.xml").mission_spaces())

@@ -56,14 +56,19 @@ WRITTEN = (
     "natural/dumpster",
     "natural/greenhouse",
     "natural/hospital",
-    "natural/portboat",
     "natural/sewer",
 )
+LONG = ("natural/portboat",)
 WORKED = ("drone/mission", "rover/mission", "roscon/problem3", "roscon/problem4")
 
 
 @pytest.mark.parametrize(
-    "path", [*(f"tests/{name}.xml" for name in WRITTEN), *(f"experiments/{name}.xml" for name in WORKED)]
+    "path",
+    [
+        *(f"tests/{name}.xml" for name in WRITTEN),
+        *(pytest.param(f"tests/{name}.xml", marks=pytest.mark.slow) for name in LONG),
+        *(f"experiments/{name}.xml" for name in WORKED),
+    ],
 )
 def test_a_mission_that_passes_gets_every_target(path: str) -> None:
     """In the form that is taken by itself; the modular form has all but SCXML."""
