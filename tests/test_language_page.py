@@ -80,7 +80,11 @@ TABLED = """
   <requirement name="the_same">
     <reaction to="happens(OBJ_order_EV_OK)" gives="objective(pay)" when="prompt"/>
   </requirement>
+  <requirement name="rounds" formula="G (happens(OBJ_knock_4_EV_OK) -> X objective(knock_5))"/>
+  <requirement name="tries" formula="G (happens(OBJ_knock_1_try3_EV_FAIL) -> X abort)"/>
+  <requirement name="again" formula="G (happens(OBJ_knock_1_try2_EV_FAIL) -> X objective(knock_1_try3))"/>
   <on event="stop" goto="abort"/>
+  <objective name="knock" activities="pay" repeat="5" retries="2" failure="abort"/>
   <objective name="work" failure="abort">
     <parallel name="both">
       <objective name="upstairs">
@@ -110,6 +114,9 @@ def test_recipes_of_the_table_do_what_they_are_for(tmp_path: Path) -> None:
         "waits",
         "paid",
         "the_same",
+        "rounds",
+        "tries",
+        "again",
     }
 
 

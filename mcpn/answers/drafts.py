@@ -7,14 +7,12 @@ that is told here is wrong however the mission is mended, unless what a formula 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import get_args, get_type_hints
 
 from mcpn.answers.names import expected, words_of
 from mcpn.errors import InputError, LimitError, Problem, Source
 from mcpn.logic.syntax import parse_open
-from mcpn.mission.language.datatypes import FORMULA
 from mcpn.mission.model import Mission
-from mcpn.mission.requirement import Requirement
+from mcpn.mission.requirement import Requirement, formulas_of
 from mcpn.mission.xml import InvalidMission, in_place
 from mcpn.nets.events import ENDING, Event, What
 from mcpn.nets.petri import NetBuilder
@@ -38,7 +36,10 @@ def mistakes(mission: Mission) -> Iterator[Problem]:
         for source, where, text in _formulas(requirement):
             try:
                 parse_open(text, names)
-            except (InputError, LimitError) as error:
+            except InputError as error:
+                for problem in error.problems:
+                    yield Problem(source, f"requirement {requirement.name}: {where}{problem.message}")
+            except LimitError as error:
                 yield Problem(source, f"requirement {requirement.name}: {where}{error}")
 
 
@@ -46,9 +47,8 @@ def _formulas(requirement: Requirement) -> Iterator[tuple[Source | None, str, st
     if requirement.formula is not None:
         yield requirement.source, "", requirement.formula
     for pattern in requirement.patterns:
-        for attribute, type_ in get_type_hints(type(pattern), include_extras=True).items():
-            if FORMULA in get_args(type_) and (text := getattr(pattern, attribute)) is not None:
-                yield pattern.source, f"{attribute} of <{pattern.TAG}>: ", text
+        for attribute, text in formulas_of(pattern):
+            yield pattern.source, f"{attribute} of <{pattern.TAG}>: ", text
 
 
 class _DraftNames(Names):

@@ -137,11 +137,13 @@ def asked_of(mission_net: MissionNet) -> list[AskedRequirement]:
         names = MissionNames(mission_net, within)
         try:
             asked.append(_asked(name, each, names))
-        except (InputError, LimitError) as error:
-            source, message = each.source, str(error)
-            if isinstance(error, InputError) and error.problems[0].source is not None:
-                source, message = error.problems[0].source, error.problems[0].message
-            problems[Problem(source, f"requirement {name}: {message}")] = None
+        except InputError as error:
+            for problem in error.problems:
+                problems[Problem(problem.source or each.source, f"requirement {name}: {problem.message}")] = (
+                    None
+                )
+        except LimitError as error:
+            problems[Problem(each.source, f"requirement {name}: {error}")] = None
     if problems:
         raise InputError(list(problems))
     return asked

@@ -70,7 +70,7 @@ def parse(text: str, names: Names) -> Formula:
         names: Look up what the text names.
 
     Raises:
-        InputError: The text is no formula, or a name is unknown; the message has the column.
+        InputError: The text is no formula, or names are unknown; the messages have the columns.
         LimitError: The formula is too large, see :func:`mcpn.logic.formulas.within_limit`.
     """
     if len(text) > MAX_LENGTH:
@@ -191,7 +191,7 @@ class _Parser:
         if depth > MAX_DEPTH:
             raise InputError.at(None, f"formula more than {MAX_DEPTH} operators deep: the limit was hit")
         if self._unknown:
-            raise self._unknown[0]
+            raise InputError(dict.fromkeys(problem for error in self._unknown for problem in error.problems))
         return within_limit(formula) if on_path else formula, on_path
 
     def _reduce(self, least: int) -> None:

@@ -7,8 +7,9 @@ robotic missions*, IEEE TSE 2019). What each means is said in :mod:`mcpn.answers
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Annotated, TypeAlias
+from typing import Annotated, TypeAlias, get_args, get_type_hints
 
 from mcpn.mission.language.datatypes import (
     ENTRIES,
@@ -253,6 +254,13 @@ Scoped: TypeAlias = Absence | Universality | Existence | BoundedExistence | Prec
 """The patterns of Dwyer, Avrunin and Corbett: eleven, with the chains, in five scopes."""
 Pattern: TypeAlias = Scoped | Visit | Patrolling | Avoidance | RestrictedAvoidance | Reaction | Wait
 """Elements that say what a mission must satisfy: those, and the 22 of Menghi and others."""
+
+
+def formulas_of(pattern: Pattern) -> Iterator[tuple[str, str]]:
+    """The attributes of a pattern that are formulas and are given, each with its text."""
+    for attribute, type_ in get_type_hints(type(pattern), include_extras=True).items():
+        if FORMULA in get_args(type_) and (text := getattr(pattern, attribute)) is not None:
+            yield attribute, text
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

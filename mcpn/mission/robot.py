@@ -158,10 +158,7 @@ class DeclaredEvent(Element):
 
     TAG = "event"
     NAMED = "event"
-    required: Annotated[
-        bool,
-        "true: events_handled fails where it is ignored: not handled, while nothing that it leads to runs.",
-    ] = False
+    required: Annotated[bool, "true: where it is ignored, events_handled fails."] = False
     rate: Annotated[Rate, "Risk: occurrences per hour; without it, none."] = None
     sets: tuple[FactChange, ...] = ()
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from mcpn.report.terminal import Terminal
 from mcpn.report.words import (
+    MOST_NAMED,
     in_words,
     modes_together,
     skipped_in_words,
@@ -15,6 +16,7 @@ from mcpn.report.words import (
     what_happens,
     wrong_in_words,
 )
+from mcpn.sentences import shortened
 
 if TYPE_CHECKING:
     from mcpn.answers.likeness import Likeness
@@ -434,7 +436,7 @@ def _print_modes(terminal: Terminal, check: MissionCheck) -> None:
     """Objectives of the same functioning modes together."""
     terminal.print("functioning modes", style="bold")
     for ways, objectives in modes_together(check).items():
-        terminal.print(", ".join(objectives), indent=2)
+        terminal.print(shortened(objectives, MOST_NAMED), indent=2)
         if not ways:
             terminal.print("never runs", indent=6)
         elif ways == ("",):

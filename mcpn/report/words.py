@@ -142,6 +142,10 @@ def situation_in_words(now: Situation | Inside) -> str:
     return ", ".join(phrases) or "nothing runs"
 
 
+MOST_NAMED = 12
+"""Objectives that are named of those with the same modes: a mission of 300 sections has as many in each."""
+
+
 def modes_together(check: MissionCheck) -> dict[tuple[str, ...], list[str]]:
     """By functioning modes in words the objectives that have these, each group folded."""
     shared: dict[tuple[str, ...], list[str]] = {}
@@ -156,18 +160,14 @@ def folded(mission_net: MissionNet, objectives: Collection[str]) -> list[str]:
     return mission_net.graph.copies.told(objectives, every)
 
 
-def of_all_copies(mission_net: MissionNet, objective: str, text: str) -> str:
+def of_all_copies(mission_net: MissionNet, text: str) -> str:
     """What is said of an objective, in the words that hold of its other rounds and tries as well.
 
     Args:
         mission_net: The mission's net.
-        objective: The objective.
         text: What is said, which names blocks.
     """
     copies = mission_net.graph.copies
-    tried, _, number = objective.rpartition("_try")
-    if tried and number.isdecimal():
-        text = re.sub(rf"\b{re.escape(tried)}_try{int(number) + 1}(?![\w.])", "its next try", text)
 
     def plain(found: re.Match[str]) -> str:
         return copies.plain(found[0]) if found[0] in copies.held else found[0]

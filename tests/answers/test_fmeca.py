@@ -349,7 +349,7 @@ class Words:
         """The same, in the branch of a block, or in none."""
         if to not in ("succeed", "fail", "abort"):
             here, there = (re.sub("_try[0-9]+", "_try", name) for name in (self.section.name, to))
-            return f"its failure leads to {'the next try' if here == there and '_try' in here else to}"
+            return f"its failure leads to {'its next try' if here == there and '_try' in here else to}"
         if block is None or branch is None:
             ends = {"succeed": "success", "fail": "failure", "abort": "abort"}
             return f"its failure ends the mission in {ends[to]}"

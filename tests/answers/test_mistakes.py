@@ -55,6 +55,34 @@ def test_formulas_are_told_with_the_other_mistakes(declared: bool, tmp_path: Pat
     assert "requirement event: formula, column 12: no event is named OBJ_divr_EV_OK" in told[8]
 
 
+@pytest.mark.parametrize("valid", [True, False])
+def test_every_name_of_a_formula_that_is_unknown_is_told(valid: bool, tmp_path: Path) -> None:
+    """Not the first alone: of a formula, and of all attributes of a pattern."""
+    path = tmp_path / "m.xml"
+    path.write_text(
+        '<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r"><event name="stop"/>'
+        f'<activity name="a"/></robot><on event="stop" goto="{"home" if valid else "hom"}"/>\n'
+        '<requirement name="x" formula="G (happens(stp) -> X !activity(b)) | objective(gi)"/>\n'
+        '<requirement name="y"><response to="happens(stp)" gives="objective(gi) | block(q)"/></requirement>\n'
+        '<objective name="go" activities="a"/><objective name="home" activities="a"/></mission>'
+    )
+    with pytest.raises(InputError) as caught:
+        mcpn.open(path).check()
+    found = [
+        (line, problem.message.split("; ")[0].partition("formula, ")[2])
+        for problem in caught.value.problems
+        if problem.source is not None and (line := problem.source.line) in (2, 3)
+    ]
+    assert sorted(found) == [
+        (2, "column 12: no event is named stp"),
+        (2, "column 32: no activity is named b"),
+        (2, "column 48: no objective is named gi"),
+        (3, "column 11: no objective is named gi"),
+        (3, "column 23: no block is named q"),
+        (3, "column 9: no event is named stp"),
+    ]
+
+
 def formulas(words: Vocabulary) -> list[str]:
     """A formula of each word that a mission has, of all its copies and of each."""
 

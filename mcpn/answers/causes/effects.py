@@ -191,7 +191,7 @@ def _route(section: ElementarySection, around: Around) -> str:
     """Where the failure of an objective leads."""
     if section.failure not in _ENDS:
         again = _TRY.search(section.name) and _TRY.sub("", section.name) == _TRY.sub("", section.failure)
-        return f"its failure leads to {'the next try' if again else section.failure}"
+        return f"its failure leads to {'its next try' if again else section.failure}"
     if not around:
         return f"its failure ends the mission in {_ENDS[section.failure]}"
     block, branch = around[-1]

@@ -5,12 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import TypeVar
 
 from mcpn.answers.patterns import catalogue as robots
 from mcpn.answers.patterns.catalogue import after_step, used
 from mcpn.answers.patterns.moments import EVERY_EVENT, LASTING, OF_EVENTS, OF_STATES, At, on_states
-from mcpn.errors import InputError, LimitError
+from mcpn.errors import InputError, LimitError, Problem
 from mcpn.logic.ltl.formulas import Happens, SomePath, normal
 from mcpn.logic.syntax import parse, show
 from mcpn.mission.requirement import (
@@ -25,6 +26,7 @@ from mcpn.mission.requirement import (
     Scoped,
     Visit,
     Wait,
+    formulas_of,
 )
 from mcpn.nets.events import Event, What
 from mcpn.sentences import enumeration
@@ -60,6 +62,7 @@ def read_pattern(pattern: Pattern, names: Names) -> PatternText:
         InputError: An attribute is no formula, or names what is not there; with the pattern's line.
     """
     reader = _PatternReader(pattern, names)
+    reader.understand_all()
     match pattern:
         case Visit() | Patrolling():
             text = reader.movement(pattern)
@@ -77,6 +80,17 @@ class _PatternReader:
 
     def __init__(self, pattern: Pattern, names: Names) -> None:
         self._pattern, self._names = pattern, names
+
+    def understand_all(self) -> None:
+        """Raises what is wrong with any attribute that is a formula."""
+        wrong = list[Problem]()
+        for attribute, text in formulas_of(self._pattern):
+            try:
+                self._read(attribute, partial(parse, text, self._names))
+            except InputError as error:
+                wrong += error.problems
+        if wrong:
+            raise InputError(wrong)
 
     def clause(self, attribute: str) -> str:
         """A formula of an attribute as a clause."""
@@ -132,11 +146,13 @@ class _PatternReader:
 
     def _read(self, attribute: str, read: Callable[[], _Read]) -> _Read:
         """What ``read`` makes of an attribute; its errors name the attribute and the pattern's line."""
+        at, where = self._pattern.source, f"{attribute} of <{self._pattern.TAG}>"
         try:
             return read()
-        except (InputError, LimitError) as error:
-            message = f"{attribute} of <{self._pattern.TAG}>: {error}"
-            raise InputError.at(self._pattern.source, message) from None
+        except InputError as error:
+            raise InputError(Problem(at, f"{where}: {each.message}") for each in error.problems) from None
+        except LimitError as error:
+            raise InputError.at(at, f"{where}: {error}") from None
 
     # --- Dwyer, Avrunin, Corbett ---
 

@@ -314,7 +314,7 @@ def print_fmeca(rows: Sequence[Row], mission_net: MissionNet, classes: Classes =
     for row, told in zip(rows, fmeca_rows(rows, classes), strict=True):
         leads = [t for t in row.compensation.split("; or ") if t.startswith("its failure")]
         effects = [t for t in (row.local_effect, *leads) if t != "none"]
-        effect = of_all_copies(mission_net, row.objective, "; ".join(effects))
+        effect = of_all_copies(mission_net, "; ".join(effects))
         key = told["severity"], told["with_others"], effect
         shared.setdefault(row.hardware, {}).setdefault(key, []).append(row.objective)
     for hardware, effects_of in shared.items():

@@ -11,7 +11,7 @@ from mcpn.answers.causes.effects import NOT_HERE
 from mcpn.answers.names import MissionNames
 from mcpn.report.failures.tables import COLUMNS, fmeca_rows
 from mcpn.report.failures.terminal import risk_counts
-from mcpn.report.words import modes_in_words, modes_together, what_happens
+from mcpn.report.words import MOST_NAMED, modes_in_words, modes_together, what_happens
 from mcpn.sentences import enumeration, shortened
 
 if TYPE_CHECKING:
@@ -27,9 +27,6 @@ _NAME = re.compile(r"\w(?:[\w.-]*\w)?")
 
 MOST_ROWS = 2000
 """Rows of one table of a page."""
-
-MOST_NAMED = 12
-"""Objectives that a row of functioning modes names: a mission of 300 sections has as many in each."""
 
 MOST_COLUMNS = 6
 """Columns of a matrix that a sheet has room for."""
@@ -161,8 +158,14 @@ def _differences(effects: Mapping[str, Mapping[str, str]], mission_net: MissionN
     )
 
 
-def merged(rows: Iterable[Texts], column: int = 0) -> list[Texts]:
+def merged(rows: Iterable[Texts], column: int = 0, by: str = ", ", most: int | None = None) -> list[Texts]:
     """Rows that are equal but for one column as one row, which lists what stands in it.
+
+    Args:
+        rows: Texts.
+        column: Which one.
+        by: Stands between what it lists.
+        most: How many it lists; it says how many more there are.
 
     >>> merged([("dive", "fails"), ("climb", "fails"), ("wait", "goes on")])
     [('dive, climb', 'fails'), ('wait', 'goes on')]
@@ -170,7 +173,12 @@ def merged(rows: Iterable[Texts], column: int = 0) -> list[Texts]:
     same: dict[tuple[str, ...], list[str]] = {}
     for row in rows:
         same.setdefault((*row[:column], *row[column + 1 :]), []).append(row[column])
-    return [(*rest[:column], ", ".join(names), *rest[column:]) for rest, names in same.items()]
+
+    def told(names: list[str]) -> str:
+        left = 0 if most is None else max(0, len(names) - most)
+        return by.join(names[: len(names) - left]) + (f"{by}{left} more" if left else "")
+
+    return [(*rest[:column], told(names), *rest[column:]) for rest, names in same.items()]
 
 
 def _effect(row: Row) -> str:
@@ -245,14 +253,17 @@ def _risk(risk: Risk) -> Table:
 
 
 def _cause_tables(causes: Causes, mission_net: MissionNet) -> Iterator[Table]:
-    goals = [(goal.name, goal) for goal in (causes.mission, *causes.objectives.values())]
+    goals = [(causes.mission.name, causes.mission)]
     if causes.safety is not None:
-        goals.insert(1, (f"{causes.safety.name}: its safe ends", causes.safety))
-    sets = [
-        (name, enumeration(lost or ("nothing: it fails anyway",)), str(len(lost)))
-        for name, goal in goals
-        for lost in goal.cut_sets
-    ]
+        goals.append((f"{causes.safety.name}: its safe ends", causes.safety))
+    sets, of_objectives = (
+        [
+            (name, enumeration(lost or ("nothing: it fails anyway",)), str(len(lost)))
+            for name, goal in some
+            for lost in goal.cut_sets
+        ]
+        for some in (goals, causes.objectives.items())
+    )
     critical = [
         (
             what_happens(found.event, causes.mission.name),
@@ -265,13 +276,13 @@ def _cause_tables(causes: Causes, mission_net: MissionNet) -> Iterator[Table]:
         "Causes: smallest losses after which it fails",
         "Each row is enough by itself: once all of it is lost and not repaired, this cannot succeed.",
         ("what fails", "lost", "how many"),
-        fold_rows(mission_net, sets),
+        [*sets, *merged(fold_rows(mission_net, of_objectives), most=MOST_NAMED)],
     )
     yield Table(
         "Critical events: after them only a repair helps",
         "The last events of runs that lose the mission: what happens, and what the robot was doing.",
         ("event", "while", "mode"),
-        fold_rows(mission_net, critical, 1),
+        merged(fold_rows(mission_net, critical, 1), 1, "; or ", MOST_NAMED),
     )
 
 
