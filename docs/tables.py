@@ -15,6 +15,7 @@ from typing import Any
 from mcpn.drawing.templates.interface import MEETINGS
 from mcpn.mission.language.forms import GROUPS, Field, form_of, inside, language, relax_ng
 from mcpn.mission.model import BlockElement
+from mcpn.mission.requirement import Absence
 from mcpn.mission.robot import Described, Element
 from mcpn.mission.xml import SCHEMA
 from mcpn.report.documents import FORMATS, json_schema
@@ -27,6 +28,8 @@ from mcpn.runtime.shapes import Document, ObjectOf
 
 SHARED = {"common": (Element, Described), "routing": (BlockElement,)}
 """Attributes that several elements have, in tables of their own: by table, the classes that declare them."""
+SCOPED = next(a.owner for a in form_of(Absence).attributes if a.tag == "until")
+"""Declares the scope of a pattern, which the page on patterns tells of all together."""
 GROUPED = {
     of: json_schema(Document("", "", ObjectOf("", keys)))["properties"]
     for of, keys in (
@@ -64,7 +67,7 @@ def table(name: str) -> str:
         shared = [a for a in form_of(owners[0]).attributes if a.owner in owners]
         return "\n".join(rows(shared, [a.tag for a in shared if a.required]))
     tag = language()[name]
-    own = rows((a for a in tag.attributes.values() if a.owner not in GROUPS), tag.required)
+    own = rows((a for a in tag.attributes.values() if a.owner not in (*GROUPS, SCOPED)), tag.required)
     children = ", ".join(dict.fromkeys(f"`<{child.TAG}>`" for of in tag.forms for child in inside(of)))
     return "\n".join([tag.words, "", *own, *(["", f"Inside: {children}."] if children else [])])
 

@@ -184,7 +184,14 @@ class _FactChecks:
                 yield self.unknown(source, who, said.fact)
             elif objective not in self.elementary:
                 message = f"{who} {said.fact}, and no elementary objective is named {objective}"
-                yield Problem(source, f"{message}{self.hints.known(objective, self.elementary)}")
+                last = objective.rpartition(".")[2]
+                if last != objective and last in self.elementary:
+                    hint = (
+                        f"; done({last}) is of any copy of it: to tell copies apart, write their blocks out"
+                    )
+                else:
+                    hint = self.hints.known(objective, self.elementary)
+                yield Problem(source, f"{message}{hint}")
             else:
                 yield from self.asked(source, f"{who} {text}", text, Fact(name=said.fact))
 

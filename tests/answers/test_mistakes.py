@@ -83,6 +83,19 @@ def test_every_name_of_a_formula_that_is_unknown_is_told(valid: bool, tmp_path: 
     ]
 
 
+def test_done_of_one_copy_is_not_taken_for_done_of_any(tmp_path: Path) -> None:
+    path = tmp_path / "m.xml"
+    path.write_text(
+        '<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r"><activity name="a"/></robot>'
+        '<each name="visit" in="x y"><objective name="see" activities="a"/></each>'
+        '<objective name="home" activities="a"><route when="done(visit_x.see)" goto="fail"/></objective></mission>'
+    )
+    with pytest.raises(
+        InputError, match=r"named visit_x\.see; done\(see\) is of any copy of it: to tell copies"
+    ):
+        mcpn.open(path).check()
+
+
 def formulas(words: Vocabulary) -> list[str]:
     """A formula of each word that a mission has, of all its copies and of each."""
 

@@ -125,7 +125,8 @@ def test_colours_are_for_terminals_that_want_them() -> None:
         told = on_a_terminal(unwanted, "check", str(ULYSSE))
         assert "The mission can succeed." in told
         assert "\x1b[3" not in told
-        assert max(len(line) for line in told.splitlines()) <= 80
+        # Where it is slow, a line of progress is shown and wiped.
+        assert max(len(line) for line in told.replace("\x1b[K", "").splitlines()) <= 80
 
 
 def test_progress_is_shown_on_a_terminal_and_wiped(tmp_path: Path) -> None:
