@@ -88,7 +88,8 @@ def test_done_of_one_copy_is_not_taken_for_done_of_any(tmp_path: Path) -> None:
     path.write_text(
         '<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r"><activity name="a"/></robot>'
         '<each name="visit" in="x y"><objective name="see" activities="a"/></each>'
-        '<objective name="home" activities="a"><route when="done(visit_x.see)" goto="fail"/></objective></mission>'
+        '<objective name="home" activities="a"><route when="done(visit_x.see)" goto="fail"/></objective>'
+        "</mission>"
     )
     with pytest.raises(
         InputError, match=r"named visit_x\.see; done\(see\) is of any copy of it: to tell copies"

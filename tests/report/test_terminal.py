@@ -293,3 +293,10 @@ def test_a_walk_at_random_starts_and_mostly_succeeds() -> None:
     ends = [output("simulate", ULYSSE, "--random", 60, "--seed", seed) for seed in range(5)]
     assert all(end["steps"][0]["event"] == "MISSION_EV_START" or len(end["steps"]) > 1 for end in ends)
     assert sum(end["outcome"] == "success" for end in ends) >= 2
+
+
+def test_what_causes_count_as_a_way_is_said() -> None:
+    """Of a mission that is safe by an event that may never come, that all hardware may fail reassures."""
+    told = mcpn("causes", ROOT / "tests" / "natural" / "guard.xml").stdout
+    assert "declared events count as ways to these ends: person_near, person_gone, emergency_stop" in told
+    assert "declared events count" not in mcpn("causes", ULYSSE).stdout

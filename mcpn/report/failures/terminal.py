@@ -19,7 +19,7 @@ from mcpn.nets.events import ENDING, Event, What
 from mcpn.report.failures.tables import STANDARD, Classes, fmeca_rows
 from mcpn.report.terminal import Terminal
 from mcpn.report.text import print_counts, print_steps
-from mcpn.report.words import folded, in_words, of_all_copies, what_happens
+from mcpn.report.words import MOST_NAMED, folded, in_words, of_all_copies, what_happens
 from mcpn.sentences import enumeration, shortened
 from mcpn.spaces.run import Run
 
@@ -174,6 +174,9 @@ def print_causes(causes: Causes) -> None:
     terminal, mission_net = Terminal(), causes.mission_net
     for told in headlines(causes):
         terminal.print(told, style="bold")
+    if events := [event.name for event in mission_net.mission.events if not event.sets]:
+        told = f"declared events count as ways to these ends: {shortened(events, MOST_NAMED)}"
+        terminal.print(told, indent=2, style="dim")
     shared: dict[tuple[CutSet, ...], list[str]] = {}
     for name, goal in causes.objectives.items():
         shared.setdefault(tuple(goal.cut_sets), []).append(name)
