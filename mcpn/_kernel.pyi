@@ -424,18 +424,14 @@ class BigSteps:
         They are ``most`` at most; ``None`` where it has no outcome, or may have two, or a firing is unsafe.
         """
 
-    def after(self, markings: Zdd, event: int) -> tuple[Zdd, Zdd] | None:
+    def after(self, markings: Zdd, event: int) -> tuple[Zdd, Zdd, bytes | None] | None:
         """The stable markings behind an event from some that enable it, run from all of them at once.
 
         Returns:
-            The stable markings; and those of the given ones that are left, for in some marking behind them no
-            transition may fire alone. ``None`` where a firing is unsafe, or evolution does not end.
-        """
-
-    def function(self, markings: Zdd, event: int) -> bytes | None:
-        """What an event makes of each of some stable markings that enable it, but for those that are left.
-
-        It is one function of these. ``None``, too, where that is too large.
+            The stable markings; those of the given ones that are left, for in some marking behind them no
+            transition may fire alone; and what the event makes of each of the others, as one function of
+            these, ``None`` where that is too large. ``None`` where a firing is unsafe, or evolution does not
+            end.
         """
 
 def choices(store: Store, ways: bytes, as_: str, marked: Sequence[int]) -> list[int]:
@@ -517,6 +513,7 @@ class SafeNet:
         max_transient: int,
         max_bytes: int,
         progress: Callable[[int, int], object] | None = ...,
+        max_firings: int = ...,
     ) -> Exploration:
         """Stable markings and events only, of a net with priorities.
 

@@ -9,6 +9,7 @@ refuses a mission or hits a limit, decision diagrams hold the whole mission, as 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from math import inf
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from mcpn.composite.clash import in_mission_words
@@ -94,7 +95,7 @@ class MissionSpaces(Spaces):
         many = too_much_hardware(self.mission, limit) or _many_sections(self.mission, limit)
         if many is None:
             yield Choice("explicit", "the stable states are few", limit, max_states, brief=True)
-            many = f"there are more than {limit} stable states"
+            many = f"there are more than {limit} stable states, or much happens between them"
         own = "the one section is" if sections == 1 else f"each type of the {sections} sections is"
         yield Choice("local", f"{many}, so {own} explored on its own", max_states)
         yield Choice("symbolic", max_states=max_states)
@@ -142,7 +143,7 @@ class MissionSpaces(Spaces):
         if by.engine == "symbolic":
             return self._mortal.reduced(by, proof=proof)[0]
         limit = by.second_limit(MORTAL)
-        return self._mortal._listed(limit)[1] if proof else self._mortal.unproved(limit)
+        return self._mortal._listed((limit, inf))[1] if proof else self._mortal.unproved(limit)
 
     @property
     @kept()

@@ -26,6 +26,12 @@ SMALL = 100_000
 Markings are listed besides where their number is asked for, or where an event has two outcomes.
 """
 
+FEW_FIRINGS = 500_000
+"""Limit on firings, those of the proof included, up to which ``auto`` lists stable states.
+
+States may be few and yet have many events that each concern all of the mission: diagrams take them at once.
+"""
+
 Found = TypeVar("Found")
 
 

@@ -10,6 +10,7 @@ import copy
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from functools import update_wrapper
 from inspect import signature
+from math import inf
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
 
 from mcpn.errors import InputError, LimitError, SemanticsError
@@ -19,7 +20,7 @@ from mcpn.spaces.diagrams.bounded import reach_markings, reaching_markings
 from mcpn.spaces.diagrams.race import Resting
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import SymbolicSpace, reaching
-from mcpn.spaces.engines import Asked, Choice, Engine, On, choices_of_net, refuse_unknown
+from mcpn.spaces.engines import FEW_FIRINGS, Asked, Choice, Engine, On, choices_of_net, refuse_unknown
 from mcpn.spaces.markings.explicit import MAX_MARKINGS, Counts, count, explore
 from mcpn.spaces.names import PROGRESS, Names
 from mcpn.spaces.stable.completion import MAX_STABLE_STATES
@@ -46,8 +47,8 @@ def kept(limit: str | None = None) -> Callable[[Builder[Owner, Given, Built]], B
     """Makes a method of spaces build once for equal arguments, and return that, or raise its error, again.
 
     Args:
-        limit: The argument that limits the states, if one does. What was built within a limit serves every
-            higher one; a limit that was hit does not.
+        limit: The argument that limits the states, or states and firings, if one does. What was built within
+            a limit serves every higher one; a limit that was hit does not.
     """
 
     def once(build: Builder[Owner, Given, Built]) -> Builder[Owner, Given, Built]:
@@ -102,7 +103,7 @@ class Spaces:
 
     def __init__(self, net: PetriNet) -> None:
         self.net = net
-        self._kept: dict[Hashable, tuple[int, Any]] = {}
+        self._kept: dict[Hashable, tuple[Any, Any]] = {}
 
     # --- what the net means ---
 
@@ -166,20 +167,23 @@ class Spaces:
 
     def stable(self, by: Choice) -> tuple[ArraySpace, str]:
         """The alternatives graph by listing, and the proof of confluence used; see :meth:`space`."""
-        graph, space = self._listed(by.limit)
+        graph, space = self._listed((by.limit, FEW_FIRINGS if by.brief else inf))
         return space, graph.proof or ""
 
     def listed(self, max_states: int | None = None) -> AlternativesGraph:
         """The alternatives graph with its stable states listed, and proved; its errors are the net's own."""
-        return self._listed(MAX_STABLE_STATES if max_states is None else max_states)[0]
+        return self._listed((MAX_STABLE_STATES if max_states is None else max_states, inf))[0]
 
-    @kept("max_states")
-    def _listed(self, max_states: int) -> tuple[AlternativesGraph, ArraySpace]:
+    @kept("within")
+    def _listed(self, within: tuple[int, float]) -> tuple[AlternativesGraph, ArraySpace]:
+        """The graph and its space within limits on states and on firings."""
         step(Doing.LISTING)  # before arrays are loaded, which takes its time
         from mcpn.spaces.arrays import ArraySpace
         from mcpn.spaces.stable.alternatives import direct_with_proof
 
-        graph = direct_with_proof(self.net, max_states=max_states)
+        max_states, firings = within
+        max_firings = None if firings == inf else int(firings)
+        graph = direct_with_proof(self.net, max_states=max_states, max_firings=max_firings)
         return graph, ArraySpace(graph)
 
     @kept("max_states")

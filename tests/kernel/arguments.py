@@ -438,7 +438,6 @@ METHODS: dict[str, Callable[[Caller, Any], tuple[Any, ...]]] = {
     "BigSteps.start": lambda me, _: (me.some(kernel.Store),),
     "BigSteps.cover": lambda me, _: (me.some(kernel.Zdd), me.number(7), me.random.randrange(4)),
     "BigSteps.after": lambda me, _: (me.some(kernel.Zdd), me.number(7)),
-    "BigSteps.function": lambda me, _: (me.some(kernel.Zdd), me.number(7)),
     "SafeNet.explore": lambda me, _: (me.numbers(), me.flag(), me.limit(), me.bytes_limit()),
     "SafeNet.explorer": lambda me, _: (me.numbers(), me.bytes_limit(), me.flag()),
     "SafeNet.labels": lambda me, _: (me.rows(),),
@@ -450,6 +449,8 @@ METHODS: dict[str, Callable[[Caller, Any], tuple[Any, ...]]] = {
         me.limit(),
         me.limit(),
         me.bytes_limit(),
+        None,
+        me.limit(),
     ),
     "CountedNet.explore": lambda me, _: (me.marking(), me.flag(), me.limit(), me.bytes_limit()),
     "TokenNet.walk": lambda me, _: (

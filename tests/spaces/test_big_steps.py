@@ -330,8 +330,6 @@ def test_what_is_asked_wrongly_is_refused() -> None:
     label = next(i for i, t in enumerate(prepared.transitions) if not net.transitions[t].internal)
     with pytest.raises(ValueError, match="no such event"):
         kernel.after(start, 0)
-    with pytest.raises(ValueError, match="no such event"):
-        kernel.function(start, 0)
     assert kernel.cover(start, label, 0) == (b"", 0, False)
     with pytest.raises(ValueError, match="without a level"):
         BigSteps(prepared.kernel, prepared.initial, [*places[:-1], -1], [], 1 << 30, 100, 300)

@@ -74,22 +74,21 @@ SetEvolution::SetEvolution(const SafeNet& net, const Places& initial, Levels lev
     : net_(net), levels_(std::move(levels)), few_cases_(few_cases), stubborn_(net, initial), clashes_(net, levels_, stubborn_), relations_(kMostParts),
       steps_(net.firings_.size()), has_won_(net.firings_.size() / 64 + 1) {}
 
-std::optional<std::pair<Node, Node>> SetEvolution::after(Store& store, Node markings, std::uint32_t event) {
+std::optional<SetEvolution::Evolved> SetEvolution::after(Store& store, Node markings, std::uint32_t event) {
   begin(store);
   Held at(store, markings), left(store, 0);
   if (!run(store, at, left, event)) return std::nullopt;
-  return std::pair(Node(at), store.meet(left, markings));
+  left = store.meet(left, markings);
+  const Held all(store, store.minus(markings, left));
+  return Evolved{at, left, function(store, all)};
 }
 
-std::optional<SetEvolution::Table> SetEvolution::function(Store& store, Node markings, std::uint32_t event) {
-  begin(store);
-  Held all(store, markings), at(store, markings), left(store, 0);
-  if (!run(store, at, left, event)) return std::nullopt;
-  all = store.minus(all, left);
+// What the firings make of some markings in which they happened.
+std::optional<SetEvolution::Table> SetEvolution::function(Store& store, Node markings) {
   relations_.clear();
   among_.clear();
   try {
-    Id whole = among(store, all, 0), some = Relations::kSame;
+    Id whole = among(store, markings, 0), some = Relations::kSame;
     for (std::size_t i = 0; i < fired_.size(); ++i) {
       some = relations_.then(some, fires(relations_, store, fired_[i], false));
       if (i && i % kAtATime && i + 1 < fired_.size()) continue;

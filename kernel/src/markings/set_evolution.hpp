@@ -27,12 +27,15 @@ class SetEvolution {
   // Few cases tell where a transition may fire alone, before it is asked of all markings at once.
   SetEvolution(const SafeNet& net, const Places& initial, Levels levels, std::size_t few_cases);
 
-  // The stable markings behind an event from some that enable it; and those of these that are left, for in some marking
-  // behind them no transition may fire alone. Nothing where a firing is unsafe, or where there is no end.
-  std::optional<std::pair<Node, Node>> after(Store& store, Node markings, std::uint32_t event);
-  // What it makes of them as a function of those that are not left, and of no others: a table of Relations; levels of
-  // no place are left alone. Nothing, too, where it has too many parts.
-  std::optional<Table> function(Store& store, Node markings, std::uint32_t event);
+  // What an event makes of some markings that enable it: the stable ones behind them; those that are left, for in some
+  // marking behind them no transition may fire alone; a function of those that are not left, and of no others, as a table
+  // of Relations that leaves levels of no place alone, and nothing where it has too many parts.
+  struct Evolved {
+    Node after, left;
+    std::optional<Table> function;
+  };
+  // Nothing where a firing is unsafe, or where there is no end.
+  std::optional<Evolved> after(Store& store, Node markings, std::uint32_t event);
 
  private:
   using Id = Relations::Id;
@@ -58,6 +61,7 @@ class SetEvolution {
   enum class Enabled : std::uint8_t { kUnknown, kNone, kSome };
 
   bool run(Store& store, Held& markings, Held& left, std::uint32_t event);
+  std::optional<Table> function(Store& store, Node markings);
   Went fire_first(Store& store, Held& markings, std::uint32_t end);
   bool in_some(Store& store, Node markings, std::uint32_t t);
   void see_ahead(Store& store, Node markings);

@@ -18,10 +18,11 @@ constexpr State kEntered = kOpen - 1;      // one that has just been put on the 
 }  // namespace
 
 Settling::Settling(const SafeNet& net, const Stubborn::Places& initial, Orders orders, const Limits& limits,
-                   std::uint64_t max_transient)
+                   std::uint64_t max_transient, std::uint64_t max_firings)
     : net_(net), initial_(initial), orders_(orders), limits_(limits),
       transient_limits_{max_transient, limits.bytes, limits.go_on},
-      stable_(found_, limits_, "stable states"), marking_(net.words_), enabled_(net.firings_.size() / 64 + 1) {
+      stable_(found_, limits_, "stable states"), marking_(net.words_), enabled_(net.firings_.size() / 64 + 1),
+      max_firings_(max_firings) {
   found_.words = net.words_;
   forget();
   if (orders == Orders::kEnough) stubborn_.emplace(net, initial);
@@ -104,7 +105,9 @@ void Settling::absent(std::uint32_t end) {
 
 // Fires a transition and keeps what is enabled up to date; false where it is unsafe.
 bool Settling::fire(std::uint32_t t) {
-  if ((++fired_ & 0xFFF) == 0 && !limits_.go_on(found_.states(), found_.edges)) throw Interrupted();
+  if (++fired_ > max_firings_)
+    throw StateLimit("more than " + std::to_string(max_firings_) + " firings: the limit on firings was hit");
+  if ((fired_ & 0xFFF) == 0 && !limits_.go_on(found_.states(), found_.edges)) throw Interrupted();
   if (reads_) {
     reads_->read(net_.firings_[t].need);
     reads_->read(net_.firings_[t].put);

@@ -32,7 +32,7 @@ struct BigStep { std::vector<std::uint32_t> taken, put, marked, empty; };
 class Settling {
  public:
   Settling(const SafeNet& net, const Stubborn::Places& initial, Orders orders, const Limits& limits,
-           std::uint64_t max_transient);
+           std::uint64_t max_transient, std::uint64_t max_firings = ~std::uint64_t(0));
 
   Exploration run();
 
@@ -68,6 +68,7 @@ class Settling {
   std::vector<std::uint32_t> firings_;   // from the event on to where it is
   std::vector<Step> path_;               // the markings passed that are kept
   std::vector<Word> ways_;               // what each of them covers
+  const std::uint64_t max_firings_;
   std::uint64_t fired_ = 0;
   Means means_ = Means::kOnly;           // the last that was needed behind the event
 };

@@ -308,14 +308,15 @@ void bind_explorer(nb::module_& module) {
          nb::arg("control"))
       .def("units", [](const SafeNet& net, const Places& initial) { return net.units(checked(net, initial)); }, nb::arg("initial"))
       .def("settle", [](const SafeNet& net, const Places& initial, const std::string& orders, std::uint64_t max_states,
-                        std::uint64_t max_transient, std::uint64_t max_bytes, const nb::object& progress) {
+                        std::uint64_t max_transient, std::uint64_t max_bytes, const nb::object& progress,
+                        std::uint64_t max_firings) {
         const Orders tried = orders_named(orders);
         if (!net.priorities()) throw std::invalid_argument("a net with priorities");
         return run([&](const Limits& limits) {
-          return Settling(net, checked(net, initial), tried, limits, max_transient).run();
+          return Settling(net, checked(net, initial), tried, limits, max_transient, max_firings).run();
         }, max_states, max_bytes, progress);
       }, nb::arg("initial"), nb::arg("orders"), nb::arg("max_states"), nb::arg("max_transient"),
-         nb::arg("max_bytes"), nb::arg("progress").none() = nb::none());
+         nb::arg("max_bytes"), nb::arg("progress").none() = nb::none(), nb::arg("max_firings") = ~std::uint64_t(0));
 
   nb::class_<CountedNet>(module, "CountedNet")
       .def("__init__", [](CountedNet* self, const std::vector<Field>& fields, const std::vector<Counted>& transitions,

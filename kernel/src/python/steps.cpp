@@ -167,32 +167,25 @@ class PyBigSteps {
     if (!open(found.has_value())) return std::nullopt;
     return std::tuple(packed(found->first), found->first.size(), found->second);
   }
-  std::optional<std::tuple<Handle, Handle>> after(const Handle& markings, std::uint32_t event) {
+  std::optional<std::tuple<Handle, Handle, std::optional<nb::bytes>>> after(const Handle& markings, std::uint32_t event) {
     check(*markings.owner);
     if (!net_.is_event(event)) throw std::invalid_argument("no such event");
-    std::optional<std::pair<Node, Node>> found;
+    std::optional<SetEvolution::Evolved> found;
     std::optional<Handle> left;
     const Handle made = computed(markings.owner, [&](Store& store) {
       evolved_ = markings.owner;
       found = evolution_.after(store, markings.node, event);
-      if (found) left.emplace(markings.owner, found->second);
-      return found ? found->first : 0;
+      if (found) left.emplace(markings.owner, found->left);
+      return found ? found->after : 0;
     });
     if (!found) return std::nullopt;
-    return std::tuple(made, *left);
-  }
-  std::optional<nb::bytes> function(const Handle& markings, std::uint32_t event) {
-    check(*markings.owner);
-    if (!net_.is_event(event)) throw std::invalid_argument("no such event");
-    std::optional<Numbers> table;
-    markings.owner->run([&] {
-      evolved_ = markings.owner;
-      markings.owner->store.begin();
-      table = evolution_.function(markings.owner->store, markings.node, event);
-    });
-    if (!table) return std::nullopt;
-    table->insert(table->begin(), {kFunction, std::uint32_t(table->size())});
-    return bytes_of(*table);
+    std::optional<nb::bytes> function;
+    if (found->function) {
+      Numbers& table = *found->function;
+      table.insert(table.begin(), {kFunction, std::uint32_t(table.size())});
+      function = bytes_of(table);
+    }
+    return std::tuple(made, *left, function);
   }
 
  private:
@@ -254,8 +247,7 @@ void bind_steps(nb::module_& module) {
            nb::arg("few_cases"), nb::keep_alive<1, 2>())
       .def("start", &PyBigSteps::start, nb::arg("store"))
       .def("cover", &PyBigSteps::cover, nb::arg("markings"), nb::arg("event"), nb::arg("most"))
-      .def("after", &PyBigSteps::after, nb::arg("markings"), nb::arg("event"))
-      .def("function", &PyBigSteps::function, nb::arg("markings"), nb::arg("event"));
+      .def("after", &PyBigSteps::after, nb::arg("markings"), nb::arg("event"));
   module.def("choices", [](const std::shared_ptr<PyStore>& s, const nb::bytes& ways, const std::string& as,
                            const std::vector<std::int64_t>& marked) { return choices(*s, ways, as, marked); },
              nb::arg("store"), nb::arg("ways"), nb::arg("as_"), nb::arg("marked"));

@@ -138,6 +138,7 @@ def direct(
     *,
     proof: bool = True,
     max_states: int = MAX_STABLE_STATES,
+    max_firings: int | None = None,
 ) -> AlternativesGraph:
     """Builds the alternatives graph without the markings graph.
 
@@ -147,6 +148,7 @@ def direct(
             internal evolution is confluent and ends. Without it the graph rests on that premise.
         max_states: How many stable states it may have; the proof may keep a hundred times as many markings
             between them, and 100,000 at least.
+        max_firings: How many firings the proof may take; by default any number.
 
     Returns:
         The alternatives graph, numbered as :func:`by_reduction` numbers it.
@@ -163,7 +165,7 @@ def direct(
     """
     prepared = KernelNet(net)
     if proof:
-        exploration = judged(prepared, max_states)
+        exploration = judged(prepared, max_states, max_firings)
         return AlternativesGraph(net, *prepared.arrays(exploration), "direct", PROOF_BY_MARKINGS)
     exploration = settled(prepared, orders="one", max_states=max_states)
     if exploration.trouble is None:
@@ -172,12 +174,15 @@ def direct(
     return replace(direct(net, max_states=max_states), proof=None)
 
 
-def direct_with_proof(net: PetriNet, *, max_states: int = MAX_STABLE_STATES) -> AlternativesGraph:
+def direct_with_proof(
+    net: PetriNet, *, max_states: int = MAX_STABLE_STATES, max_firings: int | None = None
+) -> AlternativesGraph:
     """Builds the alternatives graph directly, with the proof; where it fails, looks for the nearest fault.
 
     Args:
         net: A net with priorities.
         max_states: As of :func:`direct`.
+        max_firings: As there.
 
     Returns:
         The graph, which says the proof used.
@@ -189,7 +194,7 @@ def direct_with_proof(net: PetriNet, *, max_states: int = MAX_STABLE_STATES) -> 
         LimitError: More stable states, or more markings to explore, than allowed, or too little memory.
     """
     try:
-        return direct(net, max_states=max_states)
+        return direct(net, max_states=max_states, max_firings=max_firings)
     except (ConfluenceError, DivergenceError) as error:
         raise nearest_fault(net) or error from error
 

@@ -52,6 +52,18 @@ def is_function(steps: bytes) -> bool:
     return steps[:4] == FUNCTION
 
 
+def has_many(steps: bytes) -> bool:
+    """Whether big steps are more than saturation fires, or one function."""
+    if is_function(steps):
+        return True
+    numbers = memoryview(steps).cast("I")
+    at = count = 0
+    while at < len(numbers) and count <= FEW_SATURATED:
+        at += 1 + numbers[at]
+        count += 1
+    return count > FEW_SATURATED
+
+
 def reach_in_big_steps(
     prepared: KernelNet, encoding: Encoding, few: int | None = None, most: int | None = None
 ) -> tuple[Zdd, dict[int, bytes]] | None:
@@ -100,8 +112,8 @@ class _Reaching:
     """A search for all stable states.
 
     The big steps of an event are found one by one, until they are many. From then on it is run to completion
-    from whole sets of states; its function of states is computed when all states are known. States from
-    which it cannot be run so are told apart, and its big steps from these are found one by one.
+    from whole sets of states, and what it makes of each set is one function of its states. States from which
+    it cannot be run so are told apart, and its big steps from these are found one by one.
 
     Args:
         prepared: A net with priorities.
@@ -128,26 +140,49 @@ class _Reaching:
         self._found: dict[int, int] = {}
         """By transition, how many big steps were found one by one."""
         self._left = most
+        self._covered: dict[int, Zdd] = {}
+        """By transition whose big steps are found one by one, the states of which they are found."""
         self._done: dict[int, Zdd] = {}
-        """By transition that is run from whole sets of states, those from which it has been run."""
+        """By transition that is run from whole sets of states, the last one."""
 
     def search(self) -> tuple[Zdd, dict[int, bytes]] | None:
-        """All stable states and the big steps between them, as :func:`reach_in_big_steps` finds them."""
-        reached = fresh = self._kernel.start(self._encoding.store)
-        while fresh:
-            assert reached is not None, "there is a fresh state"
-            wider = reached
-            for label, t in self._events:
-                if t not in self._done and not self._cover_few(label, t, fresh):
-                    return None
-                if t in self._done:
-                    after = self._after_all(label, t, wider)
-                    if after is None:
-                        return None
-                    wider |= after
-            wider = self._closed(wider)
-            fresh, reached = wider - reached, wider
-        return None if reached is None or not self._make_functions(reached) else (reached, self._steps)
+        """All stable states and the big steps between them, as :func:`reach_in_big_steps` finds them.
+
+        An event is asked of what the events before it have just led to: so one round follows a row of
+        objectives to its end. Those that are run from whole sets come when the others lead to nothing more.
+        """
+        reached = self._kernel.start(self._encoding.store)
+        if reached is None:
+            return None
+        begun = reached - reached
+        while reached != begun:
+            begun = reached
+            for done in (False, True):
+                for label, t in self._events:
+                    if (t in self._done) == done:
+                        after = self._after(label, t, reached)
+                        if after is None:
+                            return None
+                        reached |= after
+                reached = self._closed(reached)
+        return reached, self._steps
+
+    def _after(self, label: int, t: int, states: Zdd) -> Zdd | None:
+        """The states after an event from those not asked yet; ``None`` where it has no outcome.
+
+        Of an event that is run from whole sets, those after big steps that are found one by one are not among
+        them.
+        """
+        if t not in self._done:
+            fresh = states - self._covered[t] if t in self._covered else states
+            if not fresh:
+                return fresh
+            if not self._cover_few(label, t, fresh):
+                return None
+            if t not in self._done:
+                self._covered[t] = states
+                return fresh.images(self._ahead.get(t, []))
+        return self._after_all(label, t, states)
 
     def _closed(self, states: Zdd) -> Zdd:
         """Some states, and those to which the big steps that were found one by one lead from them."""
@@ -207,29 +242,28 @@ class _Reaching:
         self._known[t] += choices(store, ways, "where", ())
 
     def _after_all(self, label: int, t: int, states: Zdd) -> Zdd | None:
-        """The states after an event from all from which it was not run yet; ``None`` where it has no outcome.
+        """The states after an event from all if it was not run from some; ``None`` where it has no outcome.
 
         Those after big steps that are found one by one are not among them.
         """
-        asked = self._enabling(states - self._done[t], t)
-        if not asked:
-            return asked
+        fresh = self._enabling(states - self._done[t], t)
+        if not fresh:
+            return fresh
+        asked = self._enabling(states, t)  # not the fresh ones alone: whole sets have smaller diagrams
         found = self._kernel.after(asked, label)
-        if found is None or (found[1] and not self._cover(label, t, found[1])):
+        if found is None:
+            return None
+        after, left, function = found
+        if function is None:
+            left = asked
+        elif is_function(known := self._steps.get(t, b"")):
+            self._steps[t] = function + known[8 + 4 * memoryview(known).cast("I")[1] :]
+        else:
+            self._steps[t] = function + known
+        if left and not self._cover(label, t, left):
             return None
         self._done[t] = states
-        return found[0]
-
-    def _make_functions(self, states: Zdd) -> bool:
-        """Computes the function of each event that was run from sets; false where one is too large."""
-        for label, t in self._events:
-            if t in self._done and (asked := self._enabling(states, t)):
-                function = self._kernel.function(asked, label)
-                if function is not None:
-                    self._steps[t] = function + self._steps.get(t, b"")
-                elif not self._cover(label, t, asked):
-                    return False
-        return True
+        return after
 
 
 class BigStepSpace(DiagramAlternatives):
@@ -267,7 +301,7 @@ class BigStepSpace(DiagramAlternatives):
     ) -> Zdd:
         """States that an edge leads to from some states."""
         free, guarded = self._asked(self._ahead, transitions, guards)
-        targets = states.images(free)
+        targets = states.images(distinct(chain.from_iterable(free.values())))
         for events, where in guarded:
             targets |= (states & where).images(events)
         return targets
@@ -277,7 +311,7 @@ class BigStepSpace(DiagramAlternatives):
     ) -> Zdd:
         """All states with an edge into some states."""
         free, guarded = self._asked(self._back, transitions, guards)
-        sources = states.images(free, within=self.everything)
+        sources = states.images(distinct(chain.from_iterable(free.values())), within=self.everything)
         for events, where in guarded:
             sources |= states.images(events, within=where)
         return sources
@@ -285,32 +319,45 @@ class BigStepSpace(DiagramAlternatives):
     def ahead(
         self, along: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
     ) -> list[Step]:
-        """Steps on along a set: any number of all unguarded events, and one of each that has a guard."""
+        """Steps on along a set: any number of unguarded events of few big steps, one of each other event."""
 
         def step(states: Zdd, events: list[int], where: Zdd) -> Zdd:
             return (states & where).images(events, within=along)
 
         free, guarded = self._asked(self._ahead, transitions, guards)
         some = [partial(step, events=events, where=where) for events, where in guarded]
-        return [lambda states: states.saturate(free, within=along), *some]
+        few, many = self._saturated(free)
+        each = [partial(Zdd.images, events=events, within=along) for events in many]
+        return [lambda states: states.saturate(few, within=along), *each, *some]
 
     def back(
         self, along: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
     ) -> list[Step]:
-        """Steps back along a set: any number of all unguarded events, and one of each that has a guard."""
+        """Steps back along a set, as :meth:`ahead` takes them on."""
 
         def step(states: Zdd, events: list[int], where: Zdd) -> Zdd:
             return states.images(events, within=where & along)
 
         free, guarded = self._asked(self._back, transitions, guards)
         some = [partial(step, events=events, where=where) for events, where in guarded]
-        return [lambda states: states.saturate(free, within=along | states), *some]
+        few, many = self._saturated(free)
+        each = [partial(Zdd.images, events=events, within=along) for events in many]
+        return [lambda states: states.saturate(few, within=along | states), *each, *some]
+
+    def _saturated(self, free: Mapping[int, list[int]]) -> tuple[list[int], list[list[int]]]:
+        """Events that are saturated together; and those of each transition that has many big steps."""
+        few = chain.from_iterable(events for t, events in free.items() if t not in self._many)
+        return distinct(few), [events for t, events in free.items() if t in self._many]
+
+    @cached_property
+    def _many(self) -> frozenset[int]:
+        return frozenset(t for t, steps in self._steps.items() if steps is not None and has_many(steps))
 
     def _asked(
         self, events: Mapping[int, list[int]], transitions: Collection[int] | None, guards: Guards[Zdd]
-    ) -> tuple[list[int], list[tuple[list[int], Zdd]]]:
-        """Events of transitions that are asked for and have no guard, and of those that have one, with it."""
+    ) -> tuple[Mapping[int, list[int]], list[tuple[list[int], Zdd]]]:
+        """Events by transition of those asked for that have no guard, and of those that have one, with it."""
         asked = [t for t in events if transitions is None or t in transitions]
-        free = chain.from_iterable(events[t] for t in asked if not guards or t not in guards)
+        free = {t: events[t] for t in asked if not guards or t not in guards}
         guarded = [(events[t], guards[t] & self.everything) for t in asked if guards and t in guards]
-        return distinct(free), guarded
+        return free, guarded

@@ -125,6 +125,7 @@ def settled(
     orders: Orders,
     max_states: int,
     max_transient: int | None = None,
+    max_firings: int | None = None,
 ) -> Exploration:
     """Runs events to completion, from stable marking to stable marking, in the kernel.
 
@@ -136,6 +137,7 @@ def settled(
         max_states: How many stable markings there may be.
         max_transient: How many markings between them may be kept; by default a hundred times as many, and
             100,000 at least.
+        max_firings: How many firings there may be, internal ones included; by default any number.
 
     Returns:
         Stable markings and events, or the trouble that it came to.
@@ -146,17 +148,21 @@ def settled(
     begin = prepared.initial if marking is None else [p for p, tokens in enumerate(marking) if tokens]
     most = max(TRANSIENT_OF_A_STATE * max_states, LEAST_TRANSIENT) if max_transient is None else max_transient
     try:
-        return prepared.kernel.settle(begin, orders, max_states, most, DEFAULT_MAX_MEMORY, telling())
+        limits = (max_states, most, DEFAULT_MAX_MEMORY)
+        if max_firings is None:
+            return prepared.kernel.settle(begin, orders, *limits, telling())
+        return prepared.kernel.settle(begin, orders, *limits, telling(), max_firings)
     except (StateLimit, MemoryLimit) as error:
         raise LimitError(str(error)) from error
 
 
-def judged(prepared: KernelNet, max_states: int) -> Exploration:
+def judged(prepared: KernelNet, max_states: int, max_firings: int | None = None) -> Exploration:
     """Runs events to completion in enough orders of internal transitions to judge all.
 
     Args:
         prepared: A net with priorities.
         max_states: How many stable markings there may be.
+        max_firings: As of :func:`settled`.
 
     Returns:
         Stable markings and events: each event has one outcome.
@@ -167,7 +173,7 @@ def judged(prepared: KernelNet, max_states: int) -> Exploration:
         UnsafeError: A firing would put a second token in a place.
         LimitError: A limit was hit.
     """
-    exploration = settled(prepared, orders="enough", max_states=max_states)
+    exploration = settled(prepared, orders="enough", max_states=max_states, max_firings=max_firings)
     if exploration.trouble is not None:
         raise _fault_found(prepared, exploration)
     return exploration
