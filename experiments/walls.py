@@ -112,18 +112,15 @@ def pausing(size: int) -> Mission:
 
 
 def inspecting(sites: int) -> Mission:
-    """Sites that are each inspected with a retry, and may be skipped."""
-    go = activity("go", ("wheels", "pose"), ("wheels",))
+    """Sites that are each inspected with a retry, and may be skipped; 10,000 are as many objectives as may be."""
     pose = activity("locate", ("gps",), ("imu",), produces=("pose",))
     look = activity("look", ("camera", "pose"), ("lidar",))
-    blocks: list[Block] = []
-    for i in range(sites):
-        onward = f"site{i + 1}" if i + 1 < sites else SUCCEED
-        inside = (
-            Objective(name=f"reach{i}", activities=("go",)),
-            Objective(name=f"inspect{i}", activities=("look",), retries=1),
-        )
-        blocks.append(Recursive(name=f"site{i}", blocks=inside, success=onward, failure=onward))
+    go = activity("go", ("wheels", "pose"), ("wheels",))
+    onward = [*(f"site{i + 1}" for i in range(sites - 1)), SUCCEED]
+    blocks = [
+        Objective(name=f"site{i}", activities=("go", "look"), retries=1, success=to, failure=to)
+        for i, to in enumerate(onward)
+    ]
     return mission(("wheels", "gps", "imu", "camera", "lidar"), [pose, go, look], blocks)
 
 
@@ -145,6 +142,41 @@ def passing(size: int, contending: bool = True) -> Mission:
     return mission(hardware, [LOCALISATION, *work, *winch], [block, up])
 
 
+def quadruped(sites: int) -> Mission:
+    """Fourteen hardware resources; six sites make 37 sections of eight types."""
+    legs = [f"leg{i}" for i in range(4)]
+    limping = [[*legs[:i], *legs[i + 1 :], "pose", "map"] for i in range(4)]
+    activities = [
+        activity("estimate", ("imu", "gps"), ("imu",), produces=("pose",)),
+        activity("chart", ("lidar",), ("stereo",), produces=("map",)),
+        activity("walk", (*legs, "pose", "map"), *limping),
+        activity("inspect", ("thermal", "pose"), ("lamp", "pose")),
+        activity("watch", ("radio",)),
+        activity("grasp", ("arm", "gripper", "stereo"), ("arm", "gripper", "lidar", "lamp")),
+        activity("tell", ("radio",), ("modem",)),
+    ]
+    blocks: list[Block] = []
+    for i in range(sites):
+        onward = f"site{i + 1}" if i + 1 < sites else "home"
+        beside = (
+            Objective(name=f"inspect{i}", activities=("inspect",)),
+            Objective(name=f"watch{i}", activities=("watch",)),
+        )
+        inside: tuple[Block, ...] = (
+            Objective(name=f"reach{i}", activities=("walk",)),
+            Objective(name=f"first{i}", activities=("inspect", "tell") if i else ("watch",)),
+            Parallel(name=f"both{i}", blocks=beside),
+            Objective(name=f"sample{i}", activities=("grasp",)),
+            Objective(name=f"tell{i}", activities=("tell",)),
+            Objective(name=f"leave{i}", activities=("walk", "watch")),
+        )
+        blocks.append(Recursive(name=f"site{i}", blocks=inside, success=onward, failure=onward))
+    blocks.append(Objective(name="home", activities=("walk", "tell")))
+    hardware = (*legs, "imu", "gps", "lidar", "stereo", "thermal", "arm", "gripper", "radio", "lamp", "modem")
+    handlers = (Handler(event="battery_low", goto="home"),)
+    return mission(hardware, activities, blocks, handlers, ("battery_low",))
+
+
 WALLS: dict[str, tuple[Callable[[int], Mission], tuple[int, ...]]] = {
     "crashing": (crashing, (4, 6, 8, 12)),
     "fused": (fused, (6, 8, 10, 12)),
@@ -154,6 +186,8 @@ WALLS: dict[str, tuple[Callable[[int], Mission], tuple[int, ...]]] = {
     "pausing": (pausing, (4, 6, 8, 10)),
     "inspecting": (inspecting, (10, 100, 1000)),
     "passing": (passing, (2, 4, 8)),
+    "past": (partial(passing, contending=False), (2, 4, 8)),
+    "quadruped": (quadruped, (2, 6)),
 }
 """By name, a family and the sizes that are measured."""
 

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import secrets
-import shutil
 import zlib
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -75,7 +73,7 @@ def why_not_written(path: Path, error: OSError | ValueError) -> str:
 
 def _beside(path: Path) -> Path:
     """A name beside a path that says who writes there: this machine and this process."""
-    return path.with_name(f"{_begin(path)}{os.getpid()}-{secrets.token_hex(4)}.tmp")
+    return path.with_name(f"{_begin(path)}{os.getpid()}-{os.urandom(4).hex()}.tmp")
 
 
 def _begin(path: Path) -> str:
@@ -114,7 +112,9 @@ def _runs(number: int) -> bool:
 
 def _remove(path: Path) -> None:
     if path.is_dir() and not path.is_symlink():
-        shutil.rmtree(path, ignore_errors=True)
+        from shutil import rmtree  # which loads what packs and unpacks archives
+
+        rmtree(path, ignore_errors=True)
     else:
         with suppress(FileNotFoundError):
             path.unlink()
@@ -233,9 +233,11 @@ def _filled_beside(near: Path, folder: Path, contents: Mapping[str, bytes]) -> I
 
 def _swapped(folder: Path, contents: Mapping[str, bytes]) -> bool:
     """Puts a new folder in the place of one at once; ``False`` where it cannot be done so."""
+    from shutil import copymode
+
     try:
         with _filled_beside(folder, folder, contents) as beside:
-            shutil.copymode(folder, beside)
+            copymode(folder, beside)
             return _exchanged(beside, folder)
     except OSError:  # nothing may be made beside the folder
         return False

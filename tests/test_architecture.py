@@ -11,7 +11,18 @@ import networkx
 import pytest
 
 PACKAGE = Path(__file__).resolve().parents[1] / "mcpn"
-BASE = ("_kernel", "errors", "files", "xmlio", "notebook", "sentences", "steps", "cluster", "workers")
+BASE = (
+    "_kernel",
+    "records",
+    "errors",
+    "files",
+    "xmlio",
+    "notebook",
+    "sentences",
+    "steps",
+    "cluster",
+    "workers",
+)
 """What both wings stand on."""
 NETS = ("nets", "spaces", "logic")
 """The wing that knows no mission: nets, their spaces, temporal logic."""

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import NoReturn
 
 from mcpn.answers.verdicts.modes import WAITING
@@ -19,6 +17,7 @@ from mcpn.mission.model import Mission, Objective, walk
 from mcpn.mission.robot import BOOLEAN_VALUES
 from mcpn.nets.events import ENDING, START, Event, What
 from mcpn.nets.petri import PetriNet
+from mcpn.records import dataclass
 from mcpn.spaces.names import ENDINGS, Names, known, unknown
 from mcpn.spaces.search.goal import FALSE, TRUE, Fires, Formula, marked
 
@@ -219,6 +218,8 @@ def expected(name: str, mission: Mission, also: Collection[str] = ()) -> NoRetur
     if words:
         said = " or ".join(word.replace(f"({name.rpartition('.')[2]})", f"({name})") for word in words)
         raise InputError.at(None, f"{name} alone says nothing: expected {said}")
+    from difflib import get_close_matches
+
     near = next((found for of in (ENDINGS, by_name, also) if (found := get_close_matches(name, of, n=1))), [])
     near = [word for each in near for word in by_name.get(each, [each])]
     hint = f"did you mean {' or '.join(dict.fromkeys(near))}?" if near else EXPECTED

@@ -9,7 +9,6 @@ its last answer.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from mcpn.answers.causes.find import Causes
@@ -18,6 +17,7 @@ from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError
 from mcpn.mission.model import walk
 from mcpn.nets.events import Event, What
+from mcpn.records import dataclass
 from mcpn.spaces.run import Run
 from mcpn.trees.importing import Imported
 from mcpn.trees.instances import Instance, Place, filters, instances, place_of

@@ -8,9 +8,11 @@ import inspect
 import sys
 import threading
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any
+
+from mcpn.records import dataclass
 
 RAISED = "raised"
 """How a function ends that raises."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from lxml import etree
 
@@ -12,6 +12,7 @@ from mcpn.editor.scan import TOKEN, ScannedElement
 from mcpn.errors import InputError
 from mcpn.mission.language.forms import language
 from mcpn.mission.robot import Described, Element
+from mcpn.records import dataclass
 from mcpn.xmlio import parse_whole
 
 WIDTH = 120

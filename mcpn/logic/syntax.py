@@ -36,7 +36,6 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from difflib import get_close_matches
 from typing import NamedTuple, NoReturn, TypeVar
 
 from mcpn.errors import InputError
@@ -258,6 +257,8 @@ class _Parser:
         if behind.text == "(" and text in WORDS:
             return self._word(text)
         if behind.text == "(" and token.kind == "name" and text != "tokens":
+            from difflib import get_close_matches
+
             known = (*WORDS, "enabled", "fires", "tokens")
             near = _MEANT.get(text) or get_close_matches(text, (*_UNARY, *PLAIN, *ENDINGS, *known), n=1)
             hint = f"did you mean {' or '.join(near)}?" if near else f"expected one of {', '.join(known)}"
@@ -360,6 +361,8 @@ class _Parser:
 
 def _hint(text: str, at: int) -> str:
     """What the word here, or the one before it, may have been meant to be."""
+    from difflib import get_close_matches
+
     for word in (*re.findall(r"^\w+", text[at:]), *re.findall(r"(?<!\w)\w++(?=\s*$)", text[:at])):
         if word not in _KEYWORDS and (near := get_close_matches(word, _KEYWORDS, n=1)):
             return f"; did you mean {near[0]}?"

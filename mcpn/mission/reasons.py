@@ -7,7 +7,6 @@ reason where the failure of an objective in it leads, by ``fail``, out of every 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from fractions import Fraction
 from math import fsum
 from typing import NamedTuple
 
@@ -61,6 +60,10 @@ def probabilities(objective: Objective, reasons: Sequence[Reason]) -> tuple[floa
         The whole, where it is not said the sum of what is said of reasons; and its parts: failures for no
         reason, then those for each of the reasons.
     """
+    if not reasons:
+        return objective.failure_probability or 0.0, (objective.failure_probability or 0.0,)
+    from fractions import Fraction
+
     parts = tuple(each.probability or 0.0 for each in reasons)
     said = objective.failure_probability
     named = sum(Fraction(repr(part)) for part in parts)

@@ -8,10 +8,13 @@ checked it in whole numbers.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from fractions import Fraction
 from math import inf, isinf, lcm
-from typing import Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+from mcpn.records import dataclass
+
+if TYPE_CHECKING:
+    from fractions import Fraction
 
 Row: TypeAlias = tuple[Mapping[int, float], float, float]
 """Weights by variable, and the least and the most that their sum may be."""
@@ -174,6 +177,8 @@ DENOMINATORS = (1, 12, 1_000, 1_000_000)
 
 def proposed(duals: Sequence[float]) -> Iterator[tuple[list[int], int]]:
     """Whole numbers and a common denominator that may be meant by what the solver has rounded."""
+    from fractions import Fraction
+
     for most in DENOMINATORS:
         fractions = {r: Fraction(value).limit_denominator(most) for r, value in enumerate(duals) if value}
         common = lcm(*(f.denominator for f in fractions.values()))
@@ -211,6 +216,8 @@ def ceiling(
     >>> ceiling({0: 1}, [({0: 2, 1: 1}, -inf, 3)], [0, 0], [inf, inf], [-1], 2)
     Fraction(3, 2)
     """
+    from fractions import Fraction
+
     total = {variable: common * weight for variable, weight in weights.items()}
     bound: int | Fraction = 0
     for multiplier, (row, least, most) in zip(multipliers, rows, strict=True):

@@ -358,9 +358,12 @@ def _print_summary(terminal: Terminal, check: MissionCheck) -> None:
 
 def _print_translated(terminal: Terminal, check: MissionCheck) -> None:
     """What a mission that was made of a behaviour tree says of that tree."""
+    all_translated = check.mission_net.mission.translated
+    if not all_translated:
+        return
     from mcpn.trees.ledger import WORDS, Kind, of_translated
 
-    for translated in check.mission_net.mission.translated:
+    for translated in all_translated:
         made, survives = of_translated(translated)
         terminal.print(f"{made}. {survives}")
         for each in translated.approximations:

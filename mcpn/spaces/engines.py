@@ -8,10 +8,11 @@ missions is that of :mod:`mcpn.answers.spaces`.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal, TypeAlias, TypeVar, get_args
 
 from mcpn.errors import InputError, LimitError, PremiseError
+from mcpn.records import dataclass
 from mcpn.spaces.markings.explicit import MAX_MARKINGS
 
 On: TypeAlias = Literal["markings", "alternatives"]

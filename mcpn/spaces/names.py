@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from difflib import get_close_matches
 from itertools import islice
 from typing import NoReturn
 
@@ -91,6 +90,8 @@ def unknown(name: str, names: Collection[str], what: str, also: Sequence[str] = 
         what: What they name.
         also: What else may be written there, which is listed first, as one name for all rounds and tries.
     """
+    from difflib import get_close_matches
+
     near = get_close_matches(name, also, n=3) or get_close_matches(name, names, n=3)
     names = list(dict.fromkeys([*also, *names]))
     if not near:  # the use of a protocol that qualifies a name may have been left out, or be another

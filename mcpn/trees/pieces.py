@@ -9,10 +9,11 @@ SKIPPED does.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Handler, Objective, Parallel, Recursive
 from mcpn.mission.robot import FactChange
+from mcpn.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,12 +12,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import StrEnum
 from functools import cache
 
 from mcpn.mission.model import Mission
 from mcpn.mission.robot import Activity, Alternative
+from mcpn.records import dataclass
 
 
 class Acting(StrEnum):
