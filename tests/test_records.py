@@ -56,7 +56,7 @@ def tried(what: Callable[[], object]) -> object:
 
 def shown(what: Callable[[], object]) -> str:
     """How that is shown, addresses aside."""
-    return re.sub(r" object at 0x\w+|<factory>", "", repr(tried(what)))
+    return re.sub(r" object at 0x\w+|<factory>", "", str(tried(lambda: repr(what()))))
 
 
 def made(decorate: Any, words: dict[str, bool], each: list[dict[str, Any]], own: bool) -> Any:
