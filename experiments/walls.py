@@ -112,7 +112,7 @@ def pausing(size: int) -> Mission:
 
 
 def inspecting(sites: int) -> Mission:
-    """Sites that are each inspected with a retry, and may be skipped; 10,000 are as many objectives as may be."""
+    """Sites that are each inspected with a retry, and may be skipped; 10,000 are the most that may be."""
     pose = activity("locate", ("gps",), ("imu",), produces=("pose",))
     look = activity("look", ("camera", "pose"), ("lidar",))
     go = activity("go", ("wheels", "pose"), ("wheels",))
