@@ -87,6 +87,27 @@ def test_a_stop_that_is_ignored_stops_nothing(tmp_path: Path) -> None:
     assert (dark.holds, dark.why) == (False, ("stop is ignored while go runs",))
 
 
+@pytest.mark.parametrize("after", ["light", "abort"])
+def test_a_stop_that_is_answered_already_still_stops(after: str, tmp_path: Path) -> None:
+    """``halt`` is entered by the stop, and in the ordinary way too: a stop that comes then leads nowhere."""
+    path = tmp_path / "m.xml"
+    blocks = f"""<objective name="go" activities="stand" success="halt" failure="halt">
+        <on event="stop" goto="halt"/></objective>
+        <objective name="halt" activities="stand" success="abort" failure="halt">
+        <route when="done(go)" goto="{after}"/></objective>
+        <objective name="light" activities="shine" success="succeed" failure="abort">
+        <on event="stop" goto="abort"/></objective>"""
+    path.write_text(mission_of(blocks))
+    found = robot_safety(compose(read_mission(path)), dangerous=["shine"], stops=["stop"])
+    said = {each.name: each for each in found}
+    assert said["no_event_ignored"].holds
+    dark = said["dark_after_stop"]
+    if after == "light":
+        assert (dark.holds, dark.why) == (False, ("shine may run after stop while halt runs",))
+    else:
+        assert dark.holds
+
+
 def test_an_event_with_two_outcomes_is_not_answered(tmp_path: Path) -> None:
     """Two activities want one lamp; the questions that need states say that they are open."""
     path = tmp_path / "m.xml"
