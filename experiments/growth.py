@@ -266,7 +266,7 @@ def print_bars(seconds: float) -> None:
             wanted = f"{most:g}" + (f", {memory}" if memory else "")
             took, verdict = "-, -", "missed"
             if found is not None:
-                spent, used = found[1].ru_utime, found[1].ru_maxrss / 1024
+                spent, used = found[1].ru_utime + found[1].ru_stime, found[1].ru_maxrss / 1024
                 took = f"{spent:.2f}, {used:.0f}"
                 verdict = "kept" if spent <= most and (memory is None or used <= memory) else "missed"
             print(f"| {family} {size} | {command} | {wanted} | {took} | {verdict} |", flush=True)

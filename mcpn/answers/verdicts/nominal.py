@@ -167,10 +167,13 @@ class NominalRuns(Generic[S]):
         """A short run into a goal that some of them reach."""
         first = self.space.initial.pick()
         run = self._path(first, self.begin, self._repairs) if self._repairs else []
-        return [*run, *self._path(run[-1].target if run else first, goal, self.transitions)]
+        at = run[-1].target if run else first
+        return [*run, *self._path(at, goal, self.transitions, along=self.reached)]
 
-    def _path(self, start: object, goal: S, transitions: Collection[int]) -> list[Edge]:
-        run = self.space.run(start, goal, transitions=transitions)
+    def _path(
+        self, start: object, goal: S, transitions: Collection[int], along: S | None = None
+    ) -> list[Edge]:
+        run = self.space.run(start, goal, along, transitions)
         assert run is not None, "it is reached"
         return run
 

@@ -333,7 +333,7 @@ class BigStepSpace(DiagramAlternatives):
     def back(
         self, along: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
     ) -> list[Step]:
-        """Steps back along a set, as :meth:`ahead` takes them on."""
+        """Steps back along a set, as :meth:`ahead` takes them on; what comes late in the mission first."""
 
         def step(states: Zdd, events: list[int], where: Zdd) -> Zdd:
             return states.images(events, within=where & along)
@@ -341,7 +341,7 @@ class BigStepSpace(DiagramAlternatives):
         free, guarded = self._asked(self._back, transitions, guards)
         some = [partial(step, events=events, where=where) for events, where in guarded]
         few, many = self._saturated(free)
-        each = [partial(Zdd.images, events=events, within=along) for events in many]
+        each = [partial(Zdd.images, events=events, within=along) for events in reversed(many)]
         return [lambda states: states.saturate(few, within=along | states), *each, *some]
 
     def _saturated(self, free: Mapping[int, list[int]]) -> tuple[list[int], list[list[int]]]:
