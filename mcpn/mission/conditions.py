@@ -155,6 +155,16 @@ class FactUsage:
         }
 
     @cached_property
+    def turning(self) -> Mapping[str, tuple[frozenset[str], frozenset[str]]]:
+        """By declared event that changes facts, the flags (:func:`flags`) that it makes true, and false."""
+        found = {}
+        for event, changes in self.changing.items():
+            every = frozenset(flag for fact in changes for flag in all_flags(self.facts[fact]))
+            true = frozenset(f for fact, value in changes.items() for f in flags(self.facts[fact])[value])
+            found[event] = true, every - true
+        return found
+
+    @cached_property
     def watched(self) -> frozenset[tuple[str, str]]:
         """Values of facts that blocks may be left for, when facts become so."""
         texts = (self.mission.blocks, *(protocol.blocks for protocol in self.mission.protocols))

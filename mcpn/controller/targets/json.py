@@ -83,7 +83,7 @@ from mcpn.controller.hierarchy import SectionMachine
 from mcpn.controller.machine import PlannedAction
 from mcpn.controller.modular import AnyController, Rules
 from mcpn.drawing.compose import MissionNet
-from mcpn.mission.conditions import FactUsage, all_flags, flags
+from mcpn.mission.conditions import FactUsage, flags
 from mcpn.mission.expansion.faults import noticed
 from mcpn.mission.flatten import requirements_of
 from mcpn.mission.robot import Parameter
@@ -153,12 +153,10 @@ def _hardware(mission_net: MissionNet) -> dict[str, Any]:
 
 def _world(world: FactUsage) -> dict[str, Any]:
     """What is true of facts by their values, and what events change beside a section."""
-    changing = {}
-    for event, changes in world.changing.items():
-        every = {flag for name in changes for flag in all_flags(world.facts[name])}
-        true = {flag for name, value in changes.items() for flag in flags(world.facts[name])[value]}
-        said = {"true": sorted(true), "false": sorted(every - true)}
-        changing[str(Event(What.DECLARED, event))] = said
+    changing = {
+        str(Event(What.DECLARED, event)): {"true": sorted(true), "false": sorted(false)}
+        for event, (true, false) in world.turning.items()
+    }
     facts = {
         name: {value: sorted(said) for value, said in flags(fact).items()}
         for name, fact in world.facts.items()

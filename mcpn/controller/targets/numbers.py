@@ -19,7 +19,7 @@ from mcpn.controller.hierarchy import KINDS, PlacedMachine, SectionMachine
 from mcpn.controller.machine import PlannedAction, Verb
 from mcpn.controller.modular import AnyController, Rules
 from mcpn.drawing.compose import MissionNet
-from mcpn.mission.conditions import all_flags, flags
+from mcpn.mission.conditions import all_flags
 from mcpn.mission.expansion.faults import noticed
 from mcpn.mission.graph import ElementarySection, ObjectivesGraph
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
@@ -144,14 +144,14 @@ class Numbers(Generic[Type]):
     @property
     def changing(self) -> dict[int, tuple[list[int], list[int]]]:
         """By event that changes facts whatever runs, what it makes true and what it makes false."""
-        world, found = self.mission_net.usage.world, {}
         number = {flag: len(self.handlers) + i for i, flag in enumerate(self.flags)}
-        for name, changes in world.changing.items():
-            every = {flag for fact in changes for flag in all_flags(world.facts[fact])}
-            true = {flag for fact, value in changes.items() for flag in flags(world.facts[fact])[value]}
-            said = sorted(map(number.__getitem__, true)), sorted(map(number.__getitem__, every - true))
-            found[self._event[str(Event(What.DECLARED, name))]] = said
-        return found
+        return {
+            self._event[str(Event(What.DECLARED, name))]: (
+                sorted(map(number.__getitem__, true)),
+                sorted(map(number.__getitem__, false)),
+            )
+            for name, (true, false) in self.mission_net.usage.world.turning.items()
+        }
 
     # --- events of hardware, and of timers ---
 

@@ -25,7 +25,7 @@ must know asks first, or watches whether the configuration or the log changes.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Sequence, Set
 
 from lxml import etree
 
@@ -34,7 +34,7 @@ from mcpn.controller.machine import PlannedAction
 from mcpn.controller.targets.json import laws
 from mcpn.controller.targets.names import comment, identifiers
 from mcpn.drawing.compose import MissionNet
-from mcpn.mission.conditions import all_flags, flags
+from mcpn.mission.conditions import all_flags
 from mcpn.mission.expansion.faults import noticed
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.nets.events import START, Event, What
@@ -177,22 +177,14 @@ class _Document(Regions):
                 continue
             for said in self.turning.get((name, other), ()):
                 _add(status, "transition", **said, target=f"{identifier}.{other}")
-            for event, changes in self.world.changing.items():
-                if other == self._turned(name, changes):
+            for event, (true, false) in self.world.turning.items():
+                if name in (true if other == "on" else false):
                     declared = Event(What.DECLARED, event)
                     inside = (self.ids[s.name] for s in self.controller.sections if declared in s.events)
                     condition = " && ".join(f"In('{each}') === false" for each in inside)
                     guarded = {"cond": condition} if condition else {}
                     target = f"{identifier}.{other}"
                     _add(status, "transition", event=event_name(declared), **guarded, target=target)
-
-    def _turned(self, flag: str, changes: Mapping[str, str]) -> str | None:
-        """Whether changes of facts turn a flag ``on`` or ``off``, or neither."""
-        for name, value in changes.items():
-            fact = self.world.facts[name]
-            if flag in all_flags(fact):
-                return "on" if flag in flags(fact)[value] else "off"
-        return None
 
     def turn(self, section: PlacedMachine, step: Entry | Move, **when: str) -> None:
         """Notes what a move or an entry changes of facts, and when."""
