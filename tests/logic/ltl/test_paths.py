@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import permutations
 from typing import Any
 
 import pytest
@@ -151,6 +152,23 @@ def test_automata_and_tableaux_find_the_same(net: PetriNet, data: st.DataObject)
                 assert satisfy(evaluation, of) == expected
             if net.initial in expected:
                 assert_shown(evaluation, alone, written, edges)
+
+
+@given(NETS, st.sampled_from(["", "!"]))
+def test_one_operator_on_two_conditions_is_asked_state_by_state(net: PetriNet, negated: str) -> None:
+    """All pairs of places, since few are both so for a while and then neither."""
+    assume(reachable(net)[2])
+    edges, built = edges_of(net), spaces(net)
+    for one, other in permutations(names(net)[0], 2):
+        for operator in "URW":
+            second = ("place", other)
+            written = operator, ("place", one), ("!", second) if negated else second
+            expected = tableau.satisfying(written, net, edges)
+            formula = parse(f"E ({tableau.text(written)})", Names(net))
+            assert not any(isinstance(part, SomePath) for part in formula.walk())
+            event(f"{operator}: some {bool(expected)}, all {len(expected) == len(edges)}")
+            for space in built:
+                assert satisfy(Evaluation(space), formula) == expected
 
 
 @fewer(0.6)
