@@ -14,8 +14,9 @@ from mcpn.drawing.compose import MissionNet
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.formulas import EG, EU, EX, Justice
 from mcpn.logic.questions import Questions
+from mcpn.logic.syntax import parse
 from mcpn.logic.witness import Witness, explain, scenario
-from mcpn.nets.petri import Marking, PetriNet
+from mcpn.nets.petri import Marking, NetBuilder, PetriNet
 from mcpn.report.words import in_words
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.arrays import ArraySpace
@@ -23,6 +24,7 @@ from mcpn.spaces.diagrams.spaces import DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import reach
 from mcpn.spaces.engines import Engine
 from mcpn.spaces.markings.explicit import explore
+from mcpn.spaces.names import Names
 from mcpn.spaces.search.goal import FALSE, TRUE
 from tests.logic.formulas import edges_of, formulas, read, satisfying
 from tests.nets.nets import nets, reachable, state_machines
@@ -124,6 +126,22 @@ def test_fair_cycles_meet_every_constraint(net: PetriNet, data: st.DataObject) -
             assert around & satisfying(formula, net, edges)
         if fires:
             assert any(edge.transition in fires for edge in witness.steps[witness.cycle :])
+
+
+@pytest.mark.parametrize("fired", [0, 1, 2])
+def test_a_fair_cycle_takes_the_firing_that_is_asked_for(fired: int) -> None:
+    """Of several firings between the same markings it is not the first that counts, but the one asked for."""
+    builder = NetBuilder("alike")
+    builder.place("p", initial=1)
+    for name in "xyz":
+        builder.transition(name, consume=["p"], produce=["p"])
+    net = builder.build()
+    for space in spaces(net):
+        evaluation = Evaluation(space, [Justice(FALSE, (fired,))])
+        for text in ("EG p", "E ((G F p) & F G p)"):
+            witness = explain(evaluation, parse(text, Names(net)))
+            assert witness.cycle is not None
+            assert fired in {edge.transition for edge in witness.steps[witness.cycle :]}
 
 
 def test_a_run_is_explained_in_the_users_words(ulysse_net: MissionNet) -> None:
