@@ -204,6 +204,8 @@ HEAVY = {
     "asyncio",
     "logging",
     "tempfile",
+    "secrets",
+    "mcpn.trees.ledger",
     "mcpn.spaces.diagrams.counters",
     "mcpn.spaces.markings.counted",
     "mcpn.spaces.search.portfolio",
