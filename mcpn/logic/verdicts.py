@@ -181,15 +181,14 @@ class _Answers:
                 yield from self.by_paths(LOCAL_STEPS[0])
             # The space of a mission is not far, once a search has found nothing; in a small one it has the
             # shortest runs.
-            if not questions.small or questions.engine == "search":
+            if not (questions.small or self.there) or questions.engine == "search":
                 yield from self.by_search(short=self.net.priorities)
-            yield from self.by_need(LOCAL_STEPS[1], searched=False)
-            for steps in () if self.typed else LOCAL_STEPS[1:BESIDE]:
-                if steps > LOCAL_STEPS[1]:
-                    if questions.made:
-                        break
-                    yield from self.by_need(steps)
-                yield from self.by_paths(steps, enrich=True)
+            for steps in LOCAL_STEPS[1 : 2 if self.typed else BESIDE]:
+                if self.there:
+                    break
+                yield from self.by_need(steps, searched=steps > LOCAL_STEPS[1])
+                if not self.typed:
+                    yield from self.by_paths(steps, enrich=True)
         try:
             yield from self.one_safe()
             if self.waiting and isinstance(questions.space, DiagramMarkings | DiagramAlternatives):
@@ -221,7 +220,9 @@ class _Answers:
                     yield from self.answer(name, value, _technique(questions.choice.engine))
             if not self.waiting:
                 return
-            # Those whose slice has not done are asked of markings for about as long.
+            # Those whose slice has not done are asked of searches and markings for about as long.
+            if number == 0 and not self.typed and questions.searchable:
+                yield from self.by_search(among=tried)
             steps = LOCAL_STEPS[min(1 + number, len(LOCAL_STEPS) - 1)]
             yield from self.by_need(steps, among=tried)
             yield from self.by_paths(steps, enrich=True, among=tried)
@@ -251,6 +252,11 @@ class _Answers:
         from mcpn.spaces.search.searches import Searches
 
         return Searches(self.net)
+
+    @property
+    def there(self) -> bool:
+        """Whether the space is there for questions that need no run to show their answer."""
+        return self.questions.made and not self.typed
 
     # --- what waits ---
 
@@ -423,17 +429,20 @@ class _Answers:
             yield from self.learn(SOME_DEADLOCK, dead, HOME, STATE_EQUATION)
         yield from self.rewritten(STATE_EQUATION)
 
-    def by_search(self, *, short: bool = False) -> Iterator[ContestAnswer]:
+    def by_search(
+        self, *, short: bool = False, among: Container[str] | None = None
+    ) -> Iterator[ContestAnswer]:
         """Answers what asks for reachable markings by search, until it turns out that the space is small.
 
         Args:
             short: Whether there is no more than one search, for a short run.
+            among: Names of the questions whose parts are asked; by default all.
         """
         tried: set[Formula] = set()
         brief = self.questions.brief
         while True:  # what one search decides may bring up parts for another
             yield from self.bounded()
-            parts = [part for part in (*self.parts(), *self.bounding) if part not in tried]
+            parts = [part for part in (*self.parts(among), *self.bounding) if part not in tried]
             goals = {part: goal for part in parts if (goal := self.known.goal(part)) is not None}
             if not goals or (tried and not self.nested & goals.keys()):
                 return

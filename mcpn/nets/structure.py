@@ -219,10 +219,17 @@ class _UnitSearch:
         for place, row in enumerate(self.rows):
             for transition, change in row.items():
                 (self.takers if change < 0 else self.givers)[transition].append(place)
+        self.given = [{t for t, change in row.items() if change > 0} for row in self.rows]
+        self.taken = [{t for t, change in row.items() if change < 0} for row in self.rows]
+        self.of_ones = [all(-1 <= change <= 1 for change in row.values()) for row in self.rows]
         self.covered: set[int] = set()
         self.group: set[int] = set()
         self.barred: set[int] = set()
         self.balance: Sparse = {}
+        self.over: set[int] = set()
+        """Transitions that give the group a token more than they take,"""
+        self.under: set[int] = set()
+        """or one less."""
         self.tokens = 0
         self.looked_at = 0
         """Arcs, in all searches."""
@@ -230,6 +237,7 @@ class _UnitSearch:
     def grow(self, seed: int, steps: int) -> int:
         """Leaves in ``group`` a unit that holds the seed, or nothing; returns how many places it tried."""
         self.group, self.barred, self.balance, self.tokens = set(), set(), {}, 0
+        self.over, self.under = set(), set()
         # The places chosen so far; with each, those tried before it at its level, which led to a dead end.
         frames: list[tuple[int, list[int]]] = []
         failed: list[int] = []
@@ -264,18 +272,22 @@ class _UnitSearch:
             total = self.balance.get(transition, 0) + sign * change
             if total:
                 self.balance[transition] = total
+                (self.over if total > 0 else self.under).add(transition)
             else:
                 del self.balance[transition]
+            if total <= 0:
+                self.over.discard(transition)
+            if total >= 0:
+                self.under.discard(transition)
 
     def fits(self, place: int) -> bool:
         """Whether the group may take the place: one token in all, one given or taken by each transition."""
+        if place in self.barred or place in self.group or self.tokens + self.initial[place] > 1:
+            return False
+        if self.of_ones[place]:
+            return self.over.isdisjoint(self.given[place]) and self.under.isdisjoint(self.taken[place])
         balance = self.balance
-        return (
-            place not in self.barred
-            and place not in self.group
-            and self.tokens + self.initial[place] <= 1
-            and all(-1 <= balance.get(t, 0) + change <= 1 for t, change in self.rows[place].items())
-        )
+        return all(-1 <= balance.get(t, 0) + change <= 1 for t, change in self.rows[place].items())
 
     def choice(self) -> int | None:
         """A place that balances the transition which leaves the least choice; ``None`` in a dead end."""
@@ -294,7 +306,8 @@ class _UnitSearch:
 
     def unbalanced(self, place: int) -> int:
         """How many more transitions would be out of balance with the place in the group."""
-        return sum(-1 if t in self.balance else 1 for t in self.rows[place])
+        row = self.rows[place]
+        return len(row) - 2 * len(row.keys() & self.balance.keys())
 
 
 def conflicts(net: PetriNet, transitions: Iterable[int]) -> tuple[tuple[int, int], ...]:
