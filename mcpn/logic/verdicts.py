@@ -31,7 +31,7 @@ from mcpn.records import dataclass
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.spaces.engines import Asked, Choice, NoSpace
 from mcpn.spaces.search import EXPLICIT, HOME, INITIAL_STATE, RANDOM_WALK, STATE_EQUATION
-from mcpn.spaces.search.goal import FALSE, TRUE, Formula
+from mcpn.spaces.search.goal import FALSE, TRUE, And, Fires, Formula
 from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
@@ -269,12 +269,17 @@ class _Answers:
             yield from self.learn(other, follows, *told)
 
     def implied(self, asked: Meaning, value: int) -> list[tuple[Meaning, bool]]:
-        """What an answer says of the examinations."""
+        """What an answer says of examinations, and of formulas that ask whether a transition fires."""
         if isinstance(asked, tuple):
             return [(ONE_SAFE, False)] if value > len(asked) else []
         if not self.net.transitions or self.net.priorities:
             return []
-        return [then for (what, holds), then in IMPLICATIONS if (what, holds) == (asked, bool(value))]
+        then = [follows for (what, holds), follows in IMPLICATIONS if (what, holds) == (asked, bool(value))]
+        if not value and _asks_firing(asked):
+            then += [(QUASI_LIVE, False), (LIVE, False)]
+        elif value and asked in (QUASI_LIVE, LIVE):
+            then += [(part, True) for part in self.parts() if _asks_firing(part)]
+        return then
 
     def raced(self) -> Callable[[], bool]:
         """What to ask between searches: whether the space, where it was not there yet, has come meanwhile."""
@@ -551,6 +556,14 @@ class _Answers:
 
             return EXAMINATIONS[meaning](Behaviour(questions.space))
         return questions.evaluation.holds(meaning)
+
+
+def _asks_firing(asked: Meaning) -> bool:
+    """Whether it is asked if some of one or more transitions ever fire."""
+    match asked:
+        case EU((And(()), Fires(transitions))):
+            return bool(transitions)
+    return False
 
 
 def _technique(engine: Asked) -> str:

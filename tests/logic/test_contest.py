@@ -21,7 +21,7 @@ from mcpn.errors import InputError, LimitError, Source, UnboundedError
 from mcpn.logic.contest import Property, read_properties
 from mcpn.logic.evaluate import largest
 from mcpn.logic.questions import Questions
-from mcpn.logic.verdicts import answer_all
+from mcpn.logic.verdicts import _Answers, answer_all
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.diagrams import runners
@@ -391,7 +391,23 @@ def test_whatever_the_state_equation_answers_is_proved_in_fractions(family: str,
 def test_examinations_that_imply_each_other_are_answered_as_by_the_space(net: PetriNet) -> None:
     assume(all_markings(net, 500) is not None)
     examinations = ["Liveness", "QuasiLiveness", "StableMarking", "OneSafe", "ReachabilityDeadlock"]
-    expected = {v.name: v.value for v in answer_all(Questions(net, engine="explicit"), (), examinations)}
+    fires = [
+        Property(t.name, read(("EF", ("enabled", t.name)), net), Source("fires")) for t in net.transitions
+    ]
+    expected = {v.name: v.value for v in answer_all(Questions(net, engine="explicit"), fires, examinations)}
     with patch("mcpn.spaces.kept.Spaces.go_on", return_value=False):  # what is known without the space first
-        searched = {v.name: v.value for v in answer_all(Questions(net), (), examinations)}
-    assert searched == expected
+        for asked in (examinations, examinations[:1], examinations[1:2]):
+            searched = {v.name: v.value for v in answer_all(Questions(net), fires, asked)}
+            assert searched.items() <= expected.items()
+            assert len(searched) == len(fires) + len(asked)
+
+
+@pytest.mark.parametrize("fires", [False, True])
+def test_a_dead_transition_refutes_liveness_and_in_a_quasi_live_net_all_fire(fires: bool) -> None:
+    net = FAMILIES["kanban"].net(6)  # which of its transitions fire is not looked at
+    asked = {t.name: read(("EF", ("enabled", t.name)), net) for t in net.transitions}
+    answers = _Answers(Questions(net), {**asked, "QuasiLiveness": "QuasiLiveness", "Liveness": "Liveness"})
+    first, part = next(iter(asked.items()))
+    told = {verdict.name for verdict in answers.learn("QuasiLiveness" if fires else part, fires, "EXPLICIT")}
+    assert told == ({"QuasiLiveness", *asked} if fires else {first, "QuasiLiveness", "Liveness"})
+    assert answers.waiting.keys() == ({"Liveness"} if fires else asked.keys() - {first})
