@@ -56,7 +56,6 @@ class Facts:
     Attributes:
         fires: Transitions that are known to fire in some reachable marking.
         dead: Transitions that are known never to fire.
-        ceilings: By sum of places the most that it may come to, as far as is known.
     """
 
     def __init__(self, net: PetriNet, bounds: Sequence[float] = (), searches: Searches | None = None) -> None:
@@ -66,12 +65,11 @@ class Facts:
         self.searches = searches or Searches(net)
         self.fires: set[int] = set()
         self.dead: set[int] = set()
-        self.ceilings: dict[tuple[int, ...], int] = {}
         self._traps = False
         self._bounds = dict(enumerate(bounds))
         self._constant: dict[Formula, bool | None] = {}
         self._round = 0
-        self._walks = self.searches.ends(net.initial, steps=STEPS + len(net.transitions), walks=WALKS)
+        self._walks = self.searches.ends(steps=STEPS + len(net.transitions), walks=WALKS)
         self._came: list[list[int]] = []
 
     # --- bounds ---
@@ -85,22 +83,20 @@ class Facts:
         Yields:
             A sum, its bound, and how it was had.
         """
-        met: list[tuple[tuple[int, ...], Ceiling]] = []
+        left: list[tuple[tuple[int, ...], int, Ceiling, Goal]] = []
         for places in asked:
             found = self.equation.most(Counter(places))
             if found.bound is None:
                 continue
-            self.ceilings[places] = found.bound
-            ways = _proved(found.traps)
-            if holds(exceeding(places, found.bound - 1), self.net, self.net.initial):
-                yield places, found.bound, (INITIAL_STATE, *ways)
+            goal = exceeding(places, found.bound - 1)
+            if holds(goal, self.net, self.net.initial):
+                yield places, found.bound, (INITIAL_STATE, *_proved(found.traps))
             else:
-                met.append((places, found))
-        goals = [exceeding(places, self.ceilings[places] - 1) for places, _ in met]
-        reached = self._met(goals, STEPS * min(len(goals), MOST_TOGETHER))
-        for goal, (places, found) in enumerate(met):
-            if goal in reached or self._counted(goals[goal], found.counts):
-                yield places, self.ceilings[places], (*_proved(found.traps), RANDOM_WALK)
+                left.append((places, found.bound, found, goal))
+        reached = self._met([goal for *_, goal in left], STEPS * min(len(left), MOST_TOGETHER))
+        for number, (places, bound, found, goal) in enumerate(left):
+            if number in reached or self._counted(goal, found.counts):
+                yield places, bound, (*_proved(found.traps), RANDOM_WALK)
 
     # --- transitions ---
 

@@ -129,42 +129,31 @@ class Searches:
             self.net.initial, encoded, roots, steps, length, seed, False, list(counts), self._orders[seed % 2]
         )
 
-    def ends(self, start: Sequence[int], *, steps: int, walks: int, seed: int = 0) -> Iterator[list[int]]:
+    def ends(self, *, steps: int, walks: int) -> Iterator[list[int]]:
         """Markings that random walks come to, of a net without priorities; a dead one ends its walk.
 
         Args:
-            start: Where each begins.
             steps: Firings of all together.
             walks: How many, each twice as long as the one before.
-            seed: The same seed walks the same way.
         """
-        draw = random.Random(seed)
-        count = range(len(self.net.transitions))
-        required = [needs(self.net, t) for t in count]
-        changed = [list(changes(self.net, t).items()) for t in count]
-        users: list[list[int]] = [[] for _ in self.net.places]
-        for t in count:
-            for place in required[t]:
-                users[place].append(t)
+        net, draw = self.net, random.Random(0)
+        takers: list[list[int]] = [[] for _ in net.places]
+        for t in range(len(net.transitions)):
+            for place in needs(net, t):
+                takers[place].append(t)
+        near = [
+            sorted({u for place in changes(net, t) for u in takers[place]})
+            for t in range(len(net.transitions))
+        ]
         for walk in range(walks):
-            marking, enabled = list(start), _EnabledSet()
-            missing = [sum(marking[p] < weight for p, weight in required[t].items()) for t in count]
-            for t in count:
-                if not missing[t]:
-                    enabled.add(t)
+            marking, enabled = list(net.initial), set(net.enabled(net.initial))
             for _ in range(steps >> (walks - walk)):
-                if not enabled.members:
+                if not enabled:
                     break
-                for place, change in changed[draw.choice(enabled.members)]:
-                    before = marking[place]
-                    marking[place] = after = before + change
-                    for t in users[place]:
-                        if (before < required[t][place]) != (after < required[t][place]):
-                            was, missing[t] = missing[t], missing[t] + (1 if after < before else -1)
-                            if not missing[t]:
-                                enabled.add(t)
-                            elif not was:
-                                enabled.remove(t)
+                fired = draw.choice(tuple(enabled))
+                net.fire_in_place(marking, fired)
+                for t in near[fired]:
+                    (enabled.add if net.covers(marking, t) else enabled.discard)(t)
             yield marking
 
     def walk_unsafe(self, *, steps: int, seed: int = 0) -> UnsafeError | None:
@@ -213,25 +202,6 @@ class Searches:
         begin = self.net.initial if start is None else start
         outcome, states, run = self.kernel.seek(begin, encoded, root, stubborn, max_states, max_bytes)
         return Search(cast(Outcome, outcome), states, shortened(self.net, run, begin))
-
-
-class _EnabledSet:
-    """A set of numbers of which each is drawn as soon as the others."""
-
-    def __init__(self) -> None:
-        self.members: list[int] = []
-        self._at: dict[int, int] = {}
-
-    def add(self, number: int) -> None:
-        self._at[number] = len(self.members)
-        self.members.append(number)
-
-    def remove(self, number: int) -> None:
-        last = self.members.pop()
-        at = self._at.pop(number)
-        if last != number:
-            self.members[at] = last
-            self._at[last] = at
 
 
 def replay(net: PetriNet, run: Sequence[int]) -> tuple[int, ...]:

@@ -18,6 +18,7 @@ from mcpn.spaces.search.searches import Searches, replay, shortened
 from mcpn.testing.nets import philosophers
 from tests.nets.nets import counter, nets, state_machines
 from tests.spaces.search.goals import all_markings, goals, is_goal
+from tests.spaces.search.test_portfolio import PLAIN_NETS
 
 ANY_NETS = nets(max_weight=1) | nets(max_weight=2) | state_machines().map(lambda pair: pair[0])
 
@@ -203,3 +204,15 @@ def test_the_deadlocks_of_the_contest(mcc: Path) -> None:
 def test_a_goal_that_names_no_place_is_refused() -> None:
     with pytest.raises(ValueError, match="place"):
         Searches(counter(2)).seek(AtMost(((9, 1),), 0), max_states=10)
+
+
+@given(PLAIN_NETS)
+def test_walks_come_to_reachable_markings_and_stay_in_a_dead_one(net: PetriNet) -> None:
+    markings = all_markings(net)
+    assume(markings is not None)
+    assert markings is not None
+    ends = [tuple(end) for end in Searches(net).ends(steps=400, walks=3)]
+    assert len(ends) == 3
+    assert markings.issuperset(ends)
+    if not net.enabled(net.initial):
+        assert set(ends) == {net.initial}
