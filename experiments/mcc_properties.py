@@ -16,11 +16,13 @@ import platform
 import resource
 import time
 from collections import Counter
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import chain
 from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Any
 
 from mcpn import __version__
 
@@ -64,9 +66,9 @@ def answer_questions(
     folder: Path,
     model: str,
     file: str,
+    engine: str,
+    limit: int,
     answers: Connection,
-    engine: str = "auto",
-    limit: int = SECONDS,
 ) -> None:
     """Answers one file, or the examinations, within CPU seconds; sends verdicts as they come."""
     from mcpn.errors import McpnError
@@ -93,22 +95,24 @@ def run(
     folder: Path, model: str, file: str, used: Counter[str], engine: str = "auto", limit: int = SECONDS
 ) -> Run:
     """The answers that one process gives in its time; counts the techniques that they were had by."""
-    answers, theirs = multiprocessing.Pipe(duplex=False)
-    process = multiprocessing.Process(
-        target=answer_questions, args=(folder, model, file, theirs, engine, limit)
-    )
-    before = cpu_of_children()
-    process.start()
-    theirs.close()
-    told = Run()
-    with suppress(EOFError):  # the process has ended, by itself or by its limit
-        while True:
-            name, value, techniques, told.until = answers.recv()
-            told.found[name] = value
-            used.update(["+".join(techniques)])
-    process.join()
+    before, told = cpu_of_children(), Run()
+    for name, value, techniques, told.until in told_by(answer_questions, folder, model, file, engine, limit):
+        told.found[name] = value
+        used.update(["+".join(techniques)])
     told.cpu = cpu_of_children() - before
     return told
+
+
+def told_by(work: Callable[..., None], *asked: object) -> Iterator[Any]:
+    """What a process sends until it ends, by itself or by its limit; its work is given the pipe last."""
+    answers, theirs = multiprocessing.Pipe(duplex=False)
+    process = multiprocessing.Process(target=work, args=(*asked, theirs))
+    process.start()
+    theirs.close()  # so that its end is seen here
+    with suppress(EOFError):
+        while True:
+            yield answers.recv()
+    process.join()
 
 
 def cpu_of_children() -> float:

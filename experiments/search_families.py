@@ -9,19 +9,20 @@ has a process with so many seconds of CPU time.
 from __future__ import annotations
 
 import argparse
-import multiprocessing
 import random
 import resource
 from collections import Counter
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from multiprocessing.connection import Connection
+
+from mcc_properties import cpu_of_children, told_by
 
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.testing.nets import FAMILIES
 
 EXAMINATIONS = ("OneSafe", "QuasiLiveness", "StableMarking", "Liveness", "ReachabilityDeadlock")
 UPPER_BOUNDS = "UpperBounds"
-PATIENCE = 10  # times as long may a process take beside others
 
 
 def producers(size: int) -> PetriNet:
@@ -179,10 +180,8 @@ def drawn(net: PetriNet, bounds: int) -> list[tuple[int, ...]]:
     return [tuple(draw.sample(range(count), min(draw.choice((1, 1, 2, 3, 4)), count))) for _ in range(bounds)]
 
 
-def answer(
-    net: PetriNet, bounds: int, engine: str, seconds: int, answers: multiprocessing.SimpleQueue
-) -> None:
-    """Answers the bounds and the examinations of a net; puts them as they come."""
+def answer(net: PetriNet, bounds: int, engine: str, seconds: int, answers: Connection) -> None:
+    """Answers the bounds and the examinations of a net; sends them as they come."""
     from mcpn.errors import McpnError, Source
     from mcpn.logic.contest import Property
     from mcpn.logic.questions import Questions
@@ -195,29 +194,12 @@ def answer(
     ]
     with suppress(McpnError):
         for verdict in answer_all(Questions(net, engine=engine), asked, EXAMINATIONS):
-            answers.put((verdict.name.removeprefix(f"{net.name}-"), verdict.value))
+            answers.send((verdict.name.removeprefix(f"{net.name}-"), verdict.value))
 
 
 def run(net: PetriNet, bounds: int, engine: str, seconds: int) -> dict[str, str]:
     """What one process answers in its time."""
-    answers: multiprocessing.SimpleQueue = multiprocessing.SimpleQueue()
-    process = multiprocessing.Process(target=answer, args=(net, bounds, engine, seconds, answers))
-    process.start()
-    process.join(PATIENCE * seconds)
-    if process.is_alive():
-        process.kill()
-        process.join()
-    found = {}
-    while not answers.empty():
-        name, value = answers.get()
-        found[name] = value
-    return found
-
-
-def cpu_of_children() -> float:
-    """CPU seconds of the processes that have ended."""
-    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return usage.ru_utime + usage.ru_stime
+    return dict(told_by(answer, net, bounds, engine, seconds))
 
 
 def main() -> None:
