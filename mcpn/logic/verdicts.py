@@ -68,6 +68,8 @@ LOCAL_STEPS = (20_000, 200_000, 1_000_000, 5_000_000, 25_000_000, 125_000_000)
 """For each part of a formula, in rounds."""
 PACED, FEWEST_STEPS = 1_000, 2_000
 """Places and transitions of a net up to which steps are not made fewer, and the fewest of each round."""
+QUICK = 200_000
+"""States of a space that are listed up to which it is asked before searches."""
 BESIDE = 4
 """How many of these rounds take turns with the race for the space; others stand between rounds of slices."""
 
@@ -184,7 +186,7 @@ class _Answers:
             if not (questions.small or self.there) or questions.engine == "search":
                 yield from self.by_search(short=self.net.priorities)
             for steps in LOCAL_STEPS[1 : 2 if self.typed else BESIDE]:
-                if self.there:
+                if self.there or (steps > LOCAL_STEPS[1] and questions.made):
                     break
                 yield from self.by_need(steps, searched=steps > LOCAL_STEPS[1])
                 if not self.typed:
@@ -255,8 +257,13 @@ class _Answers:
 
     @property
     def there(self) -> bool:
-        """Whether the space is there for questions that need no run to show their answer."""
-        return self.questions.made and not self.typed
+        """Whether the space is there, needs no run to show its answers, and is quick or can be broken off."""
+        if self.typed or not self.questions.made:
+            return False
+        from mcpn.spaces.arrays import ArraySpace
+
+        space = self.questions.space
+        return not isinstance(space, ArraySpace) or space.graph.states <= QUICK
 
     # --- what waits ---
 
