@@ -299,16 +299,9 @@ class _Answers:
         return max(FEWEST_STEPS, steps * PACED // max(size, PACED))
 
     def parts(self, among: Container[str] | None = None) -> list[Formula]:
-        """The parts whose values in the initial marking are asked for, each once, cheap ones first.
-
-        Args:
-            among: Names of the questions that count; by default all.
-        """
-        formulas = (
-            asked
-            for name, asked in self.waiting.items()
-            if isinstance(asked, Formula) and (among is None or name in among)
-        )
+        """The parts whose initial values are asked for, of all or of some questions, cheap ones first."""
+        names = self.waiting if among is None else [name for name in self.waiting if name in among]
+        formulas = (asked for name in names if isinstance(asked := self.waiting[name], Formula))
         return sorted(dict.fromkeys(chain.from_iterable(map(parts_at_first, formulas))), key=_effort)
 
     def learn(self, part: Meaning, value: int, *ways: str) -> Iterator[ContestAnswer]:
