@@ -222,9 +222,9 @@ class _Answers:
                     yield from self.answer(name, value, _technique(questions.choice.engine))
             if not self.waiting:
                 return
-            # Those whose slice has not done are asked of searches and markings for about as long.
-            if number == 0 and not self.typed and questions.searchable:
-                yield from self.by_search(among=tried)
+            # Those whose slice has not done are asked of markings for about as long, all once of searches.
+            if number == 0 and self.there and questions.searchable:
+                yield from self.by_search()
             steps = LOCAL_STEPS[min(1 + number, len(LOCAL_STEPS) - 1)]
             yield from self.by_need(steps, among=tried)
             yield from self.by_paths(steps, enrich=True, among=tried)
@@ -434,20 +434,17 @@ class _Answers:
             yield from self.learn(SOME_DEADLOCK, dead, HOME, STATE_EQUATION)
         yield from self.rewritten(STATE_EQUATION)
 
-    def by_search(
-        self, *, short: bool = False, among: Container[str] | None = None
-    ) -> Iterator[ContestAnswer]:
+    def by_search(self, *, short: bool = False) -> Iterator[ContestAnswer]:
         """Answers what asks for reachable markings by search, until it turns out that the space is small.
 
         Args:
             short: Whether there is no more than one search, for a short run.
-            among: Names of the questions whose parts are asked; by default all.
         """
         tried: set[Formula] = set()
         brief = self.questions.brief
         while True:  # what one search decides may bring up parts for another
             yield from self.bounded()
-            parts = [part for part in (*self.parts(among), *self.bounding) if part not in tried]
+            parts = [part for part in (*self.parts(), *self.bounding) if part not in tried]
             goals = {part: goal for part in parts if (goal := self.known.goal(part)) is not None}
             if not goals or (tried and not self.nested & goals.keys()):
                 return
