@@ -17,9 +17,8 @@ import sys
 import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
-
-from mcpn.records import dataclass
 
 LOOK = 0.02
 """Seconds between two looks whether a process has ended."""
