@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any, ClassVar
-
-from mcpn.records import dataclass
 
 
 @dataclass(frozen=True, slots=True, order=True)

@@ -13,7 +13,6 @@ import pytest
 PACKAGE = Path(__file__).resolve().parents[1] / "mcpn"
 BASE = (
     "_kernel",
-    "records",
     "errors",
     "files",
     "xmlio",

@@ -10,6 +10,7 @@ import math
 import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from multiprocessing import Pipe, get_context
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -20,7 +21,6 @@ from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError, McpnError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.nets.petri import NetBuilder, PetriNet
-from mcpn.records import dataclass
 from mcpn.spaces.kept import Spaces
 from mcpn.spaces.sizes import ENGINES, summarise
 

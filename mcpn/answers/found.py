@@ -11,12 +11,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from random import Random
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from mcpn.answers.verdicts.modes import Situation, in_fields, situation
 from mcpn.errors import LimitError
-from mcpn.records import dataclass
 from mcpn.spaces.algebra import Space
 
 if TYPE_CHECKING:

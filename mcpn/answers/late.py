@@ -8,13 +8,12 @@ objective that could not succeed without the loss either is not told of.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.drawing.compose import MissionNet
 from mcpn.mission.static.warnings import names_of_objectives
 from mcpn.nets.events import What
-from mcpn.records import dataclass
 from mcpn.sentences import shortened
 from mcpn.spaces.algebra import S, Space, Without
 

@@ -10,7 +10,7 @@ shortest run. Events and situations name elements of the mission, so that the na
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import astuple
+from dataclasses import astuple, dataclass
 from typing import Any
 
 from mcpn.answers.spaces import MissionSpaces
@@ -22,7 +22,6 @@ from mcpn.mission.model import Mission
 from mcpn.nets.events import Event
 from mcpn.nets.game import TokenGame
 from mcpn.nets.petri import PetriNet
-from mcpn.records import dataclass
 from mcpn.spaces.stable.alternatives import AlternativesGraph
 
 Firings = tuple[tuple[str, ...], ...]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
 from typing import NoReturn
 
 from mcpn.answers.verdicts.modes import WAITING
@@ -17,7 +18,6 @@ from mcpn.mission.model import Mission, Objective, walk
 from mcpn.mission.robot import BOOLEAN_VALUES
 from mcpn.nets.events import ENDING, START, Event, What
 from mcpn.nets.petri import PetriNet
-from mcpn.records import dataclass
 from mcpn.spaces.names import ENDINGS, Names, known, unknown
 from mcpn.spaces.search.goal import FALSE, TRUE, Fires, Formula, marked
 

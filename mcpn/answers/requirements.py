@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -17,7 +18,6 @@ from mcpn.logic.witness import Witness, explain
 from mcpn.mission.flatten import requirements_of
 from mcpn.mission.requirement import BoundedExistence, Requirement
 from mcpn.nets.events import ENDING
-from mcpn.records import dataclass
 from mcpn.sentences import enumeration, ordinal
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.names import Names

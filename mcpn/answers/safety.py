@@ -7,11 +7,10 @@ means, what counts as an answer of yes, and what shows it where the answer is no
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from mcpn.errors import SemanticsError
-from mcpn.records import dataclass
 from mcpn.sentences import enumeration
 
 if TYPE_CHECKING:

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Iterable, Sequence
 from contextlib import redirect_stdout
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -20,7 +21,6 @@ from mcpn.controller.targets import files
 from mcpn.controller.targets.scxml import Regions, event_name
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
-from mcpn.records import dataclass
 from mcpn.runtime.tables import Action
 
 

@@ -9,6 +9,7 @@ its last answer.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from mcpn.answers.causes.find import Causes
@@ -17,7 +18,6 @@ from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError
 from mcpn.mission.model import walk
 from mcpn.nets.events import Event, What
-from mcpn.records import dataclass
 from mcpn.spaces.run import Run
 from mcpn.trees.importing import Imported
 from mcpn.trees.instances import Instance, Place, filters, instances, place_of

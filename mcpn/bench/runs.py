@@ -6,14 +6,13 @@ import random
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from math import inf, sqrt
 from statistics import NormalDist
 
 from mcpn.bench.world import BenchNode, ControllerPlace, StartDemand, World
 from mcpn.controller.run import awaited, nominal_run
 from mcpn.nets.events import Event
-from mcpn.records import dataclass
 from mcpn.runtime.machines import TypeTables
 from mcpn.runtime.monitors import Monitors
 from mcpn.runtime.tables import Tables

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cache
 from math import inf
 from pathlib import Path
@@ -11,7 +12,6 @@ from pathlib import Path
 from mcpn.errors import InputError, LimitError, Source
 from mcpn.files import read_bounded
 from mcpn.nets.events import Event, What
-from mcpn.records import dataclass
 from mcpn.runtime.documents import BEFORE, RUNNING
 from mcpn.runtime.tables import Action, RuntimePosition, Tables
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Hashable, Iterable, Iterator, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from itertools import accumulate
 from typing import NamedTuple, TypeAlias
 
@@ -18,7 +18,6 @@ from mcpn.drawing.sections import SectionParts, Used
 from mcpn.mission.expansion.routes import Interrupted
 from mcpn.mission.flatten import ElementarySection, ParallelSection
 from mcpn.nets.events import Event, What
-from mcpn.records import dataclass
 from mcpn.runtime.controller import Controller
 from mcpn.runtime.restoring import Saved
 from mcpn.runtime.tables import Action, Inside, Tables, TableSection

@@ -7,15 +7,13 @@ import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from functools import wraps
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-
-from mcpn.records import dataclass
 
 if TYPE_CHECKING:
     from mcpn.drawing.compose import MissionNet

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from itertools import permutations, product
 
 from mcpn.drawing.compose import MissionNet
@@ -17,7 +18,6 @@ from mcpn.errors import ConfluenceError
 from mcpn.mission.flatten import ParallelSection
 from mcpn.nets.events import What
 from mcpn.nets.petri import Marking, Provenance, Transition
-from mcpn.records import dataclass
 from mcpn.sentences import enumeration
 
 

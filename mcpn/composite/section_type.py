@@ -9,7 +9,7 @@ the proof is asked of them.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import chain
 from typing import TYPE_CHECKING, NamedTuple
@@ -21,7 +21,6 @@ from mcpn.drawing.mortal import Guard, forgetful
 from mcpn.drawing.sections import Element, LocalPart
 from mcpn.errors import LimitError, PremiseError
 from mcpn.nets.petri import PetriNet
-from mcpn.records import dataclass
 from mcpn.spaces.algebra import Edge
 from mcpn.spaces.diagrams.encoding import Encoding
 from mcpn.spaces.diagrams.order import clustered

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import Literal, TypeVar, get_args
 
@@ -19,7 +19,6 @@ from mcpn.mission.flatten import ObjectivesGraph, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.nets.events import START, Event, What
 from mcpn.nets.petri import NetBuilder, Provenance
-from mcpn.records import dataclass
 from mcpn.spaces.diagrams.encoding import Levels
 from mcpn.spaces.images import Bit
 from mcpn.spaces.memoized import memoized

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Collection, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -39,7 +39,6 @@ from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Fact
 from mcpn.nets.events import START, Event, What
 from mcpn.notebook import Drawn
-from mcpn.records import dataclass
 from mcpn.spaces.stable.alternatives import AlternativesGraph
 
 KINDS = ("hardware", "objectives", "activities", "alternatives")

@@ -13,6 +13,7 @@ objectives and blocks that end are disarmed first, those of what begins armed la
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Literal
 
@@ -27,7 +28,6 @@ from mcpn.mission.graph import names_in
 from mcpn.mission.static.usage import Usage
 from mcpn.nets.events import Event
 from mcpn.nets.petri import PetriNet
-from mcpn.records import dataclass
 from mcpn.spaces.markings.graph import Ints
 from mcpn.spaces.stable.alternatives import AlternativesGraph
 

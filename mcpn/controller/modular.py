@@ -18,13 +18,13 @@ of an event apart, and bits that no literal asks for (:mod:`mcpn.controller.redu
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 
 from mcpn.controller.hierarchy import PlacedMachine, TableController
 from mcpn.controller.machine import PlannedAction
 from mcpn.nets.events import Event
 from mcpn.notebook import Drawn
-from mcpn.records import dataclass
 
 Literals = tuple[int, ...]
 """A conjunction of literals: 2 i asks that bit i is not set, 2 i + 1 that it is."""

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import product
 from typing import Any, Generic, Literal, TypeAlias, TypeVar
 
@@ -33,7 +34,6 @@ from mcpn.logic.ltl.automaton import Automaton, AutomatonEdge, kept, translated
 from mcpn.logic.ltl.formulas import Happens, always, eventually, is_of_paths, normal
 from mcpn.logic.ltl.product import Product
 from mcpn.logic.syntax import parse_open
-from mcpn.records import dataclass
 from mcpn.runtime.documents import MONITORS, MONITORS_VERSION
 from mcpn.runtime.file_schema import digest_of
 from mcpn.runtime.monitors import VALUES

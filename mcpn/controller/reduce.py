@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import cache, reduce
 from heapq import heapify, heappop, heapreplace
 from operator import or_
 
 from mcpn._kernel import Zdd
 from mcpn.controller.machine import PlannedAction
-from mcpn.records import dataclass
 
 Ordered = tuple[tuple[PlannedAction, ...], str | None]
 """The actions, and the outcome with which the section is left."""

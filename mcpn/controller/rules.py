@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property, reduce
 from operator import or_, xor
 
@@ -22,7 +23,6 @@ from mcpn.controller.sizes import each_step, standing
 from mcpn.drawing.sections import Element
 from mcpn.errors import LimitError
 from mcpn.nets.events import Event
-from mcpn.records import dataclass
 from mcpn.spaces.diagrams.encoding import Encoding
 from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.markings.graph import StateGraph, pack

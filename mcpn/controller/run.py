@@ -16,6 +16,7 @@ objectives that run, the first of the document succeeds first.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Hashable, Sequence
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
@@ -25,7 +26,6 @@ from mcpn.drawing.compose import MissionNet
 from mcpn.errors import DivergenceError
 from mcpn.mission.model import Mission
 from mcpn.nets.events import START, Event, What
-from mcpn.records import dataclass
 from mcpn.spaces.markings.explicit import KernelNet, MaskedNet, bits_of
 
 if TYPE_CHECKING:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import random
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import combinations, repeat
 
 from mcpn.answers.verdicts.modes import Situation, situation
@@ -19,7 +20,6 @@ from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
 from mcpn.mission.expansion.faults import Crash
 from mcpn.nets.events import Event, What
-from mcpn.records import dataclass
 
 USUAL, SELDOM = 1.0, 0.1
 """Rates, per hour, where the files give none: of successes, starts and repairs; of all else."""

@@ -6,7 +6,7 @@ Source: the paper, sections 6 and 7.1 (models "integrated and linked together").
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from mcpn.drawing.templates import Canvas, PaperTemplates, Role, TemplateSet
@@ -18,7 +18,6 @@ from mcpn.mission.static.usage import Usage
 from mcpn.nets.events import START, What
 from mcpn.nets.petri import Marking, PetriNet
 from mcpn.notebook import Drawn
-from mcpn.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -15,14 +15,13 @@ is detected late (:func:`noticed_before`).
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.templates.names import names_of
 from mcpn.errors import SemanticsError
 from mcpn.nets.events import Event, What
 from mcpn.nets.petri import PetriNet, Place, Provenance, Transition
-from mcpn.records import dataclass
 
 
 def mortal(mission_net: MissionNet) -> MissionNet:

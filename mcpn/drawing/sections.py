@@ -9,7 +9,7 @@ nets then differ in names only, place by place and transition by transition.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import itemgetter
 from typing import TypeAlias
@@ -26,7 +26,6 @@ from mcpn.mission.graph import TIMED_OUT, failed_for
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Activity, Fact, Hardware, Software
 from mcpn.mission.static.usage import Usage
-from mcpn.records import dataclass
 
 Element: TypeAlias = tuple[str, str]
 """The kind and the name that the provenances of an element's places have."""

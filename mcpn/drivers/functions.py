@@ -8,11 +8,9 @@ import inspect
 import sys
 import threading
 from collections.abc import Callable, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
-
-from mcpn.records import dataclass
 
 RAISED = "raised"
 """How a function ends that raises."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import signal
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Literal
@@ -15,7 +15,6 @@ from mcpn.drivers.processes import program_of
 from mcpn.errors import InputError, Problem, Source
 from mcpn.mission.near import did_you_mean
 from mcpn.nets.events import Event, What
-from mcpn.records import dataclass
 from mcpn.runtime.tables import START, Tables
 
 Kind = Literal["process", "python", "mqtt", "zenoh", "nothing"]

@@ -6,6 +6,7 @@ import asyncio
 import logging
 from collections import deque
 from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
@@ -15,7 +16,6 @@ from mcpn.drivers.processes import Warden
 from mcpn.drivers.starts import Started
 from mcpn.drivers.topics import StopMessage, buses_of, tell_to_stop
 from mcpn.nets.events import Event
-from mcpn.records import dataclass
 from mcpn.runtime.controller import Controller
 from mcpn.runtime.tables import START, Action, Refused, Tables
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import field
+from dataclasses import dataclass, field
 
 from lxml import etree
 
@@ -12,7 +12,6 @@ from mcpn.editor.scan import TOKEN, ScannedElement
 from mcpn.errors import InputError
 from mcpn.mission.language.forms import language
 from mcpn.mission.robot import Described, Element
-from mcpn.records import dataclass
 from mcpn.xmlio import parse_whole
 
 WIDTH = 120

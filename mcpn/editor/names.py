@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import NamedTuple
 
@@ -18,7 +18,6 @@ from mcpn.mission.language.forms import Field, form_of, language
 from mcpn.mission.language.references import VALUED, WORDS, happening, reason_in, references
 from mcpn.mission.model import Protocol, Use
 from mcpn.mission.robot import BOOLEAN_VALUES, Activity, Element
-from mcpn.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

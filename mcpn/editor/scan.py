@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from mcpn.mission.language.forms import language
@@ -22,7 +22,6 @@ from mcpn.mission.model import (
     Protocol,
 )
 from mcpn.mission.xml import MAX_DEPTH
-from mcpn.records import dataclass
 
 _INSIDE = (Handler.TAG, FactRoute.TAG, EntryGuard.TAG)
 _SERIES = (Mission.TAG, Protocol.TAG, Objective.TAG, Each.TAG)

@@ -16,7 +16,7 @@ import sys
 import threading
 from collections.abc import Callable, Collection, Generator, Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager, suppress
-from dataclasses import field
+from dataclasses import dataclass, field
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -26,7 +26,6 @@ from typing import TYPE_CHECKING, Any
 from mcpn.editor.supposing import compared
 from mcpn.errors import InputError, LimitError, McpnError, Problem
 from mcpn.opening import open_study
-from mcpn.records import dataclass
 from mcpn.report.page import failed_page, page
 from mcpn.report.pages.identity import files_of
 from mcpn.report.words import in_words

@@ -11,6 +11,7 @@ Reference: T. Murata, Petri nets: properties, analysis and applications, Proc. I
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Generic
 
@@ -26,7 +27,6 @@ from mcpn.nets.siphons import (
     traps,
 )
 from mcpn.nets.structure import Sparse, incidence, invariants
-from mcpn.records import dataclass
 from mcpn.spaces.algebra import S, Space
 from mcpn.spaces.kept import Spaces, spaces_of
 from mcpn.spaces.markings.counted import REPEATED, Boundedness, boundedness

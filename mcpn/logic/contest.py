@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
 
@@ -15,7 +16,6 @@ from lxml import etree
 from mcpn.errors import InputError, Source
 from mcpn.logic.formulas import OPERATORS, Sum, compare, every_path, some_path, within_limit
 from mcpn.logic.ltl.formulas import Next, Until, always, eventually, is_of_paths
-from mcpn.records import dataclass
 from mcpn.spaces.names import Names
 from mcpn.spaces.search.goal import DEADLOCK, FALSE, TRUE, Fires, Formula
 from mcpn.xmlio import parse_xml

@@ -15,12 +15,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import TypeAlias
 
 from mcpn.errors import LimitError
 from mcpn.logic.ltl.formulas import Next, Release, SomePath, Until, always, is_of_paths, normal
 from mcpn.nets.petri import PetriNet
-from mcpn.records import dataclass
 from mcpn.spaces.search.goal import DEADLOCK, FALSE, TRUE, And, AtMost, Formula, Not, Operator, Or, as_goal
 
 MAX_SIZE = 50_000

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,6 @@ from mcpn.logic.ltl.formulas import Release, SomePath, Until
 from mcpn.logic.simplify import at_first, says_eventually, simplified
 from mcpn.logic.witness import Explanation, NoRun, Witness
 from mcpn.nets.petri import EVENTS, Marking, PetriNet
-from mcpn.records import dataclass
 from mcpn.spaces.algebra import Edge
 from mcpn.spaces.names import Names
 from mcpn.spaces.run import Completion

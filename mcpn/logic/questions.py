@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,6 @@ from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.formulas import Justice
 from mcpn.logic.syntax import parse
 from mcpn.notebook import Told
-from mcpn.records import dataclass
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.diagrams.base import Diagrams
 from mcpn.spaces.diagrams.spaces import DiagramMarkings

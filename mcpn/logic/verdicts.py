@@ -14,7 +14,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain, count
 from typing import TYPE_CHECKING, TypeAlias
@@ -27,7 +27,6 @@ from mcpn.logic.known import SOME_DEADLOCK, Known
 from mcpn.logic.questions import Answer, Questions
 from mcpn.logic.simplify import at_first, bounds_of, conditions, parts_at_first
 from mcpn.logic.witness import NoRun, Witness, explain
-from mcpn.records import dataclass
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.spaces.engines import Asked, Choice, NoSpace
 from mcpn.spaces.search import EXPLICIT, HOME, INITIAL_STATE, RANDOM_WALK, STATE_EQUATION

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Any, Generic, Protocol
 
 from mcpn.logic.evaluate import Evaluation
@@ -19,7 +19,6 @@ from mcpn.logic.formulas import EG, EU, EX, Justice, is_temporal
 from mcpn.logic.ltl.formulas import SomePath
 from mcpn.logic.syntax import show
 from mcpn.nets.petri import Marking, PetriNet
-from mcpn.records import dataclass
 from mcpn.spaces.algebra import Edge, S
 from mcpn.spaces.names import Names
 from mcpn.spaces.run import Run, transitions_of

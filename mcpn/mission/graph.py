@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -21,7 +21,6 @@ from mcpn.mission.expansion.routes import (
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Parameter
 from mcpn.notebook import Drawn
-from mcpn.records import dataclass
 
 if TYPE_CHECKING:
     import networkx as nx

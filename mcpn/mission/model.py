@@ -17,7 +17,7 @@ Source: the paper, section 4 (objective, parallel block, activity, alternative, 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Annotated, TypeAlias
 
 from mcpn.mission.expansion.faults import Crash, as_crashes, as_hardware, consuming
@@ -62,7 +62,6 @@ from mcpn.mission.robot import (
     Software,
 )
 from mcpn.notebook import Drawn
-from mcpn.records import dataclass
 
 SUCCEED = "succeed"
 """The route to the success exit of the enclosing block."""

@@ -8,6 +8,7 @@ robotic missions*, IEEE TSE 2019). What each means is said in :mod:`mcpn.answers
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Annotated, TypeAlias, get_args, get_type_hints
 
 from mcpn.mission.language.datatypes import (
@@ -21,7 +22,6 @@ from mcpn.mission.language.datatypes import (
     Called,
 )
 from mcpn.mission.robot import Described, Element
-from mcpn.records import dataclass
 
 Avoided = Annotated[tuple[str, ...], Called("of"), LOCATIONS, "Objectives, each of them."]
 Locations = Annotated[tuple[str, ...], Called("in"), LOCATIONS, "Objectives, in this order where it counts."]

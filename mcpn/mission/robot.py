@@ -10,7 +10,7 @@ Source: the paper, section 4.3.
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Annotated
 
 from mcpn.errors import Source
@@ -29,7 +29,6 @@ from mcpn.mission.language.datatypes import (
     Values,
     When,
 )
-from mcpn.records import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,10 +11,9 @@ Event(what=<What.SUCCESS: 'success'>, element='diving', reason='')
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from enum import StrEnum
 from functools import total_ordering
-
-from mcpn.records import dataclass
 
 
 class What(StrEnum):

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import chain
 from typing import TypeAlias
@@ -27,7 +27,6 @@ from typing import TypeAlias
 from mcpn.errors import InputError, Source
 from mcpn.nets.events import Event
 from mcpn.notebook import Drawn
-from mcpn.records import dataclass
 
 Marking: TypeAlias = tuple[int, ...]
 """Tokens of each place, in the order of the net's places."""

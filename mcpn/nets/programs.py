@@ -8,10 +8,9 @@ checked it in whole numbers.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from math import inf, isinf, lcm
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
-
-from mcpn.records import dataclass
 
 if TYPE_CHECKING:
     from fractions import Fraction

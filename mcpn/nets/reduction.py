@@ -19,12 +19,11 @@ Reduces a net for one question, and lifts the runs of the smaller net.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence, Set
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypeAlias
 
 from mcpn.nets.petri import PetriNet, Transition
-from mcpn.records import dataclass
 
 RunTree: TypeAlias = "int | tuple[RunTree, RunTree]"
 """The firings of the original net that one transition stands for, in their order."""

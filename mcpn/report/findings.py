@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.causes.find import Causes, find_causes
@@ -16,7 +16,6 @@ from mcpn.controller.generate import generate
 from mcpn.controller.targets.json import document
 from mcpn.errors import McpnError
 from mcpn.mission.static.intervals import at_their_means
-from mcpn.records import dataclass
 from mcpn.report.pictures.machines import LocalPicture, local_pictures
 from mcpn.steps import Doing, step
 

@@ -11,13 +11,13 @@ whole net, by index, so that a question is the same for every space.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass
 from functools import reduce
 from operator import or_
 from typing import Any, Generic, Protocol, Self, TypeAlias, TypeVar
 
 from mcpn._kernel import Zdd
 from mcpn.nets.petri import Marking, PetriNet
-from mcpn.records import dataclass
 from mcpn.spaces.images import ImageStore
 
 

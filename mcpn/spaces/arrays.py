@@ -6,6 +6,7 @@ Every operation is linear in the size of the graph.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -13,7 +14,6 @@ import numpy as np
 from mcpn._kernel import Zdd
 from mcpn.nets.petri import Marking, PetriNet
 from mcpn.nets.structure import needs
-from mcpn.records import dataclass
 from mcpn.spaces.algebra import Edge, Guards, Piece
 from mcpn.spaces.images import ImageStore
 from mcpn.spaces.markings.graph import Mask, StateGraph, rows

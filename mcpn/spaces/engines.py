@@ -8,11 +8,10 @@ missions is that of :mod:`mcpn.answers.spaces`.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias, TypeVar, get_args
 
 from mcpn.errors import InputError, LimitError, PremiseError
-from mcpn.records import dataclass
 from mcpn.spaces.markings.explicit import MAX_MARKINGS
 
 On: TypeAlias = Literal["markings", "alternatives"]

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -18,7 +19,6 @@ from typing import Any, Protocol, TypeAlias
 from mcpn._kernel import Zdd
 from mcpn.errors import InputError, UnsafeError
 from mcpn.nets.petri import EVENTS, Marking, PetriNet
-from mcpn.records import dataclass
 from mcpn.spaces.algebra import Edge, Guards, Piece
 from mcpn.spaces.images import ImageStore
 

@@ -15,12 +15,12 @@ import time
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, TypeAlias
 
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.nets.petri import EVENTS, PetriNet
-from mcpn.records import dataclass
 from mcpn.spaces.diagrams.order import clustered
 
 MAX_NODES = 5_000_000

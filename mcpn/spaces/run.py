@@ -8,13 +8,12 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import takewhile
 
 from mcpn.nets.events import Event
 from mcpn.nets.petri import Arcs, Marking, PetriNet
-from mcpn.records import dataclass
 from mcpn.spaces.algebra import Edge, S, Space
 
 MOST_REPLAYS = 1_000

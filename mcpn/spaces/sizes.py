@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import time
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.nets.petri import PetriNet
-from mcpn.records import dataclass
 from mcpn.spaces.engines import SMALL, Choice, On, answered
 from mcpn.spaces.kept import Subject, spaces_of
 from mcpn.spaces.markings.explicit import Counts

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from copy import deepcopy
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
 
@@ -26,7 +27,6 @@ from lxml import etree
 from mcpn.errors import InputError
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
-from mcpn.records import dataclass
 from mcpn.testing import missions
 from mcpn.testing.shape import Shape, as_xml
 

@@ -13,10 +13,10 @@ net. The numbers are no answers of this program, so that engines, also those of 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from math import comb
 
 from mcpn.nets.petri import NetBuilder, PetriNet
-from mcpn.records import dataclass
 
 
 @dataclass(frozen=True)

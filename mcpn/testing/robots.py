@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import TypedDict
 
 from hypothesis import strategies as st
 
 from mcpn.mission.robot import Activity, Alternative, Fault, Hardware, Software
-from mcpn.records import dataclass
 from mcpn.testing.data import WorldDrawing
 from mcpn.testing.shape import REASONS, Shape
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from typing import Any
 
 from hypothesis import strategies as st
@@ -11,7 +11,6 @@ from hypothesis.vendor.pretty import for_type_by_name
 from mcpn.mission.model import Block, Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware, Robot, Software
 from mcpn.mission.writer import written
-from mcpn.records import dataclass
 
 PARAMETERS = ("speed", "depth", "round")
 """Names of parameters that are drawn: few, so that blocks one in the other say the same."""

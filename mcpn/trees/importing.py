@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from lxml import etree
 
@@ -19,7 +19,6 @@ from mcpn.mission.model import (
 from mcpn.mission.robot import Activity, Alternative, Robot
 from mcpn.mission.validate import valid
 from mcpn.mission.writer import element_of
-from mcpn.records import dataclass
 from mcpn.trees.controls import CONTROLS
 from mcpn.trees.decorators import DECORATING, unknown
 from mcpn.trees.ledger import Kind, Ledger, in_order, in_words

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 from mcpn.errors import InputError
-from mcpn.records import dataclass
 from mcpn.trees.nodes import Forest, TreeNode
 from mcpn.trees.reading import MAX_NODES, SCRIPTS, tree_of
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
+from dataclasses import dataclass
 from enum import Enum
 
 from mcpn.mission.model import Translated
-from mcpn.records import dataclass
 from mcpn.trees.nodes import TreeNode
 
 

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 
 from mcpn.errors import Source
-from mcpn.records import dataclass
 
 PRECONDITIONS = ("_failureIf", "_successIf", "_skipIf", "_while")
 """Attributes that may decide what a node returns without its being ticked, in the order of evaluation."""

@@ -9,11 +9,10 @@ SKIPPED does.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Handler, Objective, Parallel, Recursive
 from mcpn.mission.robot import FactChange
-from mcpn.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 
 from mcpn.errors import InputError, Problem
 from mcpn.mission.model import (
@@ -21,7 +21,6 @@ from mcpn.mission.model import (
     Use,
 )
 from mcpn.mission.robot import DeclaredEvent, Fact, FactChange, Parameter
-from mcpn.records import dataclass
 from mcpn.trees.ledger import Kind, LedgerEntry
 from mcpn.trees.nodes import PRECONDITIONS, Forest, Tree, TreeNode
 from mcpn.trees.pieces import Part, Result, placed, tidied

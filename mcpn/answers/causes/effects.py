@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import NamedTuple, TypeAlias
 
@@ -13,7 +13,6 @@ from mcpn.mission.expansion.faults import Crash
 from mcpn.mission.flatten import Branch, ElementarySection, ParallelSection
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.static.usage import Usage
-from mcpn.records import dataclass
 
 
 class Severity(IntEnum):

@@ -7,7 +7,7 @@ functioning mode; the shortest runs that show it; how much the mission survives 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -20,7 +20,6 @@ from mcpn.errors import InputError
 from mcpn.mission.flatten import Section
 from mcpn.nets.events import Event
 from mcpn.notebook import Told
-from mcpn.records import dataclass
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.engines import Asked, Choice, answered
 from mcpn.spaces.run import Run

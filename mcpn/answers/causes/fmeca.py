@@ -11,7 +11,7 @@ Source: the columns are those of IEC 60812 (FMEA and FMECA), reduced to what a m
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import compress
 from typing import Generic, NamedTuple, TypeAlias
 
@@ -22,7 +22,6 @@ from mcpn.drawing.templates import Role
 from mcpn.mission.expansion.routes import GO_ON
 from mcpn.mission.flatten import Branch, ElementarySection, ParallelSection
 from mcpn.nets.events import What
-from mcpn.records import dataclass
 from mcpn.spaces.algebra import Alike, S, Space
 from mcpn.spaces.images import ImageStore
 from mcpn.steps import Doing, step

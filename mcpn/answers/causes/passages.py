@@ -22,6 +22,7 @@ after the repair.
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from math import prod
 from typing import NamedTuple
@@ -30,7 +31,6 @@ import numpy as np
 
 from mcpn.answers.causes.chain import Chain, Clocks, Phases
 from mcpn.answers.causes.linear_systems import MOST_DENSE, Elimination, Floats, solver_of
-from mcpn.records import dataclass
 from mcpn.spaces.markings.graph import Ints, Mask
 
 MOST_BYTES = 1 << 30

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Set
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property, reduce
 from itertools import chain, product
 from operator import or_
@@ -24,7 +24,6 @@ from mcpn.drawing.compose import MissionNet
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, Section
 from mcpn.mission.static.handover import entries
 from mcpn.nets.events import ENDING, Event, What
-from mcpn.records import dataclass
 from mcpn.spaces.algebra import Alike, Edge, Piece, S, Space, Without, partition
 from mcpn.spaces.images import ImageStore
 from mcpn.spaces.memoized import memoized

@@ -27,6 +27,7 @@ section. Both give the same numbers but for rounding.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -44,7 +45,6 @@ from mcpn.mission.conditions import all_flags
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.static.warnings import of_objectives
 from mcpn.nets.events import Event, What
-from mcpn.records import dataclass
 from mcpn.spaces.arrays import ArraySet, ArraySpace
 from mcpn.spaces.stable.alternatives import written_out
 from mcpn.steps import Doing, step

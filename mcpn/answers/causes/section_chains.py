@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any
 
@@ -31,7 +32,6 @@ from mcpn.drawing.sections import Element
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import ElementarySection
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
-from mcpn.records import dataclass
 from mcpn.spaces.markings.graph import Ints, Mask
 
 ENDS = (SUCCEED, FAIL, ABORT)

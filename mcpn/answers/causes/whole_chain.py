@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -25,7 +26,6 @@ from mcpn.answers.spaces import spaces_of
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
 from mcpn.nets.events import What
-from mcpn.records import dataclass
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.markings.graph import Ints, Mask
 

@@ -11,9 +11,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TypeAlias
-
-from mcpn.records import dataclass
 
 At: TypeAlias = tuple[bool | None, bool | None]
 """What a letter is at states, and at events: true, false, or what is written for it (``None``)."""

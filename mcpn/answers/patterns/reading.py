@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import partial
 from typing import TypeVar
 
@@ -28,7 +29,6 @@ from mcpn.mission.requirement import (
     formulas_of,
 )
 from mcpn.nets.events import Event, What
-from mcpn.records import dataclass
 from mcpn.sentences import enumeration
 from mcpn.spaces.names import Names
 from mcpn.spaces.search.goal import FALSE, TRUE, And, Formula, Not, Or

@@ -9,6 +9,7 @@ home is not called home. In all other states in which nothing handles it, it is 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 
 from mcpn.answers.verdicts.never import objectives_run
 from mcpn.drawing.compose import MissionNet
@@ -16,7 +17,6 @@ from mcpn.mission.expansion.copies import Copies, Written
 from mcpn.mission.model import ABORT, Block, Holder, Mission, Use, walk
 from mcpn.mission.static.warnings import names_of_objectives
 from mcpn.nets.events import Event, What
-from mcpn.records import dataclass
 from mcpn.sentences import shortened
 from mcpn.spaces.algebra import S, Space
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -26,7 +26,6 @@ from mcpn.mission.model import SUCCEED
 from mcpn.mission.static.warnings import names_of_objectives, static_warnings
 from mcpn.nets.events import What
 from mcpn.notebook import Told
-from mcpn.records import dataclass
 from mcpn.sentences import shortened
 from mcpn.spaces.algebra import S, Space
 from mcpn.spaces.engines import SMALL, Asked, Choice, answered

@@ -8,13 +8,12 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Hashable, Iterable
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cache
 from itertools import compress
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from mcpn._kernel import Zdd
-from mcpn.records import dataclass
 from mcpn.spaces.images import ImageStore
 
 if TYPE_CHECKING:

@@ -10,6 +10,7 @@ but success is reached, and no cycle of them but in a block that is meant to be 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence, Set
+from dataclasses import dataclass
 from typing import Generic
 
 from mcpn.answers.verdicts.never import objectives_run
@@ -20,7 +21,6 @@ from mcpn.mission.model import Mission, walk
 from mcpn.mission.static.warnings import names_of_objectives
 from mcpn.nets.events import Event, What
 from mcpn.nets.petri import Marking
-from mcpn.records import dataclass
 from mcpn.sentences import enumeration, shortened
 from mcpn.spaces.algebra import Edge, S, Space
 from mcpn.spaces.run import Run, transitions_of

@@ -6,6 +6,7 @@ Such an abort is no safe end. So neither the verdict nor the cut sets of safe en
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from itertools import product
 from typing import Generic
 
@@ -13,7 +14,6 @@ from mcpn.answers.verdicts.nominal import nominal_transitions
 from mcpn.drawing.compose import MissionNet
 from mcpn.mission.graph import ElementarySection
 from mcpn.nets.events import Event, What
-from mcpn.records import dataclass
 from mcpn.spaces.algebra import S, Space
 from mcpn.spaces.run import Run, transitions_of
 

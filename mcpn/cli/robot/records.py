@@ -8,6 +8,7 @@ import signal
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +16,6 @@ import click
 
 from mcpn.errors import InputError, Source
 from mcpn.files import no_regular_file, read_bounded, sync_folder, why_not_written, write_atomically
-from mcpn.records import dataclass
 from mcpn.runtime.journal import Journal
 
 if TYPE_CHECKING:

@@ -9,6 +9,7 @@ header says how many literals these have at most.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from mcpn.controller.modular import AnyController, ModularController
 from mcpn.controller.targets.names import (
@@ -22,7 +23,6 @@ from mcpn.controller.targets.names import (
 )
 from mcpn.controller.targets.tables import MachineNumbers, RuleNumbers
 from mcpn.drawing.compose import MissionNet
-from mcpn.records import dataclass
 
 LONGEST_PREFIX = 20
 

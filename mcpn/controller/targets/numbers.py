@@ -12,7 +12,7 @@ aborted, and of a section whichever comes next.
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from mcpn.controller.hierarchy import KINDS, PlacedMachine, SectionMachine
@@ -25,7 +25,6 @@ from mcpn.mission.graph import ElementarySection, ObjectivesGraph
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Parameter
 from mcpn.nets.events import START, Event, What
-from mcpn.records import dataclass
 
 VERBS: tuple[Verb, ...] = ("stop", "release", "select", "start", "disarm", "arm")
 """By number."""

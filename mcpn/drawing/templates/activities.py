@@ -8,13 +8,12 @@ what starts, stops and refuses them, and are drawn by the same code (:class:`_Li
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import field
+from dataclasses import dataclass, field
 from itertools import combinations, product
 
 from mcpn.drawing.templates.canvas import Canvas, Pen
 from mcpn.errors import LimitError
 from mcpn.mission.robot import Activity, Alternative
-from mcpn.records import dataclass
 
 MAX_TOGETHER = 12
 """Resources of one alternative that may wait for answers: each way in which they may answer is drawn."""

@@ -16,9 +16,9 @@ The contract of the kit (:mod:`mcpn.testing.kit.contract`) and its tables in the
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 from mcpn.nets.events import What
-from mcpn.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ the handler handles consumes *open* and produces *happened*; the transition of t
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
@@ -15,7 +16,6 @@ from mcpn.drawing.templates.canvas import Canvas, Pen
 from mcpn.drawing.templates.facts import ways
 from mcpn.mission.flatten import ElementarySection, ParallelSection, Section
 from mcpn.nets.events import Event, What
-from mcpn.records import dataclass
 
 if TYPE_CHECKING:
     from mcpn.drawing.templates.interrupting import Interrupting

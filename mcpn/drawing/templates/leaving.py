@@ -8,6 +8,7 @@ that the block runs, as an event does that interrupts it (:mod:`mcpn.drawing.tem
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from itertools import combinations, compress, product
 from math import comb
 from typing import TypeAlias
@@ -16,7 +17,6 @@ from mcpn.drawing.templates.canvas import MAX_COMBINED, Canvas, Pen
 from mcpn.drawing.templates.facts import Way
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import Branch, ParallelSection
-from mcpn.records import dataclass
 
 Lead: TypeAlias = tuple[str, Way, list[str]]
 """A way that an outcome may lead: its number, empty if there is one alone, facts, places to mark."""

@@ -18,11 +18,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from typing import TypeAlias
 
 from mcpn.errors import LimitError
 from mcpn.logic.ltl.formulas import Happens, Next, Release, Until, atom_of, is_of_paths
-from mcpn.records import dataclass
 from mcpn.spaces.components import strongly_connected
 from mcpn.spaces.search.goal import FALSE, TRUE, And, Formula, Or
 

@@ -7,9 +7,9 @@ state without successors repeats for ever, as in the Model Checking Contest, so 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import partial
 
-from mcpn.records import dataclass
 from mcpn.spaces.search.goal import FALSE, TRUE, And, Formula, Not, Operator, Or, joined
 
 

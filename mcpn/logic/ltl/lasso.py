@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Generic, Literal, TypeAlias, cast
 
 from mcpn.logic.ltl.automaton import Automaton, AutomatonEdge
 from mcpn.logic.ltl.product import Product, ProductEdge, Sets
 from mcpn.nets.petri import PetriNet
-from mcpn.records import dataclass
 from mcpn.spaces.algebra import Edge, S
 from mcpn.spaces.search.goal import Formula, Goal, as_goal, encode
 from mcpn.spaces.search.searches import MAX_BYTES, Searches

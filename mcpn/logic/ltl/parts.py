@@ -9,7 +9,7 @@ known to hold at some time on every path. For a stutter-insensitive formula the 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import chain
 
 from mcpn.errors import LimitError
@@ -18,7 +18,6 @@ from mcpn.logic.ltl.formulas import Release, Until, atom_of, is_of_paths, normal
 from mcpn.logic.ltl.lasso import FoundPath, PathSearch
 from mcpn.nets.petri import PetriNet
 from mcpn.nets.reduction import Reduction, reduce_for_paths
-from mcpn.records import dataclass
 from mcpn.spaces.search.goal import (
     FALSE,
     TRUE,

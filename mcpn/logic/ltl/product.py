@@ -13,12 +13,12 @@ A state without successors repeats for ever, and no step is a firing there.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial, reduce
 from operator import and_, or_
 from typing import Generic
 
 from mcpn.logic.ltl.automaton import Automaton, AutomatonEdge
-from mcpn.records import dataclass
 from mcpn.spaces.algebra import S, Space, by_region
 from mcpn.spaces.search.goal import Formula
 

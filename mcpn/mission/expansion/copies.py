@@ -9,11 +9,11 @@ name means, and by which name all copies of one are told together.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import accumulate
 from typing import TypeAlias, TypeVar
 
-from mcpn.records import dataclass
 from mcpn.sentences import shortened
 
 Written: TypeAlias = tuple[str, str]

@@ -14,12 +14,11 @@ Source: K. N. Fleming, *A reliability model for common mode failures in redundan
 from __future__ import annotations
 
 from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from mcpn.errors import Problem
 from mcpn.mission.near import Hints
 from mcpn.mission.robot import Activity, Alternative, Fault, Hardware, Robot
-from mcpn.records import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,11 +8,10 @@ How routes are chosen by facts is in :mod:`mcpn.mission.flatten` (``deciding``) 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 from mcpn.errors import Source
-from mcpn.records import dataclass
 
 GO_ON = "go on"
 """The exit of what runs while a parallel block pauses, after which it goes on: no block is called so."""

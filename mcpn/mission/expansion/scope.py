@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from itertools import islice, product
 
 from mcpn.errors import LimitError, Problem, Source
@@ -14,7 +14,6 @@ from mcpn.mission.graph import TIMED_OUT
 from mcpn.mission.language.datatypes import MAX_ROUNDS
 from mcpn.mission.model import ROUND, Block, Each, Holder, Parallel, Protocol, Use, walk
 from mcpn.mission.robot import Parameter
-from mcpn.records import dataclass
 
 MAX_NESTING = 128
 MAX_OBJECTIVES = 20_000

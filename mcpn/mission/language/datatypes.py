@@ -5,10 +5,8 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Annotated, Any
-
-from mcpn.records import dataclass
 
 MAX_ROUNDS = 100_000
 """The largest number of rounds or tries that a block may ask for."""

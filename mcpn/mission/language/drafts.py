@@ -9,12 +9,11 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator
 from copy import deepcopy
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from lxml import etree
-
-from mcpn.records import dataclass
 
 if TYPE_CHECKING:
     from mcpn.mission.model import Mission

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Container, Iterable, Iterator
-from dataclasses import MISSING, field, replace
+from dataclasses import MISSING, dataclass, field, replace
 from functools import cache
 from inspect import get_annotations
 from types import UnionType
@@ -18,7 +18,6 @@ from lxml import etree
 from mcpn.mission.language.datatypes import BY_CLASS, Called, Children, Datatype
 from mcpn.mission.model import BlockElement, Import, Mission, Protocols
 from mcpn.mission.robot import Described, Element, Robot
-from mcpn.records import dataclass
 
 NAMESPACE = "urn:mcpn:mission:1"
 ROOTS: tuple[_Element, ...] = (Mission, Robot, Protocols)

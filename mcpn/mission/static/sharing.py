@@ -13,7 +13,7 @@ warned.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -23,7 +23,6 @@ from mcpn.mission.expansion.copies import grouped
 from mcpn.mission.flatten import ParallelSection
 from mcpn.mission.graph import ObjectivesGraph
 from mcpn.mission.model import Mission
-from mcpn.records import dataclass
 
 if TYPE_CHECKING:
     from mcpn.mission.static.usage import Usage

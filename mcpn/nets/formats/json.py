@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -17,7 +18,6 @@ from mcpn.errors import InputError, Source
 from mcpn.nets.events import Event
 from mcpn.nets.formats.counts import MAX_COUNT, MAX_DIGITS, check_counts
 from mcpn.nets.petri import Arcs, NetBuilder, PetriNet, Provenance
-from mcpn.records import dataclass
 
 
 def write_json(net: PetriNet) -> str:

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
 from typing import NoReturn
@@ -26,7 +27,6 @@ from mcpn.errors import InputError, Source
 from mcpn.nets.events import Event
 from mcpn.nets.formats.counts import MAX_COUNT, MAX_DIGITS, check_counts, read_count
 from mcpn.nets.petri import NetBuilder, PetriNet
-from mcpn.records import dataclass
 
 # Each alternative starts with other characters and none backtracks: the scan takes linear time.
 _TOKEN = re.compile(

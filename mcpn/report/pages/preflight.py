@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from mcpn.answers.safety import single_losses as alone
-from mcpn.records import dataclass
 from mcpn.report.words import folded
 from mcpn.sentences import enumeration
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.causes.cutsets import CutSet, Moment
 from mcpn.answers.verdicts.mission import NOMINAL
 from mcpn.nets.events import Event
-from mcpn.records import dataclass
 from mcpn.report.failures.terminal import without_a_rate
 from mcpn.report.pages.live import nominal_run, strip
 from mcpn.report.pages.preflight import single_losses

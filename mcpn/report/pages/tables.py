@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from mcpn.answers.causes.effects import NOT_HERE
 from mcpn.answers.names import MissionNames
-from mcpn.records import dataclass
 from mcpn.report.failures.tables import COLUMNS, fmeca_rows
 from mcpn.report.failures.terminal import risk_counts
 from mcpn.report.words import MOST_NAMED, modes_in_words, modes_together, what_happens

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 from mcpn.mission.expansion.pauses import suffix_at
 from mcpn.mission.expansion.recovery import pausing, recovering, suffixes
@@ -20,7 +21,6 @@ from mcpn.mission.model import (
     Recursive,
     Use,
 )
-from mcpn.records import dataclass
 
 
 @dataclass(frozen=True)

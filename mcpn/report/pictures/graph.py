@@ -10,12 +10,11 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from importlib import import_module
 from typing import Any, Self, TypeAlias
 
 from mcpn.errors import LimitError
-from mcpn.records import dataclass
 from mcpn.report.pictures.drawing import Drawing, rendered
 from mcpn.report.pictures.layout import shown, text_width
 

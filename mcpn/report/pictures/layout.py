@@ -10,11 +10,10 @@ from __future__ import annotations
 
 import unicodedata
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission
-from mcpn.records import dataclass
 from mcpn.report.pictures.boxes import Box, facts_said
 
 PAD, LANE, GAP, ROW, HEAD, EXIT, LINE = 12, 14, 28, 19, 24, 22, 15

@@ -8,7 +8,7 @@ mission is drawn by its sections.
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from mcpn.answers.spaces import MissionSpaces
 from mcpn.answers.verdicts.modes import Situation, situation
@@ -20,7 +20,6 @@ from mcpn.drawing.sections import SectionParts, part_of
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.graph import ObjectivesGraph, names_in
 from mcpn.nets.events import Event, What
-from mcpn.records import dataclass
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.report.pictures.graph import Arrow, Cluster, Graph, Node, Placed, drawing, lay_out_all
 from mcpn.report.pictures.objectives import ENDS, objectives_picture

@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mcpn.errors import InputError, Source
 from mcpn.files import write_atomically
-from mcpn.records import dataclass
 from mcpn.report.pictures.drawing import KNOWN, needed
 from mcpn.report.terminal import plain
 

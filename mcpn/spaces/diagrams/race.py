@@ -17,13 +17,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Generator, Iterator
-from dataclasses import field
+from dataclasses import dataclass, field
 from math import isqrt
 from typing import TYPE_CHECKING, Generic, Protocol, TypeAlias, TypeVar, cast
 
 from mcpn._kernel import BudgetExceeded, Cancelled, MemoryLimit
 from mcpn.errors import McpnError
-from mcpn.records import dataclass
 
 if TYPE_CHECKING:
     from concurrent.futures import Future

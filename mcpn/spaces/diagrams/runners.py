@@ -8,7 +8,7 @@ the queue runs dry. And it ends at the latest when its memory is full.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from itertools import islice
 from math import inf, log2
 from typing import TYPE_CHECKING
@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING
 from mcpn._kernel import BudgetExceeded, Cancelled
 from mcpn.errors import UnsafeError
 from mcpn.nets.petri import PetriNet
-from mcpn.records import dataclass
 from mcpn.spaces.diagrams.encoding import Encoding
 from mcpn.spaces.diagrams.order import Order, candidates
 from mcpn.spaces.diagrams.symbolic import Encode, ListedMarkings, SymbolicSpace, close

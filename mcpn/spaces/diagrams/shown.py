@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from mcpn._kernel import Zdd
 from mcpn.errors import LimitError
 from mcpn.nets.petri import PetriNet
-from mcpn.records import dataclass
 from mcpn.spaces.diagrams.encoding import Levels
 
 if TYPE_CHECKING:

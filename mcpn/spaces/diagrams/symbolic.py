@@ -9,6 +9,7 @@ is new.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import chain
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -16,7 +17,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from mcpn._kernel import MemoryLimit, Zdd
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.nets.petri import PetriNet, Provenance
-from mcpn.records import dataclass
 from mcpn.spaces.diagrams.encoding import Clock, Encoding, behind, distinct, leading, passing
 from mcpn.spaces.diagrams.order import Order
 from mcpn.spaces.diagrams.race import FIRST_BUDGET, Race, Work, cores, finished

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Collection, Generator, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from math import floor, inf, isinf, lcm
 from typing import TYPE_CHECKING
@@ -21,7 +22,6 @@ from mcpn.nets.petri import Arcs, PetriNet
 from mcpn.nets.programs import minimise
 from mcpn.nets.siphons import p_semiflows
 from mcpn.nets.structure import changes, incidence, needs, place_bounds
-from mcpn.records import dataclass
 from mcpn.spaces.markings.explicit import DEFAULT_MAX_MEMORY, MAX_MARKINGS, Counts, count, explore
 from mcpn.steps import telling
 

@@ -7,13 +7,13 @@ beside a place that changed are looked at again.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from mcpn._kernel import Exploration, MemoryLimit, SafeNet, StateLimit
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.nets.petri import PetriNet
-from mcpn.records import dataclass
 from mcpn.steps import telling
 
 if TYPE_CHECKING:

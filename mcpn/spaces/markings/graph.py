@@ -7,7 +7,7 @@ rows (CSR), those of state ``s`` at ``offsets[s]:offsets[s + 1]``, in the order 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -28,7 +28,6 @@ from mcpn._kernel import (
 from mcpn.errors import LimitError
 from mcpn.nets.petri import PetriNet
 from mcpn.notebook import Drawn
-from mcpn.records import dataclass
 
 if TYPE_CHECKING:
     import networkx as nx

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import chain
@@ -25,7 +25,6 @@ from typing import Literal, TypeAlias
 from mcpn.nets.petri import PetriNet
 from mcpn.nets.programs import LinearProgram, Solved, ceiling, proposed
 from mcpn.nets.structure import incidence, place_bounds
-from mcpn.records import dataclass
 from mcpn.spaces.search.goal import DEADLOCK, And, AtMost, Goal, Or, as_goal, fireable
 
 WHOLE = 1e-6

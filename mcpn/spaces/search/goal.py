@@ -15,6 +15,7 @@ AtMost(weights=((1, 1),), bound=0)
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import TypeAlias
 
@@ -22,7 +23,6 @@ from mcpn._kernel import Goals
 from mcpn.errors import LimitError
 from mcpn.nets.petri import EVENTS, PetriNet
 from mcpn.nets.structure import needs
-from mcpn.records import dataclass
 
 FARTHEST = 2**62
 """Sums of tokens in searches are nearer than this bound."""

@@ -20,13 +20,13 @@ True
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import chain
 from math import inf
 
 from mcpn.nets.petri import Marking, PetriNet
 from mcpn.nets.programs import minimise
 from mcpn.nets.structure import SCALES, Sparse, changes, needs
-from mcpn.records import dataclass
 from mcpn.spaces.search.equation import Proof, StateEquation
 from mcpn.spaces.search.goal import And, AtMost, Goal, Or, marked
 from mcpn.spaces.search.searches import Searches

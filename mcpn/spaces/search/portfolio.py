@@ -9,10 +9,10 @@ Budgets are counts of firings and markings, never seconds, so that the same ques
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 
 from mcpn.nets.petri import PetriNet
 from mcpn.nets.reduction import Reduction, reduce_for_deadlock, reduce_for_goal
-from mcpn.records import dataclass
 from mcpn.spaces.search import (
     EXPLICIT,
     INITIAL_STATE,

@@ -9,6 +9,7 @@ from __future__ import annotations
 import random
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, TypeAlias, cast
 
@@ -16,7 +17,6 @@ from mcpn._kernel import TokenNet
 from mcpn.errors import UnsafeError
 from mcpn.nets.petri import PetriNet
 from mcpn.nets.structure import changes, needs
-from mcpn.records import dataclass
 from mcpn.spaces.markings.explicit import unsafe_at_start
 from mcpn.spaces.search.goal import Goal, encode, holds
 

@@ -10,7 +10,7 @@ kernel.
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -19,7 +19,6 @@ from mcpn._kernel import stable_ends
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.nets.events import Event
 from mcpn.nets.petri import PetriNet
-from mcpn.records import dataclass
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.markings.graph import Ints, Mask, StateGraph, pack

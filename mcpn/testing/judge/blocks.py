@@ -8,7 +8,7 @@ many copies of its block there are.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 from mcpn.mission.model import (
@@ -29,7 +29,6 @@ from mcpn.mission.model import (
     Use,
 )
 from mcpn.mission.robot import FactChange, Parameter
-from mcpn.records import dataclass
 
 TIMED_OUT = "timed out"
 """The exit of a copy of an objective whose time is over, where the objective says where that leads."""

@@ -8,11 +8,10 @@ and agree on an answer are still found wrong.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Handler, Mission, walk
-from mcpn.records import dataclass
 from mcpn.testing.judge.blocks import TIMED_OUT, WrittenBlock, written_out
 from mcpn.testing.judge.robot import REFUSED, Acting, Activities, At, Reactions, so
 

@@ -12,13 +12,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cache
 
 from mcpn.mission.model import Mission
 from mcpn.mission.robot import Activity, Alternative
-from mcpn.records import dataclass
 
 
 class Acting(StrEnum):

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import MISSING, fields, is_dataclass, replace
+from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from itertools import chain
 from typing import Any
 
@@ -26,7 +26,6 @@ from mcpn.errors import InputError, LimitError
 from mcpn.mission.model import Mission
 from mcpn.mission.robot import Activity
 from mcpn.mission.validate import find_errors
-from mcpn.records import dataclass
 from mcpn.testing import Shape, missions
 from mcpn.testing.data import data_sharing_missions
 from mcpn.testing.kit.corpus import MISSIONS, NEEDED_WHOLE
