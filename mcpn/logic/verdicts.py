@@ -17,6 +17,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain, count
+from math import inf
 from typing import TYPE_CHECKING, TypeAlias
 
 from mcpn._kernel import Store
@@ -225,8 +226,9 @@ class _Answers:
             if number == 0 and self.there and questions.searchable:
                 yield from self.by_search()
             steps = LOCAL_STEPS[min(1 + number, len(LOCAL_STEPS) - 1)]
-            yield from self.by_need(steps, among=tried)
-            yield from self.by_paths(steps, enrich=True, among=tried)
+            until = (now := time.process_time()) + (now - begun)
+            yield from self.by_need(steps, among=tried, until=until)
+            yield from self.by_paths(steps, enrich=True, among=tried, until=until)
 
     def shown(self, formula: Formula, holds: bool, ways: Sequence[str]) -> tuple[Witness, Choice | NoSpace]:
         """The run that shows the value of a formula, and who has answered."""
@@ -471,6 +473,7 @@ class _Answers:
         searched: bool = True,
         runs: bool = False,
         among: Container[str] | None = None,
+        until: float = inf,
     ) -> Iterator[ContestAnswer]:
         """Asks markings as they are needed, so many steps for each part.
 
@@ -479,6 +482,7 @@ class _Answers:
             searched: Whether parts are asked that a search may decide.
             runs: Whether a part that holds is answered although no run is known that shows it.
             among: Names of the questions whose parts are asked; by default all.
+            until: Seconds of CPU time of this process after which no other part is asked.
         """
         asked = [part for part in (*self.parts(), *self.nested) if not says_paths(part)]
         counted = {*self.parts(among), *self.nested}
@@ -494,7 +498,7 @@ class _Answers:
         self.local.ask(asked)
         came = self.raced()
         for part in parts:
-            if came():
+            if came() or time.process_time() > until:
                 return
             value = self.local.decide(part, self.paced(steps), seed=self.rounds)
             # EX is shown by one step; other parts that hold need a run, which is not known.
@@ -503,7 +507,12 @@ class _Answers:
         self.rounds += 1
 
     def by_paths(
-        self, steps: int, *, enrich: bool = False, among: Container[str] | None = None
+        self,
+        steps: int,
+        *,
+        enrich: bool = False,
+        among: Container[str] | None = None,
+        until: float = inf,
     ) -> Iterator[ContestAnswer]:
         """Looks for paths that parts ask for, marking by marking, so many steps for each part.
 
@@ -511,6 +520,7 @@ class _Answers:
             steps: How many.
             enrich: Whether to ask first what holds always, or never.
             among: Names of the questions whose parts are asked; by default all.
+            until: Seconds of CPU time of this process after which no other part is asked.
         """
         yield from self.bounded()
         # Others are asked marking by marking as well, and the space is quicker, once it is there.
@@ -527,7 +537,7 @@ class _Answers:
         self.path_rounds += 1
         came = self.raced()
         for part in parts:
-            if came():
+            if came() or time.process_time() > until:
                 return
             path = on_one_path(part, self.net)
             if path is None:
