@@ -261,9 +261,11 @@ class _Answers:
         """Whether the space is there, needs no run to show its answers, and is quick or can be broken off."""
         if self.typed or not self.questions.made:
             return False
+        space = self.questions.space
+        if isinstance(space, DiagramMarkings | DiagramAlternatives):
+            return True
         from mcpn.spaces.arrays import ArraySpace
 
-        space = self.questions.space
         return not isinstance(space, ArraySpace) or space.graph.states <= QUICK
 
     # --- what waits ---

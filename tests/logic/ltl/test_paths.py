@@ -154,6 +154,7 @@ def test_automata_and_tableaux_find_the_same(net: PetriNet, data: st.DataObject)
                 assert_shown(evaluation, alone, written, edges)
 
 
+@fewer(0.2)  # hundreds of formulas each
 @given(NETS, st.sampled_from(["", "!"]))
 def test_one_operator_on_two_conditions_is_asked_state_by_state(net: PetriNet, negated: str) -> None:
     """All pairs of places, since few are both so for a while and then neither."""
