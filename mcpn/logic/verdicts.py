@@ -13,14 +13,12 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Container, Iterable, Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain, count
 from math import inf
 from typing import TYPE_CHECKING, TypeAlias
 
-from mcpn._kernel import Store
 from mcpn.errors import InputError, LimitError, McpnError
 from mcpn.logic.evaluate import largest
 from mcpn.logic.formulas import EG, EU, EX, on_one_path, says_paths
@@ -28,6 +26,7 @@ from mcpn.logic.known import SOME_DEADLOCK, Known
 from mcpn.logic.questions import Answer, Questions
 from mcpn.logic.simplify import at_first, bounds_of, conditions, parts_at_first
 from mcpn.logic.witness import NoRun, Witness, explain
+from mcpn.spaces.diagrams.slices import within_seconds
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.spaces.engines import Asked, Choice, NoSpace
 from mcpn.spaces.search import EXPLICIT, HOME, INITIAL_STATE, RANDOM_WALK, STATE_EQUATION
@@ -90,10 +89,6 @@ class ContestAnswer:
 
     def __str__(self) -> str:
         return f"FORMULA {self.name} {self.value} TECHNIQUES {' '.join(self.techniques)}"
-
-
-class _SliceSpent(Exception):
-    """A formula has had its time slice."""
 
 
 def answer_all(
@@ -216,7 +211,7 @@ class _Answers:
                     break
                 value = None
                 tried[name] += 1
-                with _limited(store, FIRST_SLICE * SLICE_FACTOR ** (tried[name] - 1)):
+                with within_seconds(store, FIRST_SLICE * SLICE_FACTOR ** (tried[name] - 1)):
                     value = self.by_space(name)
                 if value is not None:
                     yield from self.answer(name, value, _technique(questions.choice.engine))
@@ -225,8 +220,8 @@ class _Answers:
             # Those whose slice has not done are asked of markings for about as long, all once of searches.
             if number == 0 and self.there and questions.searchable:
                 yield from self.by_search()
-            steps = LOCAL_STEPS[min(1 + number, len(LOCAL_STEPS) - 1)]
-            until = (now := time.process_time()) + (now - begun)
+            steps, now = LOCAL_STEPS[min(1 + number, len(LOCAL_STEPS) - 1)], time.process_time()
+            until = now + (now - begun)
             yield from self.by_need(steps, among=tried, until=until)
             yield from self.by_paths(steps, enrich=True, among=tried, until=until)
 
@@ -380,7 +375,7 @@ class _Answers:
         for name, asked in list(self.waiting.items()):
             if name in self.waiting and not isinstance(asked, Formula) and asked != ONE_SAFE:
                 value = None
-                with _limited(store, FIRST_SLICE):
+                with within_seconds(store, FIRST_SLICE):
                     value = self.by_space(name)
                 if value is not None:
                     yield from self.answer(name, value, _technique(self.questions.choice.engine))
@@ -576,29 +571,6 @@ def _asks_firing(asked: Meaning) -> bool:
 
 def _technique(engine: Asked) -> str:
     return {"explicit": EXPLICIT, "local": COMPOSITION}.get(engine, DIAGRAMS)
-
-
-@contextmanager
-def _limited(store: Store | None, seconds: float) -> Iterator[None]:
-    """Ends what is inside when a diagram has had so much CPU time, whatever else the machine does."""
-    if store is None:
-        yield
-        return
-    before, until = store.progress, time.process_time() + seconds
-
-    def watch(nodes: int) -> None:
-        if before is not None:
-            before(nodes)
-        if time.process_time() > until:
-            raise _SliceSpent
-
-    store.progress = watch
-    try:
-        yield
-    except _SliceSpent:
-        pass
-    finally:
-        store.progress = before
 
 
 def _effort(meaning: Meaning) -> int:
