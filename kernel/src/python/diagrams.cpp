@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cstring>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -192,9 +191,7 @@ void bind_diagrams(nb::module_& module) {
         return computed(s, [&](Store& store) { return store.singleton(levels); });
       }, nb::arg("marked"))
       .def("from_bytes", [](const std::shared_ptr<PyStore>& s, const nb::bytes& data) {
-        if (data.size() % sizeof(std::uint32_t)) throw std::invalid_argument("no table of a set: rows are triples");
-        std::vector<std::uint32_t> rows(data.size() / sizeof(std::uint32_t));
-        if (!rows.empty()) std::memcpy(rows.data(), data.c_str(), data.size());
+        const std::vector<std::uint32_t> rows = numbers_of(data, "no table of a set: rows are triples");
         return computed(s, [&](Store& store) { return store.from_table(rows); });
       }, nb::arg("data"))
       .def("from_markings", [](const std::shared_ptr<PyStore>& s, const nb::ndarray<const std::uint64_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>& rows,

@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cstdint>
+#include <cstring>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +25,14 @@ inline constexpr const char* kBusy = "the store is at work for another thread";
 inline constexpr Level kMostLevels = 1u << 20;
 
 using Ids = std::vector<std::uint64_t>;
+
+// Numbers that Python holds as bytes. Nothing is copied from no bytes, which have no address.
+inline std::vector<std::uint32_t> numbers_of(const nanobind::bytes& data, const char* otherwise) {
+  if (data.size() % sizeof(std::uint32_t)) throw std::invalid_argument(otherwise);
+  std::vector<std::uint32_t> found(data.size() / sizeof(std::uint32_t));
+  if (!found.empty()) std::memcpy(found.data(), data.c_str(), data.size());
+  return found;
+}
 
 // What Python calls an event or a condition: the store's number above, a suffix below.
 inline std::atomic<std::uint32_t> stores_made{0};

@@ -6,7 +6,6 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include <cstring>
 #include <span>
 #include <string>
 #include <tuple>
@@ -50,10 +49,8 @@ nb::bytes packed(const Ways& ways) {
 }
 
 BigStepsOf unpacked(const nb::bytes& data, Level levels) {
-  const std::size_t size = data.size() / sizeof(std::uint32_t);
-  if (data.size() % sizeof(std::uint32_t)) throw std::invalid_argument("no big steps");
-  Numbers rows(size);
-  std::memcpy(rows.data(), data.c_str(), data.size());
+  const Numbers rows = numbers_of(data, "no big steps");
+  const std::size_t size = rows.size();
   BigStepsOf found;
   for (std::size_t at = 0; at < size;) {
     const bool function = rows[at] == kFunction;
