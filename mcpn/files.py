@@ -206,7 +206,7 @@ def write_folder(folder: Path, files: Mapping[str, bytes | str]) -> None:
             with suppress(OSError):
                 directory.rmdir()
         if isinstance(error, OSError | ValueError):
-            file = next((of for of in (at, *at.parents) if of.is_file()), None)
+            file = next((parent for parent in (at, *at.parents) if parent.is_file()), None)
             why = getattr(error, "strerror", None) or error if file is None else f"{file} is a file"
             raise InputError.at(Source(str(at)), f"cannot be made a directory: {why}") from error
         raise

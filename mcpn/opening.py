@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def open_study(
-    of: str | Path | Mission | MissionNet | PetriNet,
+    subject: str | Path | Mission | MissionNet | PetriNet,
     *,
     import_root: str | Path | None = None,
     templates: TemplateSet | None = None,
@@ -24,7 +24,7 @@ def open_study(
     """Opens a mission or a net to ask questions about it; ``mcpn.open`` is its name for users.
 
     Args:
-        of: The file of a mission or a net (``.net``, ``.pnml``, ``.json``), or what has been read already.
+        subject: The file of a mission or a net (``.net``, ``.pnml``, ``.json``), or what is read already.
         import_root: The directory that imports of a mission must stay in; by default the mission's own.
         templates: What draws the net of a mission; the paper's by default.
 
@@ -38,9 +38,9 @@ def open_study(
         >>> study.states().states, study.check().stable_sizes
         (44299, (260, 1332))
     """
-    file = Path(of) if isinstance(of, (str, Path)) else None
+    file = Path(subject) if isinstance(subject, (str, Path)) else None
     root = None if import_root is None else Path(import_root)
-    found = _read(Path(of), root) if isinstance(of, (str, Path)) else of
+    found = _read(Path(subject), root) if isinstance(subject, (str, Path)) else subject
     if isinstance(found, PetriNet) and templates is not None:
         source = None if file is None else Source(str(file))
         raise InputError.at(source, "found a net, expected a mission: templates draw missions")

@@ -58,7 +58,7 @@ class Study:
     :class:`mcpn.errors.InputError` for a net.
 
     Args:
-        of: The mission, its net where it has been composed already, or a net of no mission.
+        subject: The mission, its net where it has been composed already, or a net of no mission.
         templates: The templates to compose with, or that the net was composed with; the paper's by default.
         file: Where it has been read from; errors say so. An attribute, too.
 
@@ -71,38 +71,44 @@ class Study:
 
     def __init__(
         self,
-        of: Mission | MissionNet | PetriNet,
+        subject: Mission | MissionNet | PetriNet,
         *,
         templates: TemplateSet | None = None,
         file: Path | None = None,
     ) -> None:
-        self._of = of
+        self._subject = subject
         self._templates = templates
         self.file = file
         self._questions: dict[object, Questions] = {}
 
     def __repr__(self) -> str:
-        of = self._of
-        what = "net" if isinstance(of, PetriNet) else "mission"
-        return f"<study of the {what} {of.mission.name if hasattr(of, 'mission') else of.name}>"
+        subject = self._subject
+        what = "net" if isinstance(subject, PetriNet) else "mission"
+        return (
+            f"<study of the {what} {subject.mission.name if hasattr(subject, 'mission') else subject.name}>"
+        )
 
     @property
     def is_net(self) -> bool:
         """Whether it is a net of no mission."""
-        return isinstance(self._of, PetriNet)
+        return isinstance(self._subject, PetriNet)
 
     @cached_property
     def spaces(self) -> Spaces:
         """Its spaces, built or not; here the net of a mission is composed."""
-        if isinstance(self._of, PetriNet):
+        if isinstance(self._subject, PetriNet):
             from mcpn.spaces.kept import Spaces
 
-            return Spaces(self._of)
+            return Spaces(self._subject)
         from mcpn.answers.spaces import MissionSpaces
         from mcpn.drawing.compose import MissionNet, compose
 
-        of = self._of if isinstance(self._of, MissionNet) else compose(self._of, self._templates)
-        return MissionSpaces(of, templates=self._templates)
+        mission_net = (
+            self._subject
+            if isinstance(self._subject, MissionNet)
+            else compose(self._subject, self._templates)
+        )
+        return MissionSpaces(mission_net, templates=self._templates)
 
     @property
     def net(self) -> PetriNet:
@@ -161,8 +167,8 @@ class Study:
         """What :meth:`check` gives of a mission: verdicts with their runs, sizes, functioning modes."""
         from mcpn.answers.verdicts.mission import check
 
-        of = self.mission_spaces("whether a mission can succeed")
-        return check(of, engine=engine, max_states=max_states)
+        spaces = self.mission_spaces("whether a mission can succeed")
+        return check(spaces, engine=engine, max_states=max_states)
 
     def behaviour(self, *, max_states: int | None = None) -> NetCheck:
         """What :meth:`check` gives of a net: bounds, deadlocks, liveness; of a mission, those of its net."""
@@ -317,8 +323,8 @@ class Study:
         """Asks the questions of a safety engineer; see :func:`mcpn.answers.safety.robot_safety`."""
         from mcpn.answers.safety import robot_safety
 
-        of = self.mission_spaces("whether the robot is safe")
-        return robot_safety(of, dangerous=dangerous, stops=stops, engine=engine, max_states=max_states)
+        spaces = self.mission_spaces("whether the robot is safe")
+        return robot_safety(spaces, dangerous=dangerous, stops=stops, engine=engine, max_states=max_states)
 
     def alternatives(self, *, engine: Asked = "auto", max_states: int | None = None) -> Space[Any]:
         """The alternatives graph of the mission: its stable states, and an edge for each event.
@@ -373,8 +379,8 @@ class Study:
             return graph
         from mcpn.answers.verdicts.modes import in_fields, situation
 
-        of = self.mission_net
-        return replace(graph, told=lambda marking: in_fields(situation(of, marking)))
+        mission_net = self.mission_net
+        return replace(graph, told=lambda marking: in_fields(situation(mission_net, marking)))
 
     def controller(
         self,

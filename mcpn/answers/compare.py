@@ -122,13 +122,13 @@ def measure(
     if isinstance(subject, Mission):
         subjects.append(("local", subject))
     found, problems = [], list[McpnError | None]()
-    for engine, of in subjects:
+    for engine, subject_of in subjects:
         if (reason := (without or {}).get(engine)) is not None:
             found.append(Measurement(engine, None, 0.0, None, reason))
             continue
         runs = list[Measurement]()
         while not runs or (len(runs) < repeats and runs[-1].sizes is not None):
-            run, problem = _in_own_process(of, engine, max_states, seconds)
+            run, problem = _in_own_process(subject_of, engine, max_states, seconds)
             runs.append(run)
             problems.append(problem)
         found.append(_joined(runs))
@@ -275,13 +275,13 @@ def _run(
     wall = cpu = 0.0
     try:
         summarise(NetBuilder("for imports alone").build(), "symbolic" if engine == "local" else engine)
-        of = MissionSpaces(compose(subject)) if isinstance(subject, Mission) else Spaces(subject)
+        spaces = MissionSpaces(compose(subject)) if isinstance(subject, Mission) else Spaces(subject)
         wall, cpu = time.perf_counter(), time.process_time()
         if engine == "local":
-            stable = spaces_of(of).composite().everything.count()
+            stable = spaces_of(spaces).composite().everything.count()
             sizes = {**dict.fromkeys((*SIZES, *DIAGRAM)), "stable_states": stable}
         else:
-            summary = summarise(of, engine, max_states=max_states, seconds=seconds)
+            summary = summarise(spaces, engine, max_states=max_states, seconds=seconds)
             sizes = {name: getattr(summary, name) for name in (*SIZES, *DIAGRAM)}
             order = summary.order
     except (LimitError, SemanticsError) as error:

@@ -147,7 +147,7 @@ class MissionNames(Names):
             return f"done({name})={BOOLEAN_VALUES[True]}"
         fact = facts[known(name, [known for known in facts if objective_done(known) is None], "fact")]
         if value is None and not is_boolean(fact):
-            values = " or ".join(f"fact({name})={of}" for of in fact.values)
+            values = " or ".join(f"fact({name})={value}" for value in fact.values)
             raise InputError.at(None, f"expected {values}, found fact({name}) alone")
         said = BOOLEAN_VALUES[True] if value is None else known(value, fact.values, f"value of {name}")
         return f"{name}={said}"
@@ -220,7 +220,9 @@ def expected(name: str, mission: Mission, also: Collection[str] = ()) -> NoRetur
         raise InputError.at(None, f"{name} alone says nothing: expected {said}")
     from difflib import get_close_matches
 
-    near = next((found for of in (ENDINGS, by_name, also) if (found := get_close_matches(name, of, n=1))), [])
+    near = next(
+        (found for known in (ENDINGS, by_name, also) if (found := get_close_matches(name, known, n=1))), []
+    )
     near = [word for each in near for word in by_name.get(each, [each])]
     hint = f"did you mean {' or '.join(dict.fromkeys(near))}?" if near else EXPECTED
     raise InputError.at(None, f"no word is named {name}; {hint}")
@@ -325,8 +327,8 @@ def vocabulary(mission_net: MissionNet) -> Vocabulary:
 
     def folded(known: Mapping[str, str | None]) -> tuple[NamedWord, ...]:
         return tuple(
-            NamedWord(name, tuple(of) if of != [name] else (), known[of[0]])
-            for name, of in names.folded(known).items()
+            NamedWord(name, tuple(copies) if copies != [name] else (), known[copies[0]])
+            for name, copies in names.folded(known).items()
         )
 
     return Vocabulary(

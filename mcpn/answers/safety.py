@@ -68,7 +68,7 @@ class SafetyAnswer:
 
 
 def robot_safety(
-    of: MissionSubject,
+    subject: MissionSubject,
     *,
     dangerous: Sequence[str] = (),
     stops: Sequence[str] = (),
@@ -78,7 +78,7 @@ def robot_safety(
     """Asks the questions of safety of a mission.
 
     Args:
-        of: The mission's spaces, or its net.
+        subject: The mission's spaces, or its net.
         dangerous: Activities that must not run after a stop.
         stops: Events that stop the robot, by their names.
         engine: Who answers; see :func:`mcpn.answers.verdicts.mission.check`.
@@ -98,7 +98,7 @@ def robot_safety(
     from mcpn.logic.syntax import parse
     from mcpn.logic.witness import explain
 
-    spaces = spaces_of(of)
+    spaces = spaces_of(subject)
     names = MissionNames(spaces.mission)
     formulas = {
         (stop, activity): f"G (happens({stop}) -> X G !activity({activity}))"

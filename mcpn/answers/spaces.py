@@ -195,17 +195,17 @@ class MissionSpaces(Spaces):
         return local_graph(self.mission, name, max_states, self.templates)
 
 
-def spaces_of(of: MissionSubject) -> MissionSpaces:
+def spaces_of(subject: MissionSubject) -> MissionSpaces:
     """The spaces of a mission's net; those that are given, if they are.
 
     Raises:
         InputError: These are the spaces of a net of no mission.
     """
-    if isinstance(of, MissionSpaces):
-        return of
-    if isinstance(of, Spaces):
-        raise InputError.at(None, f"{of.net.name} is a net of no mission: expected a mission")
-    return MissionSpaces(of)
+    if isinstance(subject, MissionSpaces):
+        return subject
+    if isinstance(subject, Spaces):
+        raise InputError.at(None, f"{subject.net.name} is a net of no mission: expected a mission")
+    return MissionSpaces(subject)
 
 
 def too_much_hardware(mission_net: MissionNet, limit: int) -> str | None:

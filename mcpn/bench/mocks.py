@@ -112,7 +112,9 @@ def mocks(imported: Imported, mission_net: MissionNet, checked: MissionCheck, ca
             left.append((name, str(why)))
     for names in sets:
         name = f"without {_and(names)}"
-        failing = {o for o, of in causes.objectives.items() if any(set(s) <= set(names) for s in of.cut_sets)}
+        failing = {
+            o for o, found in causes.objectives.items() if any(set(s) <= set(names) for s in found.cut_sets)
+        }
         try:
             found.append(player.without(name, failing))
         except _Unplayable as why:
@@ -146,8 +148,8 @@ class _RulePlayer:
         self.filters = filters(imported.forest, self.leaves)
         self.copies = mission_net.graph.copies
         known = {name: self.leaf(name) for name in self.copies.objectives}
-        self.of: dict[str, Instance] = {name: leaf for name, leaf in known.items() if leaf is not None}
-        texts = (imported.mission.blocks, *(of.blocks for of in imported.mission.protocols))
+        self.leaf_of: dict[str, Instance] = {name: leaf for name, leaf in known.items() if leaf is not None}
+        texts = (imported.mission.blocks, *(protocol.blocks for protocol in imported.mission.protocols))
         written = {block.name for blocks in texts for block in walk(blocks)}
         if not any(standing.path[-1] in written for standing in self.copies.objectives.values()):
             tree, own = imported.ledger.file, mission_net.mission.source
@@ -171,10 +173,10 @@ class _RulePlayer:
         """Leaves that always fail, and all others that always succeed: the tree must not succeed."""
         if self.kind is Kind.LEFT_OUT:
             raise _Unplayable("parts of the tree are left out of the mission")
-        lost = {self.of[objective].place for objective in failing if objective in self.of}
+        lost = {self.leaf_of[objective].place for objective in failing if objective in self.leaf_of}
         if not lost:
             raise _Unplayable("no leaf of the tree fails by it")
-        other = sorted(o for o in failing if o not in self.of)
+        other = sorted(o for o in failing if o not in self.leaf_of)
         if other:
             raise _Unplayable(f"{other[0]}, which is no leaf of the tree, fails by it too")
         rules = {}
@@ -242,7 +244,11 @@ class _RulePlayer:
         own = self.mission_net.mission.name
         drawn = self.mission_net.net
         ends = ("success", "failure", "abort")
-        roles = {drawn.places[p].name: role for p, (role, of) in self.mission_net.roles.items() if of == own}
+        roles = {
+            drawn.places[p].name: role
+            for p, (role, element) in self.mission_net.roles.items()
+            if element == own
+        }
         marked = {
             roles.get(place.name) for place, tokens in zip(run.net.places, marking, strict=True) if tokens
         }
@@ -253,8 +259,8 @@ class _RulePlayer:
         match event.what:
             case What.START | What.OUT_OF_SERVICE:
                 return None
-            case What.SUCCESS | What.FAILURE if event.element in self.of:
-                leaf = self.of[event.element]
+            case What.SUCCESS | What.FAILURE if event.element in self.leaf_of:
+                leaf = self.leaf_of[event.element]
                 return LeafAnswer(leaf, event.what is What.SUCCESS or leaf.node.id == "Sleep", event)
             case What.SUCCESS | What.FAILURE if self.silent(event.element):
                 return None
@@ -269,7 +275,9 @@ class _RulePlayer:
         if origin is None or origin.leaf is None:
             return None
         found = {
-            leaf.place: leaf for o, leaf in self.of.items() if self.copies.objectives[o].path[-1] == block
+            leaf.place: leaf
+            for o, leaf in self.leaf_of.items()
+            if self.copies.objectives[o].path[-1] == block
         }
         return next(iter(found.values())) if len(found) == 1 else None
 

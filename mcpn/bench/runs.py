@@ -174,7 +174,8 @@ def one_run(
             asked = world.demands.started(node.place.inside, actions)
         else:
             asked = world.demands.following(failed, asked, node.place.inside, actions)
-        asked = tuple(of for of in asked if of.hardware not in node.place.gone)  # lost, and not known to be
+        # Hardware that is lost, and not known to be, cannot fail on demand.
+        asked = tuple(demand for demand in asked if demand.hardware not in node.place.gone)
         for action in actions:
             if action.verb == "arm" and action.objective is not None and action.seconds is not None:
                 timers[action.objective] = now + action.seconds / 3600
@@ -255,20 +256,20 @@ def bench(
     return found
 
 
-def interval(count: int, of: int, confidence: float) -> tuple[float, float]:
+def interval(count: int, total: int, confidence: float) -> tuple[float, float]:
     """Wilson's score interval of a probability.
 
     Args:
         count: How often it was so.
-        of: Of so many times.
+        total: Of so many times.
         confidence: How probable it is that the interval holds the probability.
     """
     z = NormalDist().inv_cdf(0.5 + confidence / 2)
-    share, weight = count / of, z * z / of
+    share, weight = count / total, z * z / total
     middle = (share + weight / 2) / (1 + weight)
-    half = z * sqrt(share * (1 - share) / of + weight / (4 * of)) / (1 + weight)
+    half = z * sqrt(share * (1 - share) / total + weight / (4 * total)) / (1 + weight)
     low, high = middle - half, middle + half
-    return (0.0 if count == 0 else low), (1.0 if count == of else high)
+    return (0.0 if count == 0 else low), (1.0 if count == total else high)
 
 
 def edge_of(tables: Tables, place: ControllerPlace, event: str) -> tuple[str, int, str] | None:

@@ -93,9 +93,9 @@ class Demands:
             actions: What the controller has ordered.
         """
         still = {
-            of
-            for of in rest
-            if of.hardware != failed.hardware and inside.mode.get(of.activity) == of.alternative
+            demand
+            for demand in rest
+            if demand.hardware != failed.hardware and inside.mode.get(demand.activity) == demand.alternative
         }
         return tuple(sorted(still.union(self.started(inside, actions))))
 
@@ -273,9 +273,9 @@ class World:
             if isinstance(section, ParallelSection):
                 inside = [(section, branch.graph.walk()) for branch in section.branches]
                 inside += [(shelter, shelter.graph.walk()) for shelter in section.shelters]
-            for of, stopped in inside:
-                events = {Event(What.DECLARED, handler.event) for handler in of.interruptions}
-                if of is section:  # the time of a block that pauses does not go on
+            for outer, stopped in inside:
+                events = {Event(What.DECLARED, handler.event) for handler in outer.interruptions}
+                if outer is section:  # the time of a block that pauses does not go on
                     events |= {Event(What.TIMEOUT, section.name), *by_facts}
                 for inner in stopped:
                     self._stopping[inner.name] |= events

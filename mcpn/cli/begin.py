@@ -126,9 +126,9 @@ def _start(example: str | None) -> Traversable:
 
 
 @click.command()
-@click.argument("of", default=LANGUAGE, metavar="[FORMAT]")
+@click.argument("format_", default=LANGUAGE, metavar="[FORMAT]")
 @json_option
-def schema(of: str, as_json: bool) -> None:
+def schema(format_: str, as_json: bool) -> None:
     """Print the schema of the mission language (RELAX NG), for an editor that completes and checks.
 
     With FORMAT, the JSON Schema of what a command prints or writes: check, causes, controller-document, ...
@@ -140,19 +140,19 @@ def schema(of: str, as_json: bool) -> None:
     import json
     from importlib import resources
 
-    if of == LANGUAGE:
+    if format_ == LANGUAGE:
         language = "RELAX NG"
         text = resources.files("mcpn.mission").joinpath("schema.rng").read_text(encoding="utf-8")
     else:
         from mcpn.report.documents import FORMATS, json_schema
 
-        if of not in FORMATS:
+        if format_ not in FORMATS:
             names = ", ".join(sorted(FORMATS))
-            raise InputError.at(None, f"no schema of {of!r}, expected {LANGUAGE} or one of {names}")
-        language, text = "JSON Schema", json.dumps(json_schema(FORMATS[of]), indent=2) + "\n"
+            raise InputError.at(None, f"no schema of {format_!r}, expected {LANGUAGE} or one of {names}")
+        language, text = "JSON Schema", json.dumps(json_schema(FORMATS[format_]), indent=2) + "\n"
     if as_json:
         emit_json({"format": language, "schema": text})
-    elif of != LANGUAGE:
+    elif format_ != LANGUAGE:
         click.echo(text, nl=False)
     else:
         click.echo(text, nl=False)

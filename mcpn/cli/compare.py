@@ -160,7 +160,7 @@ def _compare_sets(file: Path, names: tuple[str, str], question: Question, as_jso
     found = likeness_of(one, other, names=names, max_states=question.max_states)
     if as_json:
         parted = found.difference
-        sizes = [{"templates": name} | asdict(of) for name, of in zip(names, found.sizes, strict=True)]
+        sizes = [{"templates": name} | asdict(size) for name, size in zip(names, found.sizes, strict=True)]
         told = parted and {
             "events": [str(event) for event in parted.events],
             "message": parted.message,

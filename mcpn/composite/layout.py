@@ -189,7 +189,7 @@ class Layout:
     def status(self) -> dict[int, tuple[int, bool]]:
         """Places of the whole net that say, while nobody uses it, what a slot of an element says, or not."""
         places = idle_places(self.mission_net).items()
-        return {place: (self.slots[of][number], reverse) for place, (of, number, reverse) in places}
+        return {place: (self.slots[element][number], reverse) for place, (element, number, reverse) in places}
 
     @cached_property
     def all_slots(self) -> tuple[int, ...]:
@@ -209,7 +209,9 @@ class Layout:
         """What each resource does while nobody uses it, by the transition of the whole net."""
         by_transition: dict[int, Toggle] = {}
         for t, what, name in _idle_events(self.mission_net):
-            elements = frozenset(of for of in (("hardware", name), ("known", name)) if of in self.slots)
+            elements = frozenset(
+                element for element in (("hardware", name), ("known", name)) if element in self.slots
+            )
             slots, known = self.slots["hardware", name], self.slots.get(("known", name), range(0))
             before, after = CHANGES[what]
             lost, gained = [*slots[after:before]], [*slots[before:after]]

@@ -22,7 +22,7 @@ MOST_UNTOLD = 10_000
 
 @overload
 def generate(
-    of: MissionSubject,
+    subject: MissionSubject,
     form: Literal["flat", "hierarchical"] = "hierarchical",
     *,
     max_states: int | None = None,
@@ -30,7 +30,7 @@ def generate(
 ) -> TableController: ...
 @overload
 def generate(
-    of: MissionSubject,
+    subject: MissionSubject,
     form: Literal["modular"],
     *,
     max_states: int | None = None,
@@ -38,14 +38,14 @@ def generate(
 ) -> ModularController: ...
 @overload
 def generate(
-    of: MissionSubject,
+    subject: MissionSubject,
     form: Form | Literal["auto"],
     *,
     max_states: int | None = None,
     told: Callable[[str], object] | None = None,
 ) -> AnyController: ...
 def generate(
-    of: MissionSubject,
+    subject: MissionSubject,
     form: Form | Literal["auto"] = "hierarchical",
     *,
     max_states: int | None = None,
@@ -54,7 +54,7 @@ def generate(
     """Generates the controller of a mission.
 
     Args:
-        of: The mission's spaces, or its net.
+        subject: The mission's spaces, or its net.
         form: Hierarchical, whose size is the sum of the sizes of types of sections; modular, of rules; flat;
             or ``auto``: hierarchical unless a section has many states, then modular.
         max_states: How many states a machine may have.
@@ -69,7 +69,7 @@ def generate(
         :func:`mcpn.controller.minimise.minimise`: fewer states that do the same.
         :mod:`mcpn.controller.targets`: the files that robots read.
     """
-    spaces, mission_net = spaces_of(of), spaces_of(of).mission
+    spaces, mission_net = spaces_of(subject), spaces_of(subject).mission
     if form == "flat":
         faulty = sum(h.faulty for h in mission_net.mission.hardware)
         limit = MAX_STABLE_STATES if max_states is None else max_states

@@ -125,7 +125,7 @@ class Rules:
         return sum(len(rule.literals) for rule in (*self.entries, *self.rules))
 
     @cached_property
-    def of(self) -> Mapping[int, tuple[Rule, ...]]:
+    def by_event(self) -> Mapping[int, tuple[Rule, ...]]:
         """Rules by event."""
         found: dict[int, list[Rule]] = {}
         for rule in (*self.entries, *self.rules):
@@ -135,9 +135,9 @@ class Rules:
     @property
     def most(self) -> tuple[int, int]:
         """The most rules, and the most literals, that are looked at for one event, or for an entry."""
-        of = self.of.values()
-        rules = max(map(len, of), default=0)
-        return rules, max((sum(len(r.literals) for r in rules) for rules in of), default=0)
+        by_event = self.by_event.values()
+        rules = max(map(len, by_event), default=0)
+        return rules, max((sum(len(r.literals) for r in rules) for rules in by_event), default=0)
 
 
 @dataclass(frozen=True)

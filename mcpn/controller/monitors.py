@@ -74,18 +74,18 @@ def merged(values: Sequence[Value], moves: Sequence[Moves]) -> tuple[list[Value]
 
 def _blocks(values: Sequence[Value], moves: Sequence[Moves]) -> tuple[list[Value], list[Moves]]:
     """The machine with bisimilar states merged (Moore 1956), in the order of their first states."""
-    targets = [[of[event] for event in sorted(of)] for of in moves]
+    targets = [[targets_of[event] for event in sorted(targets_of)] for targets_of in moves]
     known: dict[object, int] = {}
     blocks = [
-        known.setdefault((value, tuple(sorted(of))), len(known))
-        for value, of in zip(values, moves, strict=True)
+        known.setdefault((value, tuple(sorted(targets_of))), len(known))
+        for value, targets_of in zip(values, moves, strict=True)
     ]
     count = 0
     while count != len(known):
         count, known = len(known), {}
         blocks = [
-            known.setdefault((block, tuple([blocks[to] for to in of])), len(known))
-            for block, of in zip(blocks, targets, strict=True)
+            known.setdefault((block, tuple([blocks[to] for to in targets_of])), len(known))
+            for block, targets_of in zip(blocks, targets, strict=True)
         ]
     first: dict[int, int] = {}
     for q, block in enumerate(blocks):
@@ -451,19 +451,19 @@ def monitors_of(
     )
 
 
-def files(of: MissionMonitors, *, btcpp: bool = False) -> dict[str, str]:
+def files(monitors: MissionMonitors, *, btcpp: bool = False) -> dict[str, str]:
     """The files by name: ``monitors.json``, and a header and a source in C99.
 
     Args:
-        of: The monitors.
+        monitors: The monitors.
         btcpp: Whether a header with conditions of behaviour trees is one of them.
     """
-    number = {event: i for i, event in enumerate(of.events)}
+    number = {event: i for i, event in enumerate(monitors.events)}
     document: dict[str, Any] = {
         "format": MONITORS,
         "version": MONITORS_VERSION,
-        "mission": of.mission,
-        "events": list(of.events),
+        "mission": monitors.mission,
+        "events": list(monitors.events),
         "monitors": [
             {
                 "name": each.name,
@@ -473,22 +473,24 @@ def files(of: MissionMonitors, *, btcpp: bool = False) -> dict[str, str]:
                 "values": [VALUES.index(value) for value in each.values],
                 "moves": [[[number[event], to] for event, to in moves.items()] for moves in each.moves],
             }
-            for each in of.monitors
+            for each in monitors.monitors
         ],
-        "unwatched": list(of.unwatched),
+        "unwatched": list(monitors.unwatched),
     }
     document["digest"] = digest_of(document)
-    return {"monitors.json": json.dumps(document, indent=1) + "\n", **_in_c(of, number, btcpp)}
+    return {"monitors.json": json.dumps(document, indent=1) + "\n", **_in_c(monitors, number, btcpp)}
 
 
-def _in_c(of: MissionMonitors, number: dict[str, int], btcpp: bool) -> dict[str, str]:
-    prefix = identifiers([of.mission], keywords=C_PREFIX_RESERVED, longest=LONGEST_PREFIX)[of.mission]
+def _in_c(monitors: MissionMonitors, number: dict[str, int], btcpp: bool) -> dict[str, str]:
+    prefix = identifiers([monitors.mission], keywords=C_PREFIX_RESERVED, longest=LONGEST_PREFIX)[
+        monitors.mission
+    ]
     lower, upper = prefix.lower(), prefix.upper()
     first, moves_first = [0], [0]
     values: list[int] = []
     events: list[int] = []
     targets: list[int] = []
-    for each in of.monitors:
+    for each in monitors.monitors:
         for value, moves in zip(each.values, each.moves, strict=True):
             values.append(VALUES.index(value))
             events += [number[event] for event in moves]
@@ -510,12 +512,12 @@ def _in_c(of: MissionMonitors, number: dict[str, int], btcpp: bool) -> dict[str,
     said = {
         "p": lower,
         "P": upper,
-        "mission": comment(of.mission),
-        "monitors": enum("MONITOR", [each.name for each in of.monitors]),
-        "events": enum("HAPPENS", of.events),
-        "names": [c_string(each.name) for each in of.monitors],
-        "words": [c_string(each.words) for each in of.monitors],
-        "texts": [c_string(event) for event in of.events],
+        "mission": comment(monitors.mission),
+        "monitors": enum("MONITOR", [each.name for each in monitors.monitors]),
+        "events": enum("HAPPENS", monitors.events),
+        "names": [c_string(each.name) for each in monitors.monitors],
+        "words": [c_string(each.words) for each in monitors.monitors],
+        "texts": [c_string(event) for event in monitors.events],
         "arrays": arrays,
     }
     found = {
@@ -523,7 +525,7 @@ def _in_c(of: MissionMonitors, number: dict[str, int], btcpp: bool) -> dict[str,
         f"{lower}_monitors.c": render("monitors.c.jinja", **said),
     }
     if btcpp:
-        names = c_string(" or ".join(each.name for each in of.monitors))
+        names = c_string(" or ".join(each.name for each in monitors.monitors))
         node = render("monitors_node.hpp.jinja", **{**said, "names": names})
         found[f"{lower}_monitors_node.hpp"] = node
     return found

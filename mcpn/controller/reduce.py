@@ -24,7 +24,7 @@ class Cube:
 
     Args:
         event: Number of the event.
-        of: The transition of the event; no state enables two transitions of one event.
+        transition: The transition of the event; no state enables two transitions of one event.
         asked: The levels that it has a literal on.
         marked: Those of them that are marked.
         enabling: Those that the transition itself consumes or reads; none of a start.
@@ -34,7 +34,7 @@ class Cube:
     """
 
     event: int
-    of: int
+    transition: int
     asked: int
     marked: int
     enabling: int
@@ -57,7 +57,7 @@ def reduced(cubes: Sequence[Cube], spoken: Collection[int]) -> tuple[list[Short]
     """
     of_transition: dict[int, list[Cube]] = {}
     for cube in cubes:
-        of_transition.setdefault(cube.of, []).append(cube)
+        of_transition.setdefault(cube.transition, []).append(cube)
     groups = [_Group(group) for group in of_transition.values()]
     kept = ~0
     while True:  # changes of levels that nobody reads are dropped; then more rules have the same effect

@@ -180,7 +180,7 @@ class _Maker:
         saying |= {("known", name): place for place, name in self.net.saying("known").items()}
         for flag in part.flags:
             saying["fact", flag], reverse[flag] = self.net.true_of_fact(flag)
-        carried = [literal(saying[of]) ^ reverse.get(of[1], False) for of in part.carried]
+        carried = [literal(saying[element]) ^ reverse.get(element[1], False) for element in part.carried]
         spoken = {said >> 1 for said in (*(said for *_, said in shown), *carried)}
         shorter, bits = reduced(cubes, spoken)
         number = {level: bit for bit, level in enumerate(sorted(bits))}

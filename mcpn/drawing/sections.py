@@ -297,7 +297,7 @@ class LocalPart:
             shapes.append((isinstance(section, ParallelSection), gated, inside, events, *routes))
         return positions[graph.entry], tuple(shapes)
 
-    def _events(self, of: Interrupted, positions: Mapping[str, int]) -> Hashable:
+    def _events(self, interrupted: Interrupted, positions: Mapping[str, int]) -> Hashable:
         """What interrupts a section, names replaced by numbers."""
         return tuple(
             (
@@ -306,7 +306,7 @@ class LocalPart:
                 i.once and self.once.index(i.once),
                 i.pauses,
             )
-            for i in of.interruptions
+            for i in interrupted.interruptions
         )
 
 
@@ -452,9 +452,15 @@ def _routed(section: Section, kept: set[str]) -> Section:
         replace(i, target=i.target if i.target in kept else exit_, cases=cased(exit_, i.cases))
         for exit_, i in exits_on(section)
     )
-    cases = tuple((of, case) for of, _ in section.outcomes for case in cased(of, section.cases_of(of)))
+    cases = tuple(
+        (outcome, case)
+        for outcome, _ in section.outcomes
+        for case in cased(outcome, section.cases_of(outcome))
+    )
     routed = replace(section, success=success, failure=failure, interruptions=interruptions, cases=cases)
-    becomes = (each if each.target in kept else replace(each, target=of) for of, each in section.becoming)
+    becomes = (
+        each if each.target in kept else replace(each, target=outcome) for outcome, each in section.becoming
+    )
     routed = replace(routed, becomes=tuple(becomes))
     if routed.timed_out is not None and routed.timed_out not in kept:
         routed = replace(routed, timed_out=TIMED_OUT)
@@ -462,5 +468,5 @@ def _routed(section: Section, kept: set[str]) -> Section:
         named = tuple((why, to if to in kept else failed_for(why)) for why, to in routed.reasons)
         return replace(routed, reasons=named) if named else routed
     abort = routed.abort if routed.abort is None or routed.abort in kept else ABORT
-    away = tuple((of, target if target in kept else of) for of, target in routed.away)
+    away = tuple((outcome, target if target in kept else outcome) for outcome, target in routed.away)
     return replace(routed, abort=abort, away=away)

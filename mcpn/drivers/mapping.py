@@ -205,7 +205,7 @@ def check_plan(plan: Plan, tables: Tables) -> None:
     if problems:
         raise InputError(
             Problem(Source(str(plan.file), line), message)
-            for line, message in sorted(problems, key=lambda of: (of[0] or 0, of[1]))
+            for line, message in sorted(problems, key=lambda problem: (problem[0] or 0, problem[1]))
         )
 
 
@@ -247,8 +247,8 @@ class _Check:
 
     def _alternatives(self) -> Iterator[tuple[str, str, dict[str, list[str]]]]:
         for name, row in self.laws.activities.items():
-            for way, of in row["alternatives"].items():
-                yield name, way, of
+            for way, spec in row["alternatives"].items():
+                yield name, way, spec
 
     def drivers(self) -> Found:
         """Alternatives without a driver, holes without a value, commands and functions that are not there."""
@@ -264,8 +264,8 @@ class _Check:
                 given = {value.name for value in self.laws.of(activity, way, objective)} | {*HOLES}
                 given -= {"objective"} if objective is None else set()
                 for hole in sorted(spec.holes - given):
-                    of = activity if objective is None else f"{activity}, for objective {objective},"
-                    message = f"{{{hole}}}: {of} has no such parameter{did_you_mean(hole, given)}"
+                    who = activity if objective is None else f"{activity}, for objective {objective},"
+                    message = f"{{{hole}}}: {who} has no such parameter{did_you_mean(hole, given)}"
                     yield self._at(spec.place, message)
                 yield from self._values(spec, activity, way, objective)
         for activity, ways in missing.items():
@@ -283,15 +283,17 @@ class _Check:
     def _values(self, spec: DriverSpec, activity: str, way: str, objective: str | None) -> Found:
         """Values of the mission that would be more than values in a command or a topic."""
         values = {value.name: value.value for value in self.laws.of(activity, way, objective)}
-        of = activity if objective is None else f"{activity}, for objective {objective}"
+        who = activity if objective is None else f"{activity}, for objective {objective}"
         for text in spec.command:
             found = filled(text, values)
             if found.startswith("-") and not text.startswith("-"):
-                yield self._at(spec.place, f"{text}: {of}: {found!r} would be an option of the program")
+                yield self._at(spec.place, f"{text}: {who}: {found!r} would be an option of the program")
         for text in spec.topics.texts:
             found = filled(text, values)
             if found != text and any(found.count(sign) > text.count(sign) for sign in WILDCARDS):
-                yield self._at(spec.place, f"{text}: {of}: {found!r} would have a wildcard that is none here")
+                yield self._at(
+                    spec.place, f"{text}: {who}: {found!r} would have a wildcard that is none here"
+                )
 
     def whole(self) -> Found:
         """What is not on this machine."""

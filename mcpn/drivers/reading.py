@@ -368,7 +368,7 @@ def skeleton(tables: Tables) -> str:
 def _activity(tables: Tables, name: str, ends: Mapping[str, Mapping[str, str]]) -> Iterator[str]:
     laws = tables.laws
     row = laws.activities[name]
-    objectives = [of for of, said in laws.objectives.items() if name in said["activities"]]
+    objectives = [objective for objective, said in laws.objectives.items() if name in said["activities"]]
     given = [
         {value.name for value in laws.of(name, way, objective)}
         for way in row["alternatives"]
@@ -387,7 +387,7 @@ def _activity(tables: Tables, name: str, ends: Mapping[str, Mapping[str, str]]) 
         yield f"# consumes {', '.join(consumed)}"
     yield f"process = [{', '.join(map(_text, command))}]"
     if objectives:
-        words = {word for of in objectives for word in ends.get(of, {}).values()}
+        words = {word for objective in objectives for word in ends.get(objective, {}).values()}
         reasons = enumerate(sorted(words - {SUCCESS, FAILURE}), 3)
         named = "".join(f', {number} = "{word}"' for number, word in reasons)
         yield f'ends = {{ 0 = "{SUCCESS}"{named}, {OTHER} = "{FAILURE}" }}'

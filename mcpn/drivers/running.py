@@ -209,9 +209,9 @@ class RobotRun:
 
     def _is_own_end(self, waiting: Waiting) -> bool:
         """Whether a driver tells that the objective has ended that it runs for."""
-        of = None if waiting.by is None else waiting.by.objective
+        objective = None if waiting.by is None else waiting.by.objective
         event = Event.parse(waiting.event)
-        return of is not None and event.element == of and ended(event) is not None
+        return objective is not None and event.element == objective and ended(event) is not None
 
     def _failure(self) -> str | None:
         """The failure of an objective that has an activity in error: nothing else may come of it."""

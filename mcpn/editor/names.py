@@ -111,8 +111,8 @@ def _of(file: str, element: ScannedElement) -> Iterator[Symbol]:
             scope = scope_of(named, element)
             yield Symbol(named, scope, attribute.value, file, attribute.place, True, element)
         elif field.type is not None and field.datatype.refers:
-            for kind, name, place, of in references(field.datatype.refers, attribute.value):
-                scope = of if kind in ("alternative", "value") else scope_of(kind, element)
+            for kind, name, place, owner in references(field.datatype.refers, attribute.value):
+                scope = owner if kind in ("alternative", "value") else scope_of(kind, element)
                 # A reason is declared wherever something is said to fail for it.
                 declares = kind == "reason" and field.several
                 yield Symbol(kind, scope, name, file, attribute.place + place, declares, element)
@@ -162,9 +162,9 @@ class _Meaning:
             case "happening" if ("event", symbol.name) in self.declared:
                 return (replace(symbol, kind="event", scope=""),)
             case "happening":
-                of = happening(symbol.name)
-                found = replace(symbol, kind=of.kind, name=of.name, place=symbol.place + of.place)
-                if of.kind == "event":
+                said = happening(symbol.name)
+                found = replace(symbol, kind=said.kind, name=said.name, place=symbol.place + said.place)
+                if said.kind == "event":
                     return (replace(found, scope=""),)
                 why = reason_in(symbol.name)
                 named = [] if why is None else [replace(symbol, kind="reason", scope="", name=why.name)]
@@ -191,8 +191,8 @@ class _Meaning:
         elif ("activity", way) in self.declared:
             yield replace(symbol, kind="activity", scope="")
         else:
-            (of,) = self.alternatives[way]
-            yield replace(symbol, kind="alternative", scope=of)
+            (owner,) = self.alternatives[way]
+            yield replace(symbol, kind="alternative", scope=owner)
 
     def _crashes(self, name: str) -> bool:
         return ("activity", name) in self.declared or len(self.alternatives.get(name, ())) == 1
@@ -219,8 +219,8 @@ class _Meaning:
             named = list(self._copy(part, text))
             if not named:
                 return []
-            for at, of, name in named:
-                found.append(replace(symbol, kind="block", scope=of, name=name, place=place + at))
+            for at, within, name in named:
+                found.append(replace(symbol, kind="block", scope=within, name=name, place=place + at))
             block = self.blocks[text][named[0][2]].element
             if number == len(parts) - 1:
                 elementary = block.tag == "objective" and "activities" in block.texts
@@ -243,8 +243,8 @@ class _Meaning:
         yield 0, text, base
         rest, at = name[len(base) + 1 :], len(base) + 1
         if rest.startswith("at_"):
-            for place, of, other in self._stopped(rest[3:], text):
-                yield at + 3 + place, of, other
+            for place, within, other in self._stopped(rest[3:], text):
+                yield at + 3 + place, within, other
         elif (recovered := _numbered(rest, known)) is not None:
             yield at, text, recovered
 
@@ -260,8 +260,8 @@ class _Meaning:
         starts = [at + 1 for at in range(len(base), len(name)) if name[at] == "_"]
         for start in starts:
             if _longest(name[start:], self.blocks.get(inside, {})) is not None:
-                for place, of, other in self._stopped(name[start:], inside):
-                    yield start + place, of, other
+                for place, within, other in self._stopped(name[start:], inside):
+                    yield start + place, within, other
                 return
 
 
@@ -379,8 +379,8 @@ class _Declared:
                         symbol.kind in ("activity", "alternative")
                         and symbol.element.texts.get("faulty") == "true"
                     ):
-                        of = f"{symbol.scope}." if symbol.kind == "alternative" else ""
-                        yield Offer(of + symbol.name, _description(symbol), True)
+                        qualifier = f"{symbol.scope}." if symbol.kind == "alternative" else ""
+                        yield Offer(qualifier + symbol.name, _description(symbol), True)
             case "happening":
                 yield from self.named("event", "", "")
                 yield from (
@@ -410,15 +410,15 @@ class _Declared:
                 yield from dict.fromkeys(word.partition("=")[0] for word in words)
                 return
 
-    def values(self, kind: str, of: str) -> Iterator[Offer]:
+    def values(self, kind: str, owner: str) -> Iterator[Offer]:
         """Alternatives of an activity, or values of a fact."""
         if kind == "alternative":
-            ways = [s.name for s in self._of("alternative", of)]
-            yield from (Offer(way, f"a way of {of}", True) for way in ways or [of])
+            ways = [s.name for s in self._of("alternative", owner)]
+            yield from (Offer(way, f"a way of {owner}", True) for way in ways or [owner])
         for symbol in self._of("fact", "") if kind == "value" else ():
-            if symbol.name == of:
+            if symbol.name == owner:
                 values = symbol.element.texts.get("values", "").split() or BOOLEAN_VALUES
-                yield from (Offer(value, f"a value of {of}") for value in values)
+                yield from (Offer(value, f"a value of {owner}") for value in values)
 
     def _of(self, kind: str, scope: str) -> Iterator[Symbol]:
         return (s for s in self.symbols if s.kind == kind and (s.scope or "") == scope)

@@ -188,7 +188,7 @@ def server() -> MissionServer:
         file = file_of(params.text_document.uri)
 
         def known(name: str) -> str:
-            return "\n\n".join(said for of, said in ls.names.items() if of.rpartition(".")[2] == name)
+            return "\n\n".join(said for word, said in ls.names.items() if word.rpartition(".")[2] == name)
 
         return None if file is None else ls.answers().hover(file, params.position, known)
 

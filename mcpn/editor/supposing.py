@@ -51,12 +51,12 @@ def supposed(mission: Mission, lost: Sequence[str], ways: Mapping[str, Sequence[
     if problems:
         raise InputError(problems)
 
-    def activity(of: Activity) -> Activity:
-        if of.name not in ways:
-            return of
-        known = {way.name: way for way in of.alternatives}
-        chosen = tuple(known[name] for name in ways[of.name])
-        return replace(of, alternatives=chosen, switch_back=of.switch_back and len(chosen) > 1)
+    def activity(declared: Activity) -> Activity:
+        if declared.name not in ways:
+            return declared
+        known = {way.name: way for way in declared.alternatives}
+        chosen = tuple(known[name] for name in ways[declared.name])
+        return replace(declared, alternatives=chosen, switch_back=declared.switch_back and len(chosen) > 1)
 
     robots = (replace(each, activities=tuple(map(activity, each.activities))) for each in mission.robots)
     gone = {
@@ -74,7 +74,7 @@ def supposed(mission: Mission, lost: Sequence[str], ways: Mapping[str, Sequence[
     return _without(found, lost) if lost else found
 
 
-def _without_names(of: Sequence[Requirement], gone: Collection[str]) -> tuple[Requirement, ...]:
+def _without_names(requirements: Sequence[Requirement], gone: Collection[str]) -> tuple[Requirement, ...]:
     """The requirements but for those that speak of an alternative which is taken away."""
 
     def texts(requirement: Requirement) -> Iterator[str]:
@@ -86,7 +86,7 @@ def _without_names(of: Sequence[Requirement], gone: Collection[str]) -> tuple[Re
     def speaks(requirement: Requirement) -> bool:
         return any(re.search(rf"{re.escape(word)}\b", text) for text in texts(requirement) for word in gone)
 
-    return tuple(requirement for requirement in of if not speaks(requirement))
+    return tuple(requirement for requirement in requirements if not speaks(requirement))
 
 
 def _without(mission: Mission, lost: Sequence[str]) -> Mission:
@@ -94,8 +94,10 @@ def _without(mission: Mission, lost: Sequence[str]) -> Mission:
     robots = []
     for robot in mission.robots:
         hardware = (
-            replace(of, initial="oos", repairable=False, faulty=True) if of.name in lost else of
-            for of in robot.hardware
+            replace(hardware, initial="oos", repairable=False, faulty=True)
+            if hardware.name in lost
+            else hardware
+            for hardware in robot.hardware
         )
         robots.append(replace(robot, hardware=tuple(hardware)))
     found = replace(mission, robots=tuple(robots))
@@ -138,8 +140,8 @@ def compared(
     required, still = requirements_of(mission), requirements_of(other.mission_net.mission)
     left_out = study.mission_net.graph.copies.told((name for name in required if name not in still), required)
     asked: dict[str, list[tuple[str, str]]] = {}
-    for number, of in enumerate((study, other)):
-        for line in _told(of, engine, max_states):
+    for number, one in enumerate((study, other)):
+        for line in _told(one, engine, max_states):
             said = asked.setdefault(line.asked, [("note", "")] * 2)
             said[number] = (line.state, line.said)
     rows = [

@@ -164,18 +164,18 @@ class NetCheck:
     home_markings: int | None = None
 
 
-def check_net(of: Spaces | PetriNet, *, max_states: int = MOST_LISTED) -> NetCheck:
+def check_net(subject: Spaces | PetriNet, *, max_states: int = MOST_LISTED) -> NetCheck:
     """Decides the behavioural properties of a net; those that need all of infinitely many markings stay open.
 
     Args:
-        of: Any net, or its spaces. Its markings are reached as a diagram; those of a net with priorities that
-            is not 1-safe are listed one by one, up to the limit.
+        subject: Any net, or its spaces. Its markings are reached as a diagram; those of a net with priorities
+            that is not 1-safe are listed one by one, up to the limit.
         max_states: Limit for those, and for the coverability tree.
 
     Raises:
         LimitError: A limit was hit.
     """
-    spaces = spaces_of(of)
+    spaces = spaces_of(subject)
     net, (space, bounded, most) = spaces.net, _reached(spaces, max_states)
     if space is None or most is None:
         # A search may still find a deadlock, or that there is none.

@@ -54,7 +54,7 @@ class Questions:
     """Answers questions about one net; the space is built once, when it is first needed.
 
     Args:
-        of: The spaces of a mission or of a net, or what they are to be built of.
+        subject: The spaces of a mission or of a net, or what they are to be built of.
         on: The graph that formulas speak of; by default a mission's stable states, or a net's markings.
         fair: ``progress`` or formulas that hold again and again on the infinite paths that count.
         engine: Who makes the space: arrays, diagrams, composition, or ``auto``, see
@@ -67,7 +67,7 @@ class Questions:
 
     def __init__(
         self,
-        of: Subject,
+        subject: Subject,
         *,
         on: On | None = None,
         fair: Sequence[str] = (),
@@ -75,7 +75,7 @@ class Questions:
         max_states: int | None = None,
     ) -> None:
         refuse_unknown(engine, on)
-        self.spaces = spaces_of(of)
+        self.spaces = spaces_of(subject)
         self.net = net = self.spaces.net
         on = on or self.spaces.asked_on
         if on == "alternatives" and not net.priorities:

@@ -186,8 +186,8 @@ class _Flattening:
         own: dict[str, list[tuple[Condition, str]]] = {"success": [], "failure": []}
         named = {reason: list[tuple[Condition, str]]() for reason in reasons_led(exits)}
         for route in block.routes:
-            of = own[route.on] if route.reason is None else named.setdefault(route.reason, [])
-            of.append((resolved(route.when, self.facts), route.goto))
+            decided = own[route.on] if route.reason is None else named.setdefault(route.reason, [])
+            decided.append((resolved(route.when, self.facts), route.goto))
         if not block.routes and not named:
             return leads
 
@@ -250,7 +250,7 @@ class _Flattening:
                     message = f"two copies of {by.name} would be called {here.name(by)}"
                     raise InputError.at(by.source, f"{message}: rename one of the blocks that pause")
                 self.copied.add(here.name(by))
-                own = {mark for mark, of in runs.items() if of is by}
+                own = {mark for mark, runner in runs.items() if runner is by}
                 if isinstance(section, ElementarySection):
                     self.helper(by, here, routes, (Lead(section.name), failure), sections)
                     entries |= dict.fromkeys(own, self.entry(by, here))

@@ -256,13 +256,13 @@ def rerouted(section: Section, to: Callable[[str], str]) -> Section:
         success=to(section.success),
         failure=to(section.failure),
         timed_out=section.timed_out and to(section.timed_out),
-        cases=tuple((of, replace(case, target=to(case.target))) for of, case in section.cases),
+        cases=tuple((outcome, replace(case, target=to(case.target))) for outcome, case in section.cases),
         interruptions=tuple(i.led(to) for i in section.interruptions),
         becomes=tuple(replace(each, target=to(each.target)) for each in section.becomes),
     )
     if isinstance(led, ElementarySection):
         return replace(led, reasons=tuple((reason, to(target)) for reason, target in led.reasons))
-    away = tuple((of, to(target)) for of, target in led.away)
+    away = tuple((outcome, to(target)) for outcome, target in led.away)
     return replace(led, abort=led.abort and to(led.abort), away=away)
 
 

@@ -46,7 +46,7 @@ def reasons_of(objective: Objective, activities: Mapping[str, Activity]) -> tupl
     found = {
         name: Reason(name) for a in objective.activities if a in activities for name in activities[a].failures
     }
-    return tuple((found | {of.name: of for of in map(reason, objective.failures)}).values())
+    return tuple((found | {named.name: named for named in map(reason, objective.failures)}).values())
 
 
 def probabilities(objective: Objective, reasons: Sequence[Reason]) -> tuple[float, tuple[float, ...]]:
@@ -127,8 +127,10 @@ class ReasonChecks:
         shares = [reason(text).probability or 0.0 for text in objective.failures]
         parts = fsum(share for share in shares if share <= 1)
         if parts > 0 and parts > (1.0 if whole is None else whole) * (1 + 1e-12):
-            of = "1" if whole is None else f"its failure_probability, {whole:g}"
-            yield Problem(source, f"the probabilities of {who} are {parts:g} together, expected at most {of}")
+            most = "1" if whole is None else f"its failure_probability, {whole:g}"
+            yield Problem(
+                source, f"the probabilities of {who} are {parts:g} together, expected at most {most}"
+            )
 
     def routes(self, block: Block) -> Iterator[Problem]:
         """What is wrong with the routes of a block that name a reason, or nothing."""
@@ -174,7 +176,7 @@ class ReasonChecks:
                 case block if is_whole(block):
                     pass
                 case Objective() as block:
-                    found |= {of.name: None for of in reasons_of(block, self.activities)}
+                    found |= {known.name: None for known in reasons_of(block, self.activities)}
                 case Recursive() | Each() as block:
                     stack.extend(reversed(block.blocks))
                 case Use() as block if block.protocol not in self._of_protocols:

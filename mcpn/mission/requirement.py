@@ -236,10 +236,10 @@ class Wait(_Pattern):
         return _too_few(self.objectives)
 
 
-def _wrong_scope(of: _Scoped) -> str:
-    if of.until is not None and of.before is not None:
+def _wrong_scope(pattern: _Scoped) -> str:
+    if pattern.until is not None and pattern.before is not None:
         return "both before and until, expected one of them"
-    if of.until is not None and of.after is None:
+    if pattern.until is not None and pattern.after is None:
         return "until without after, expected before, or after and until"
     return ""
 

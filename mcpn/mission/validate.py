@@ -76,25 +76,25 @@ def find_misfits(mission: Mission) -> Iterator[Problem]:
     stack: list[Any] = [mission]
     while stack:
         element = stack.pop()
-        for of in form_of(element.__class__).fields:
-            value = getattr(element, of.name)
-            if of.several and not isinstance(value, tuple):
-                yield _misfit(element, of, f"is {_shown(value)}")
+        for field in form_of(element.__class__).fields:
+            value = getattr(element, field.name)
+            if field.several and not isinstance(value, tuple):
+                yield _misfit(element, field, f"is {_shown(value)}")
                 continue
-            for member in value if of.several else (value,):
-                if not _fits(member, of.classes):
-                    yield _misfit(element, of, f"{'holds' if of.several else 'is'} {_shown(member)}")
+            for member in value if field.several else (value,):
+                if not _fits(member, field.classes):
+                    yield _misfit(element, field, f"{'holds' if field.several else 'is'} {_shown(member)}")
                 elif isinstance(member, Described):
                     stack.append(member)
 
 
-def _misfit(element: Any, of: Field, found: str) -> Problem:
+def _misfit(element: Any, field: Field, found: str) -> Problem:
     source = element.source if isinstance(element.source, Source) else None
     name = getattr(element, "name", None) or getattr(element, "event", None)
     owner = type(element).__name__ + (f" {name}" if isinstance(name, str) else "")
-    words = " or ".join(_WORDS.get(kind) or f"{kind.__name__} objects" for kind in of.classes)
-    expected = f"a tuple of {words}" if of.several else words
-    return Problem(source, f"{of.name} of {owner} {found}, expected {expected}")
+    words = " or ".join(_WORDS.get(kind) or f"{kind.__name__} objects" for kind in field.classes)
+    expected = f"a tuple of {words}" if field.several else words
+    return Problem(source, f"{field.name} of {owner} {found}, expected {expected}")
 
 
 def _shown(value: object) -> str:

@@ -42,14 +42,14 @@ def written(mission: Mission) -> bytes:
     return etree.tostring(element_of(mission), pretty_print=True, xml_declaration=True, encoding="UTF-8")
 
 
-def element_of(of: Described) -> etree._Element:
+def element_of(described: Described) -> etree._Element:
     """The element of a file that says a mission, a robot or protocols, which are not checked.
 
     Raises:
         ValueError: A text holds a character that XML cannot.
     """
-    root = etree.fromstring(f'<{of.TAG} xmlns="{NAMESPACE}"/>')
-    _write(root, of)
+    root = etree.fromstring(f'<{described.TAG} xmlns="{NAMESPACE}"/>')
+    _write(root, described)
     return root
 
 
@@ -62,18 +62,18 @@ def save_mission(mission: Mission, path: Path | str) -> None:
     write_atomically(Path(path), write_mission(mission))
 
 
-def _write(element: etree._Element, of: Any) -> None:
+def _write(element: etree._Element, described: Any) -> None:
     """Writes what an element of a mission says and what it holds."""
-    form = form_of(type(of))
+    form = form_of(type(described))
     for attribute in form.attributes:
-        _say(element, attribute, getattr(of, attribute.name))
+        _say(element, attribute, getattr(described, attribute.name))
     for content in form.contents:
-        members = getattr(of, content.name)
+        members = getattr(described, content.name)
         if around := content.children.inside:
             members = (around(**{content.name: members}),) if members else ()
         if (brief := content.short) and len(members) == 1:
             value = getattr(members[0], brief.name)
-            if members[0] == type(members[0])(**{"name": of.name, brief.name: value}):
+            if members[0] == type(members[0])(**{"name": described.name, brief.name: value}):
                 _say(element, brief, value)
                 continue
         for member in members:

@@ -25,7 +25,7 @@ from mcpn.mission.validate import find_errors
 from mcpn.sentences import quoted
 from mcpn.xmlio import parse_bytes
 
-_BLOCKS = tuple(dict.fromkeys(of.TAG for of in get_args(Block)))
+_BLOCKS = tuple(dict.fromkeys(block.TAG for block in get_args(Block)))
 _UNKNOWN = Tag()
 SCHEMA = Path(__file__).with_name("schema.rng")
 
@@ -92,8 +92,8 @@ def _misfits(among: Iterable[etree._Element]) -> Iterator[tuple[int, str]]:
                 known = sorted(rule.attributes)
                 found = f"found the attribute {name} on <{tag}>, expected one of {', '.join(known)}"
                 yield line, f"{found}{did_you_mean(name, known)}"
-            elif not (of := rule.attributes[name].datatype).matches(value):
-                yield line, f"{name} of <{tag}> is {quoted(value)}, expected {of.expected}"
+            elif not (datatype := rule.attributes[name].datatype).matches(value):
+                yield line, f"{name} of <{tag}> is {quoted(value)}, expected {datatype.expected}"
         for name in sorted(rule.required - set(element.attrib)):
             yield line, f"<{tag}> has no attribute {name}, which is required"
 
@@ -282,8 +282,8 @@ class _MissionReader:
         """Reads an element of a file that fits the schema, and collects robots and protocols."""
         texts = {str(name): str(text) for name, text in element.attrib.items()}
         tag = tag_of(element)
-        of = language()[tag].form(texts)
-        form = form_of(of)
+        kind = language()[tag].form(texts)
+        form = form_of(kind)
         source = self.source(element)
         values = _said(texts, form.attributes) | {"source": source}
         if "mandatory" in texts:
@@ -296,7 +296,7 @@ class _MissionReader:
             if (brief := content.short) and not values.get(content.name):
                 single = {"name": values["name"], "source": source} | _said(texts, (brief,))
                 values[content.name] = (content.classes[0](**single),)
-        value = of(**values)
+        value = kind(**values)
         self.aside(value)
         return Made(tag, value, made, source.line or 1, made[-1].last if made else source.line or 1)
 

@@ -64,14 +64,14 @@ class Findings:
 
 
 def findings(
-    of: MissionSubject,
+    subject: MissionSubject,
     engine: Asked = "auto",
     max_states: int | None = None,
 ) -> Findings:
     """All that a report tells of a mission.
 
     Args:
-        of: The mission's spaces, or its net.
+        subject: The mission's spaces, or its net.
         engine: ``explicit``, ``symbolic``, ``local``, or ``auto``: the first of them that answers.
         max_states: Limit on states that are listed.
 
@@ -79,7 +79,7 @@ def findings(
         SemanticsError: A section hands on more than the state of its hardware.
         LimitError: A limit was hit.
     """
-    spaces = spaces_of(of)
+    spaces = spaces_of(subject)
     mission_net = spaces.mission
     seconds: dict[str, float] = {}
     notes: list[str] = []

@@ -262,11 +262,13 @@ def print_vocabulary(words: Vocabulary) -> None:
                 continue
             ways = word.alternatives if isinstance(word, NamedActivity) else ()
             ways = word.values if isinstance(word, NamedFact) else ways
-            of = [f"one of {', '.join(ways)}"] if len(ways) > 1 else []
+            said = [f"one of {', '.join(ways)}"] if len(ways) > 1 else []
             first, *more = word.copies or ("",)
-            of += [f"any of {len(word.copies)}, {first} to {more[-1]}"] if more else [first] if first else []
-            of += [word.description] if word.description else []
-            terminal.print(f"{word.name}{': ' * bool(of)}{'; '.join(of)}", indent=2, hang=4)
+            said += (
+                [f"any of {len(word.copies)}, {first} to {more[-1]}"] if more else [first] if first else []
+            )
+            said += [word.description] if word.description else []
+            terminal.print(f"{word.name}{': ' * bool(said)}{'; '.join(said)}", indent=2, hang=4)
 
 
 def print_check(

@@ -50,7 +50,9 @@ class Timers:
     def left(self) -> dict[str, float]:
         """By objective whose time runs, the seconds that are left, the shortest first."""
         now = self._clock()
-        return {name: max(0.0, end - now) for name, end in sorted(self._ends.items(), key=lambda of: of[1])}
+        return {
+            name: max(0.0, end - now) for name, end in sorted(self._ends.items(), key=lambda item: item[1])
+        }
 
     def refused(self, event: object) -> None:
         """Removes the timer whose timeout event was refused, so that the event does not come again."""

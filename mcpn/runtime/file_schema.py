@@ -114,7 +114,7 @@ def check_shape(document: Any) -> None:
     for number, row in enumerate(document["types"]):
         where = f"types[{number}]"
         (_check_rules if rules else _check_machine)(row, where)
-        left = {of["to"] for of in row["effects" if rules else "edges"]}
+        left = {edge["to"] for edge in row["effects" if rules else "edges"]}
         exits.append({outcome for outcome in left if type(outcome) is str})
     for number, row in enumerate(document["sections"]):
         where = f"sections[{number}]"
@@ -131,7 +131,12 @@ def check_shape(document: Any) -> None:
             _member(name, document["hardware"], key)
     for name in document["late"]:
         _member(name, document["hardware"], "late")
-    flags = {flag for values in document["facts"].values() for of in values.values() for flag in of}
+    flags = {
+        flag
+        for values in document["facts"].values()
+        for flags_of_value in values.values()
+        for flag in flags_of_value
+    }
     for event, change in document["changing"].items():
         for flag in (*change["true"], *change["false"]):
             _member(flag, flags, f"changing.{event}")

@@ -75,17 +75,17 @@ class Hooks:
     """Functions that are called with actions."""
 
     def __init__(self) -> None:
-        self._of: dict[str | None, list[Hook]] = {}
+        self._by_activity: dict[str | None, list[Hook]] = {}
 
     def add(self, activity: str | None, hook: Hook) -> None:
         """Adds a hook of one activity, or of all actions."""
-        self._of.setdefault(activity, []).append(hook)
+        self._by_activity.setdefault(activity, []).append(hook)
 
     def of(self, action: Action) -> Iterator[Hook]:
         """The hooks of an action: its activity's in the order of their coming, then those of all actions."""
         if action.activity is not None:
-            yield from self._of.get(action.activity, ())
-        yield from self._of.get(None, ())
+            yield from self._by_activity.get(action.activity, ())
+        yield from self._by_activity.get(None, ())
 
     def call(self, event: str, actions: tuple[Action, ...], failed: list[HookError]) -> None:
         """Calls each hook of each action, whether others fail or not.
@@ -98,7 +98,7 @@ class Hooks:
         Raises:
             HookErrors: Some have failed.
         """
-        for action in actions if self._of else ():
+        for action in actions if self._by_activity else ():
             for hook in self.of(action):
                 try:
                     result = hook(action)
@@ -112,7 +112,7 @@ class Hooks:
 
     async def await_each(self, event: str, actions: tuple[Action, ...], failed: list[HookError]) -> None:
         """Calls the hooks of each action in turn, and awaits what a hook returns before it calls the next."""
-        for action in actions if self._of else ():
+        for action in actions if self._by_activity else ():
             for hook in self.of(action):
                 try:
                     result = hook(action)

@@ -160,13 +160,13 @@ class _Machine:
         values, moves = document["values"], document["moves"]
         if not values or len(values) != len(moves):
             raise ControllerFileError(f"monitor {self.name} has {len(values)} values, {len(moves)} states")
-        every = [move for of in moves for move in of]
+        every = [move for moves_of_state in moves for move in moves_of_state]
         if any(len(move) != 2 or move[0] >= events for move in every):
             raise ControllerFileError(f"monitor {self.name} names an event that there is not")
         if any(to >= len(values) for _, to in every):
             raise ControllerFileError(f"monitor {self.name} leads to a state that there is not")
         self._values = [VALUES[value] for value in values]
-        self._moves: list[dict[int, int]] = [dict(of) for of in moves]
+        self._moves: list[dict[int, int]] = [dict(moves_of_state) for moves_of_state in moves]
         self.state = 0
 
     @property

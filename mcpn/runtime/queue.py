@@ -61,7 +61,7 @@ class EventQueue:
         self._waiting = 0
         self._came = 0
         # By element, its events with the number in which they came and how urgent they are.
-        self._of: dict[str, deque[tuple[int, float, str]]] = {}
+        self._by_element: dict[str, deque[tuple[int, float, str]]] = {}
 
     def put(self, event: str, timeout: float = 0.0) -> None:
         """Puts an event.
@@ -82,7 +82,7 @@ class EventQueue:
             if self._waiting >= self.size:
                 raise QueueFull(f"{event!r}: {self.size} events wait already")
             element = "" if self._urgency is None else element_of(str(event))
-            self._of.setdefault(element, deque()).append((self._came, urgency, event))
+            self._by_element.setdefault(element, deque()).append((self._came, urgency, event))
             self._came += 1
             self._waiting += 1
             self._changed.notify_all()
@@ -131,13 +131,15 @@ class EventQueue:
         """Takes out what is handled next."""
 
         def rank(element: str) -> tuple[float, int]:
-            waiting = self._of[element]
+            waiting = self._by_element[element]
             return -max(urgency for _, urgency, _ in waiting), waiting[0][0]
 
-        element = min(self._of, key=rank) if len(self._of) > 1 else next(iter(self._of))
-        _, _, event = self._of[element].popleft()
-        if not self._of[element]:
-            del self._of[element]
+        element = (
+            min(self._by_element, key=rank) if len(self._by_element) > 1 else next(iter(self._by_element))
+        )
+        _, _, event = self._by_element[element].popleft()
+        if not self._by_element[element]:
+            del self._by_element[element]
         self._waiting -= 1
         self._changed.notify_all()
         return event

@@ -152,16 +152,16 @@ class Nullable(JsonShape):
     """A value, or null.
 
     Args:
-        of: What the value may be, and what it means.
+        shape: What the value may be, and what it means.
     """
 
-    def __init__(self, of: JsonShape) -> None:
-        super().__init__(of.meaning)
-        self.of = of
+    def __init__(self, shape: JsonShape) -> None:
+        super().__init__(shape.meaning)
+        self.shape = shape
 
     def _check(self, value: Any) -> None:
         if value is not None:
-            self.of._check(value)
+            self.shape._check(value)
 
 
 class Either(JsonShape):
@@ -191,18 +191,18 @@ class ListOf(JsonShape):
 
     Args:
         meaning: What it means.
-        of: What each item may be.
+        item: What each item may be.
         differ: Whether no two items may be equal.
     """
 
-    def __init__(self, meaning: str, of: JsonShape, differ: bool = False) -> None:
+    def __init__(self, meaning: str, item: JsonShape, differ: bool = False) -> None:
         super().__init__(meaning)
-        self.of, self.differ = of, differ
+        self.item, self.differ = item, differ
 
     def _check(self, value: Any) -> None:
         if type(value) is not list:
             raise Misfit(value, "a list")
-        number, check = 0, self.of._check
+        number, check = 0, self.item._check
         try:
             for number, item in enumerate(value):  # noqa: B007  # the last one is told
                 check(item)
@@ -217,17 +217,17 @@ class MapOf(JsonShape):
 
     Args:
         meaning: What it means.
-        of: What each value may be.
+        value: What each value may be.
     """
 
-    def __init__(self, meaning: str, of: JsonShape) -> None:
+    def __init__(self, meaning: str, value: JsonShape) -> None:
         super().__init__(meaning)
-        self.of = of
+        self.value = value
 
     def _check(self, value: Any) -> None:
         if type(value) is not dict:
             raise Misfit(value, "an object")
-        key, check = "", self.of._check
+        key, check = "", self.value._check
         try:
             for key, item in value.items():  # noqa: B007
                 check(item)
@@ -274,15 +274,15 @@ class Shared(JsonShape):
 
     Args:
         name: The name.
-        of: The shape.
+        shape: The shape.
     """
 
-    def __init__(self, name: str, of: JsonShape) -> None:
+    def __init__(self, name: str, shape: JsonShape) -> None:
         super().__init__()
-        self.name, self.of = name, of
+        self.name, self.shape = name, shape
 
     def _check(self, value: Any) -> None:
-        self.of._check(value)
+        self.shape._check(value)
 
 
 class Document:

@@ -235,9 +235,11 @@ class Laws:
         self.objectives: Mapping[str, Any] = document["objectives"]
         blocks = document.get("blocks", {})
         self.timeouts = {
-            name: float(s) for name, of in (*self.objectives.items(), *blocks.items()) if (s := of["timeout"])
+            name: float(s)
+            for name, row in (*self.objectives.items(), *blocks.items())
+            if (s := row["timeout"])
         }
-        self.held = {name: frozenset[str](of["objectives"]) for name, of in blocks.items()}
+        self.held = {name: frozenset[str](row["objectives"]) for name, row in blocks.items()}
         self.producers: dict[str, list[str]] = {}
         for name, row in self.activities.items():
             for software in row["produces"]:

@@ -336,6 +336,6 @@ class Spaces:
         return ArraySpace(explore_tokens(self.net, max_states=max_states))
 
 
-def spaces_of(of: Subject) -> Spaces:
+def spaces_of(subject: Subject) -> Spaces:
     """The spaces of a net; those that are given, if they are."""
-    return of if isinstance(of, Spaces) else Spaces(of)
+    return subject if isinstance(subject, Spaces) else Spaces(subject)

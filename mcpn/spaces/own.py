@@ -65,37 +65,37 @@ class OwnSet:
     """A set of markings of one space.
 
     Args:
-        of: The engine.
+        engine: The engine.
         raw: The set as the engine holds it.
         places: How many places a marking has.
     """
 
-    of: Sets
+    engine: Sets
     raw: Raw
     places: int
 
     def _made(self, raw: Raw) -> OwnSet:
-        return OwnSet(self.of, raw, self.places)
+        return OwnSet(self.engine, raw, self.places)
 
     def __and__(self, other: OwnSet) -> OwnSet:
-        return self._made(self.of.minus(self.raw, self.of.minus(self.raw, other.raw)))
+        return self._made(self.engine.minus(self.raw, self.engine.minus(self.raw, other.raw)))
 
     def __or__(self, other: OwnSet) -> OwnSet:
-        return self._made(self.of.union(self.raw, other.raw))
+        return self._made(self.engine.union(self.raw, other.raw))
 
     def __sub__(self, other: OwnSet) -> OwnSet:
-        return self._made(self.of.minus(self.raw, other.raw))
+        return self._made(self.engine.minus(self.raw, other.raw))
 
     def __bool__(self) -> bool:
         return self.count() > 0
 
     def count(self) -> int:
         """How many members the set has."""
-        return self.of.count(self.raw)
+        return self.engine.count(self.raw)
 
     def moved(self, before: Tokens, after: Tokens | None = None) -> OwnSet:
         """Its markings that are as asked, changed; see :meth:`Sets.moved`."""
-        return self._made(self.of.moved(self.raw, before, after or {}))
+        return self._made(self.engine.moved(self.raw, before, after or {}))
 
     def pick(self) -> Marking | None:
         """The marking that leaves the first places unmarked, where there is one."""

@@ -34,7 +34,9 @@ class Completion:
     def __init__(self, net: PetriNet) -> None:
         self.net = net
         self.needs = _Needs(net)
-        self._queue = {net.ranks[of[0]]: number for number, of in enumerate(net.internal_ranks)}
+        self._queue = {
+            net.ranks[transitions[0]]: number for number, transitions in enumerate(net.internal_ranks)
+        }
         self._concerned: dict[int, tuple[Sequence[tuple[int, int]], Sequence[int], Sequence[int]]] = {}
 
     def settle(self, marking: list[int], fired: Iterable[int] | None = None) -> Iterator[int]:
@@ -93,7 +95,9 @@ class Completion:
         unmarked: of the objectives that start an activity, all of which wait for it to be idle, few run.
         """
         users = self.net.internal_users
-        crowds: dict[int, dict[int, list[int]]] = {p: {} for p, of in users.items() if len(of) > MOST_BESIDE}
+        crowds: dict[int, dict[int, list[int]]] = {
+            p: {} for p, using in users.items() if len(using) > MOST_BESIDE
+        }
         for crowded, by_rarest in crowds.items():
             for t in users[crowded]:
                 rarest = min((len(users[place]), place) for place, _ in self.needs[t])[1]
@@ -146,8 +150,8 @@ class Evolution:
         # Those that may be enabled, by rank.
         queues: list[deque[int]] = [deque() for _ in ranks]
         if self._since is None:
-            for queue, of in zip(queues, ranks, strict=True):
-                queue.extend(of)
+            for queue, transitions in zip(queues, ranks, strict=True):
+                queue.extend(transitions)
         else:
             for t in self._since:
                 for number, u in self._enabled_by(t):

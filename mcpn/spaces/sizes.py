@@ -142,7 +142,7 @@ Counting: TypeAlias = Literal["auto", "explicit", "symbolic", "local", "pyeda"]
 
 
 def summarise(
-    of: Subject,
+    subject: Subject,
     engine: str,
     *,
     max_states: int | None = None,
@@ -151,7 +151,7 @@ def summarise(
     """Explores a net and says its sizes.
 
     Args:
-        of: The net, or its spaces.
+        subject: The net, or its spaces.
         engine: One of :data:`mcpn.spaces.sizes.ENGINES`, or one of the caller's own by its name; see
             :func:`mcpn.spaces.own.engine_named`.
         max_states: Limit for the explicit engine.
@@ -166,7 +166,7 @@ def summarise(
         UnboundedError: The net is unbounded.
         LimitError: A limit was hit, or the engine is not installed.
     """
-    started, spaces = time.perf_counter(), spaces_of(of)
+    started, spaces = time.perf_counter(), spaces_of(subject)
     if engine == "symbolic":
         return summary_of(spaces.symbolic(), started)
     if engine == "explicit":
@@ -179,7 +179,7 @@ def summarise(
 
 
 def sizes(
-    of: Subject,
+    subject: Subject,
     *,
     engine: Counting = "auto",
     on: On | None = None,
@@ -188,7 +188,7 @@ def sizes(
     """Counts the states of a net, or of a mission.
 
     Args:
-        of: The spaces of a net or of a mission, or what they are to be built of.
+        subject: The spaces of a net or of a mission, or what they are to be built of.
         engine: Who counts.
         on: Whether all markings are counted, or the stable states alone, which leaves all else ``None``. By
             default all markings, but for a mission that is asked of sections: by ``local``, or by ``auto``
@@ -204,7 +204,7 @@ def sizes(
             event has several outcomes or none.
         LimitError: A limit was hit.
     """
-    spaces = spaces_of(of)
+    spaces = spaces_of(subject)
     net = spaces.net
     if engine == "pyeda":
         return summarise(spaces, engine), None

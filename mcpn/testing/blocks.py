@@ -225,13 +225,13 @@ class MissionDrawing(RobotDrawing):
             return ()
         reasons = [*self.failing.of((block,))]
         found = list[FactRoute]()
-        for of in self.draw(st.permutations(reasons))[:2]:
+        for why in self.draw(st.permutations(reasons))[:2]:
             goto = st.sampled_from([SUCCEED, FAIL, *siblings])
             if self.facts and self.chance():
-                route = FactRoute(when=self.condition(), goto=self.draw(goto), on="failure", reason=of)
+                route = FactRoute(when=self.condition(), goto=self.draw(goto), on="failure", reason=why)
                 found.append(route)
             if len(found) < 2 and self.number(0, 3):
-                found.append(FactRoute(goto=self.aborting(self.draw(goto)), on="failure", reason=of))
+                found.append(FactRoute(goto=self.aborting(self.draw(goto)), on="failure", reason=why))
         return tuple(found)
 
     @property

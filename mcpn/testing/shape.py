@@ -185,9 +185,9 @@ def robot(hardware: tuple[Hardware, ...], *activities: Activity, events: tuple[s
     return Robot(name="r", hardware=hardware, software=software, activities=activities, events=declared)
 
 
-def mission(of: Robot, *blocks: Block) -> Mission:
+def mission(robot: Robot, *blocks: Block) -> Mission:
     """A mission of one robot."""
-    return Mission(name="m", robots=(of,), blocks=blocks)
+    return Mission(name="m", robots=(robot,), blocks=blocks)
 
 
 # What hypothesis prints of the mission or net of a failing property: a mission as a file, a net whole.

@@ -154,7 +154,7 @@ class Causes(Told):
 
 
 def find_causes(
-    of: MissionSubject,
+    subject: MissionSubject,
     *,
     engine: Asked = "auto",
     max_states: int | None = None,
@@ -172,7 +172,7 @@ def find_causes(
         :mod:`mcpn.answers.causes.fmeca`: what each single loss does, objective by objective.
         :mod:`mcpn.answers.causes.chain`: how probable it all is.
     """
-    spaces, mission_net = spaces_of(of), spaces_of(of).mission
+    spaces, mission_net = spaces_of(subject), spaces_of(subject).mission
 
     def both(by: Choice) -> tuple[Space[Any], Space[Any]]:
         living = spaces.space(by, "alternatives")

@@ -245,7 +245,7 @@ class _Table(Generic[S]):
                     marked = space.restricted(states, [place], ()) if states else states
                     if marked:
                         found[place] = marked
-                        for producer in {of for r in consumes if (of := usage.producer.get(r))}:
+                        for producer in {producing for r in consumes if (producing := usage.producer.get(r))}:
                             serves[producer] = serves[producer] | marked
         return dict(sorted(found.items()))
 

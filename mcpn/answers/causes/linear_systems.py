@@ -158,8 +158,8 @@ class Elimination:
         _, size, columns = right.shape
         found = np.array(right.transpose(1, 0, 2))  # a matrix is applied to many unknowns at once
 
-        def added(of: Mapping[int, list[tuple[int, int]]]) -> None:
-            for matrix, pairs in of.items():
+        def added(pairs_of: Mapping[int, list[tuple[int, int]]]) -> None:
+            for matrix, pairs in pairs_of.items():
                 to, by = np.array(pairs).T
                 made = values[matrix] @ found[:, by].reshape(size, -1)
                 np.add.at(found.swapaxes(0, 1), to, made.reshape(size, -1, columns).swapaxes(0, 1))

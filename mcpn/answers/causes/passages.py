@@ -134,7 +134,7 @@ class WayThrough:
     @property
     def bits(self) -> int:
         """Bits of the status of all that is beside."""
-        return sum(of.bits for of in self.beside)
+        return sum(other.bits for other in self.beside)
 
     def _each_beside(self, values: Floats, maps: Iterable[Floats]) -> Floats:
         """Applies a matrix for each resource beside the section, their Kronecker product."""
@@ -147,11 +147,11 @@ class WayThrough:
     @cached_property
     def _kernels(self) -> Floats:
         """The chain's kernels in a race with the clocks of what is beside."""
-        return self.chain.kernels(Clocks([of.clock for of in self.beside]))
+        return self.chain.kernels(Clocks([other.clock for other in self.beside]))
 
     def _through(self, kernels: Floats, values: Floats, beside: Sequence[Beside]) -> Floats:
         """Values at the entry, by status of what is beside, own status, and the free axis."""
-        if len(beside) > 1 and prod(len(of.terms) for of in beside) > MOST_TERMS:
+        if len(beside) > 1 and prod(len(other.terms) for other in beside) > MOST_TERMS:
             first, *others = beside
             count, statuses, found = len(first.clock), 1 << first.bits, list[Floats]()
             for term in first.terms:
@@ -161,7 +161,8 @@ class WayThrough:
             each = np.array([term.column for term in first.terms]).T
             return np.asarray(np.tensordot(each, np.stack(found), 1).reshape(-1, *found[0].shape[1:]))
         phases, rows, columns = (
-            [np.array([term[part] for term in of.terms], np.float64) for of in beside] for part in range(3)
+            [np.array([term[part] for term in other.terms], np.float64) for other in beside]
+            for part in range(3)
         )
         products = self._each_beside(kernels, phases) @ self._each_beside(values, rows)
         return self._each_beside(products, [matrix.T for matrix in columns])
@@ -190,13 +191,13 @@ class WayThrough:
             return self.chain.may_come_to(flags[0])
         at_once, later = (pairs.T.astype(np.float64) for pairs in self.chain.possible)
         before = flags.astype(np.float64)
-        after = self._each_beside(before, (of.possible for of in self.beside))
+        after = self._each_beside(before, (other.possible for other in self.beside))
         return np.asarray(before @ at_once + after @ later > 0, np.bool_).reshape(-1)
 
     @property
     def work(self) -> int:
         """Multiplications of :meth:`back` for each place of the free axis."""
-        terms = prod(len(of.terms) for of in self.beside)
+        terms = prod(len(other.terms) for other in self.beside)
         return self.chain.listed.statuses * self.chain.listed.columns * terms
 
 

@@ -201,7 +201,7 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
     space, net = prospects.space, prospects.mission_net
     late = {h.name for h in net.mission.late}
     kinds = ((("hardware", "known") if name in late else ("hardware",), name) for name in prospects.hardware)
-    hardware = tuple((kind, name) for of, name in kinds for kind in of)
+    hardware = tuple((kind, name) for said, name in kinds for kind in said)
     out = [("hardware", h.name) for h in net.mission.hardware if h.initial == "oos"]
     out += [("known", h.name) for h in net.mission.late if h.initial == "oos"]
     demands = _demands(net)

@@ -134,7 +134,7 @@ class Sections:
         out = self.out.union(() if lost is None else (lost,))
         if kept is not None:
             out -= {kept, ("known", kept[1])}  # lost, what is detected late is not known to be
-        return self.first[self.entry] + sum(_bit(of, self.used[self.entry]) for of in out)
+        return self.first[self.entry] + sum(_bit(element, self.used[self.entry]) for element in out)
 
     def after(self, name: str) -> Ints:
         """The entries behind a section: by status of other hardware, and exit and status of its own."""
@@ -145,17 +145,17 @@ class Sections:
         return np.concatenate([numbers.reshape(-1, section.listed.statuses) for numbers in found], axis=1)
 
 
-def _projected(carried: Sequence[Element], of: Sequence[Element]) -> Ints:
+def _projected(carried: Sequence[Element], used: Sequence[Element]) -> Ints:
     """By status of ``carried``, the status of ``of``, where elements that are not carried have bit 0."""
     found = np.zeros(1, np.int64)
     for element in carried:
-        found = np.add.outer(found, (0, _bit(element, of))).reshape(-1)
+        found = np.add.outer(found, (0, _bit(element, used))).reshape(-1)
     return found
 
 
-def _bit(element: Element | None, of: Sequence[Element]) -> int:
+def _bit(element: Element | None, elements: Sequence[Element]) -> int:
     """The status of some elements in which one is out of service, or has happened, if it is among them."""
-    return 1 << len(of) >> of.index(element) + 1 if element in of else 0
+    return 1 << len(elements) >> elements.index(element) + 1 if element in elements else 0
 
 
 def _counted(elements: Collection[Element]) -> str:
@@ -189,20 +189,24 @@ class Outlook:
         self._passages: dict[str, WayThrough] = {}
         passage = cache(WayThrough)
         for name, section in model.sections.items():
-            own = tuple(rates.get(of, (0.0, 0.0)) for of in section.carried)
+            own = tuple(rates.get(element, (0.0, 0.0)) for element in section.carried)
             others = model.used[name][: len(model.used[name]) - len(own)]
-            beside = tuple(self._beside(of, others) for of in others if of[0] != "known")
+            beside = tuple(self._beside(element, others) for element in others if element[0] != "known")
             ending = tuple((1.0 / o.duration if o.duration else 0.0, *o.shares) for o in section.objectives)
-            asked = tuple(demands.get(of, 0.0) for of in section.carried) if section.listed.split else ()
+            asked = (
+                tuple(demands.get(element, 0.0) for element in section.carried)
+                if section.listed.split
+                else ()
+            )
             key = section.listed, own, ending, asked
             if key not in self._chains:
                 self._chains[key] = Chain(*key)
             self._passages[name] = passage(self._chains[key], beside)
 
-    def _beside(self, of: Element, others: Collection[Element]) -> Beside:
+    def _beside(self, element: Element, others: Collection[Element]) -> Beside:
         """What a resource does beside a section."""
-        fails, back = self._rates.get(of, (0.0, 0.0))
-        return Beside(0.0 if of in self.model.idle else fails, back, ("known", of[1]) in others)
+        fails, back = self._rates.get(element, (0.0, 0.0))
+        return Beside(0.0 if element in self.model.idle else fails, back, ("known", element[1]) in others)
 
     def passage(self, name: str) -> WayThrough:
         """The way through a section: one for all that are alike under the rates."""

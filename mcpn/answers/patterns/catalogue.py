@@ -210,27 +210,27 @@ def _all(parts: Iterator[str]) -> str:
     return " & ".join(f"({part})" for part in parts)
 
 
-def _ring(of: Texts) -> Iterator[tuple[str, str]]:
+def _ring(texts: Texts) -> Iterator[tuple[str, str]]:
     """Each location and the next one; after the last the first."""
-    return zip(of, [*of[1:], of[0]], strict=True)
+    return zip(texts, [*texts[1:], texts[0]], strict=True)
 
 
-def _sequence(of: Texts) -> str:
+def _sequence(texts: Texts) -> str:
     """The locations are visited one after the other, the first at any time."""
     said = ""
-    for each in reversed(of):
+    for each in reversed(texts):
         said = f"F ({each} & {said})" if said else f"F {each}"
     return said
 
 
-def _ordered(of: Texts) -> Iterator[str]:
-    yield _sequence(of)
-    yield from (f"!{after} U {each}" for each, after in pairwise(of))
+def _ordered(texts: Texts) -> Iterator[str]:
+    yield _sequence(texts)
+    yield from (f"!{after} U {each}" for each, after in pairwise(texts))
 
 
-def _patrolled(of: Texts) -> Iterator[str]:
-    yield f"G {_sequence(of)}"
-    yield from (f"!{after} U {each}" for each, after in pairwise(of))
+def _patrolled(texts: Texts) -> Iterator[str]:
+    yield f"G {_sequence(texts)}"
+    yield from (f"!{after} U {each}" for each, after in pairwise(texts))
 
 
 def _nested(each: str, times: int) -> str:
@@ -247,31 +247,31 @@ def _exact(each: str, times: int) -> str:
 
 
 PUBLISHED_MOVEMENTS: Mapping[str, Callable[[Texts], str]] = {
-    "visit any": lambda of: _all(f"F {each}" for each in of),
+    "visit any": lambda places: _all(f"F {each}" for each in places),
     "visit sequenced": _sequence,
-    "visit ordered": lambda of: _all(_ordered(of)),
-    "visit strict": lambda of: _all(
-        iter([*_ordered(of), *(f"!{a} U ({a} & X (!{a} U {b}))" for a, b in pairwise(of))])
+    "visit ordered": lambda places: _all(_ordered(places)),
+    "visit strict": lambda places: _all(
+        iter([*_ordered(places), *(f"!{a} U ({a} & X (!{a} U {b}))" for a, b in pairwise(places))])
     ),
-    "visit fair": lambda of: _all(
-        iter([*(f"F {each}" for each in of), *(f"G ({a} -> X (!{a} W {b}))" for a, b in _ring(of))])
+    "visit fair": lambda places: _all(
+        iter([*(f"F {each}" for each in places), *(f"G ({a} -> X (!{a} W {b}))" for a, b in _ring(places))])
     ),
-    "patrolling any": lambda of: _all(f"G F {each}" for each in of),
-    "patrolling sequenced": lambda of: f"G {_sequence(of)}",
-    "patrolling ordered": lambda of: _all(
-        iter([*_patrolled(of), *(f"G ({b} -> X (!{b} U {a}))" for a, b in _ring(of))])
+    "patrolling any": lambda places: _all(f"G F {each}" for each in places),
+    "patrolling sequenced": lambda places: f"G {_sequence(places)}",
+    "patrolling ordered": lambda places: _all(
+        iter([*_patrolled(places), *(f"G ({b} -> X (!{b} U {a}))" for a, b in _ring(places))])
     ),
-    "patrolling strict": lambda of: _all(
+    "patrolling strict": lambda places: _all(
         iter(
             [
-                *_patrolled(of),
-                *(f"G ({b} -> X (!{b} U {a}))" for a, b in _ring(of)),
-                *(f"G ({a} -> X (!{a} U {b}))" for a, b in pairwise(of)),
+                *_patrolled(places),
+                *(f"G ({b} -> X (!{b} U {a}))" for a, b in _ring(places)),
+                *(f"G ({a} -> X (!{a} U {b}))" for a, b in pairwise(places)),
             ]
         )
     ),
-    "patrolling fair": lambda of: _all(
-        iter([*(f"G F {each}" for each in of), *(f"G ({a} -> X (!{a} W {b}))" for a, b in _ring(of))])
+    "patrolling fair": lambda places: _all(
+        iter([*(f"G F {each}" for each in places), *(f"G ({a} -> X (!{a} W {b}))" for a, b in _ring(places))])
     ),
 }
 """By pattern the formula that is published, of any number of locations."""
@@ -301,28 +301,28 @@ PAST, FUTURE, GLOBAL, WAIT = "!{each} U {until}", "G ({after} -> G !{each})", "G
 """Avoidance up to a moment, from a moment, always; and waiting: as they are published."""
 
 
-def movement(kind: str, order: str, of: Texts) -> str:
+def movement(kind: str, order: str, places: Texts) -> str:
     """The formula of a visit or a patrol.
 
     Args:
         kind: ``visit`` or ``patrolling``.
         order: In which order.
-        of: The locations.
+        places: The locations.
     """
     begin = "F" if kind == "visit" else "G F"
     once: Iterator[str]
     match kind, order:
         case "visit", "strict":
-            once = (f"!{a} U ({a} U (!{a} U {b}))" for a, b in pairwise(of))
-            return _all(iter([*_ordered(of), *once]))
+            once = (f"!{a} U ({a} U (!{a} U {b}))" for a, b in pairwise(places))
+            return _all(iter([*_ordered(places), *once]))
         case "patrolling", "ordered" | "strict":
-            once = (_not_again(b, "U", a) for a, b in _ring(of))
-            more = (_not_again(a, "U", b) for a, b in pairwise(of)) if order == "strict" else ()
-            return _all(iter([*_patrolled(of), *once, *more]))
+            once = (_not_again(b, "U", a) for a, b in _ring(places))
+            more = (_not_again(a, "U", b) for a, b in pairwise(places)) if order == "strict" else ()
+            return _all(iter([*_patrolled(places), *once, *more]))
         case _, "fair":
-            once = (_not_again(a, "W", b) for a, b in _ring(of))
-            return _all(iter([*(f"{begin} {each}" for each in of), *once]))
-    return PUBLISHED_MOVEMENTS[f"{kind} {order}"](of)
+            once = (_not_again(a, "W", b) for a, b in _ring(places))
+            return _all(iter([*(f"{begin} {each}" for each in places), *once]))
+    return PUBLISHED_MOVEMENTS[f"{kind} {order}"](places)
 
 
 def _not_again(left: str, until: str, other: str) -> str:

@@ -29,7 +29,7 @@ class _OfMoments:
     """A formula: a letter, ``true``, ``false``, or an operator with its operands."""
 
     word: str
-    of: tuple[_OfMoments, ...] = ()
+    operands: tuple[_OfMoments, ...] = ()
 
 
 _TRUE, _FALSE = _OfMoments("true"), _OfMoments("false")
@@ -68,12 +68,12 @@ class _Translation:
     def _made(self, node: _OfMoments) -> tuple[_OfMoments, _OfMoments]:
         if node in (_TRUE, _FALSE):
             return node, node
-        if not node.of:
+        if not node.operands:
             first, second = (
                 node if value is None else (_TRUE if value else _FALSE) for value in self._letters[node.word]
             )
             return first, second
-        at_state, at_event = zip(*map(self.of, node.of), strict=True)
+        at_state, at_event = zip(*map(self.of, node.operands), strict=True)
         if node.word == "X":
             return at_event[0], _next(at_state[0])
         if node.word not in "UW":
@@ -86,8 +86,8 @@ class _Translation:
         return found, _joined("|", (right_then, _joined("&", (left_then, _next(found)))))
 
 
-def _next(of: _OfMoments) -> _OfMoments:
-    return of if of in (_TRUE, _FALSE) else _OfMoments("X", (of,))
+def _next(operand: _OfMoments) -> _OfMoments:
+    return operand if operand in (_TRUE, _FALSE) else _OfMoments("X", (operand,))
 
 
 def _until(word: str, left: _OfMoments, right: _OfMoments) -> _OfMoments:
@@ -100,24 +100,24 @@ def _until(word: str, left: _OfMoments, right: _OfMoments) -> _OfMoments:
     return _OfMoments(word, (left, right))
 
 
-def _joined(word: str, of: tuple[_OfMoments, ...]) -> _OfMoments:
+def _joined(word: str, operands: tuple[_OfMoments, ...]) -> _OfMoments:
     """An operator of propositional logic, without what ``true`` and ``false`` decide."""
-    match word, of:
+    match word, operands:
         case "!", (inside,):
             if inside in (_TRUE, _FALSE):
                 return _FALSE if inside == _TRUE else _TRUE
-            return inside.of[0] if inside.word == "!" else _OfMoments("!", of)
+            return inside.operands[0] if inside.word == "!" else _OfMoments("!", operands)
         case "->", (left, right):
             if left == _TRUE or right == _FALSE:
                 return right if left == _TRUE else _joined("!", (left,))
-            return _TRUE if left == _FALSE or right == _TRUE else _OfMoments("->", of)
+            return _TRUE if left == _FALSE or right == _TRUE else _OfMoments("->", operands)
         case "<->", (left, right):
             for one, other in ((left, right), (right, left)):
                 if one in (_TRUE, _FALSE):
                     return other if one == _TRUE else _joined("!", (other,))
-            return _OfMoments("<->", of)
+            return _OfMoments("<->", operands)
     neutral, ends = (_TRUE, _FALSE) if word == "&" else (_FALSE, _TRUE)
-    kept = tuple(dict.fromkeys(each for each in of if each != neutral))
+    kept = tuple(dict.fromkeys(each for each in operands if each != neutral))
     if ends in kept:
         return ends
     return _OfMoments(word, kept) if len(kept) > 1 else (kept or (neutral,))[0]
@@ -157,14 +157,14 @@ def _read(text: str) -> _OfMoments:
 
 
 def _shown(node: _OfMoments, inside: bool = False) -> str:
-    match node.word, node.of:
+    match node.word, node.operands:
         case word, ():
             return word
-        case ("!" | "X") as word, (of,):
-            return f"{word}{'' if word == '!' else ' '}{_shown(of, True)}"
-        case "U", (left, of) if left == _TRUE:
-            return f"F {_shown(of, True)}"
-        case "W", (of, right) if right == _FALSE:
-            return f"G {_shown(of, True)}"
-    said = f" {node.word} ".join(_shown(each, True) for each in node.of)
+        case ("!" | "X") as word, (operand,):
+            return f"{word}{'' if word == '!' else ' '}{_shown(operand, True)}"
+        case "U", (left, operand) if left == _TRUE:
+            return f"F {_shown(operand, True)}"
+        case "W", (operand, right) if right == _FALSE:
+            return f"G {_shown(operand, True)}"
+    said = f" {node.word} ".join(_shown(each, True) for each in node.operands)
     return f"({said})" if inside else said

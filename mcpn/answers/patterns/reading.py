@@ -118,7 +118,9 @@ class _PatternReader:
             letters: By letter its attribute; ``None`` for what is said of states, whatever attributes say.
             lasting: Letters that must be true all along.
         """
-        events = {letter for letter, of in letters.items() if of is not None and self.is_event(of)}
+        events = {
+            letter for letter, formula in letters.items() if formula is not None and self.is_event(formula)
+        }
         if not events:
             return formula
         if "q" in events:
@@ -134,13 +136,13 @@ class _PatternReader:
         text: str = getattr(self._pattern, attribute).strip()
         return text if _ONE_WORD.fullmatch(text) else f"({text})"
 
-    def locations(self, of: tuple[str, ...], attribute: str) -> list[str]:
+    def locations(self, objectives: tuple[str, ...], attribute: str) -> list[str]:
         """For each of some objectives, the formula that it runs."""
 
         def known() -> list[str]:
-            for name in of:
+            for name in objectives:
                 self._names.word("objective", name)
-            return [f"objective({name})" for name in of]
+            return [f"objective({name})" for name in objectives]
 
         return self._read(attribute, known)
 
@@ -156,10 +158,10 @@ class _PatternReader:
 
     # --- Dwyer, Avrunin, Corbett ---
 
-    def scoped(self, of: Scoped) -> PatternText:
-        letters = {"q": "after", "r": "until" if of.until is not None else "before"}
+    def scoped(self, pattern: Scoped) -> PatternText:
+        letters = {"q": "after", "r": "until" if pattern.until is not None else "before"}
         scope = "globally"
-        match of.after is None, of.before is None, of.until is None:
+        match pattern.after is None, pattern.before is None, pattern.until is None:
             case True, False, _:
                 scope = "before"
             case False, True, True:
@@ -168,9 +170,9 @@ class _PatternReader:
                 scope = "between"
             case False, True, False:
                 scope = "after_until"
-        most = of.most if isinstance(of, BoundedExistence) else 2
-        name, more = _kind(of)
-        letters = {a: b for a, b in (letters | more).items() if getattr(of, b) is not None}
+        most = pattern.most if isinstance(pattern, BoundedExistence) else 2
+        name, more = _kind(pattern)
+        letters = {a: b for a, b in (letters | more).items() if getattr(pattern, b) is not None}
         said = {letter: self.clause(attribute) for letter, attribute in letters.items()}
         texts = {letter: self.operand(attribute) for letter, attribute in letters.items()}
         if name == "bounded_existence":
@@ -201,35 +203,35 @@ class _PatternReader:
 
     # --- robotic missions ---
 
-    def movement(self, of: Visit | Patrolling) -> PatternText:
-        places = self.locations(of.objectives, "in")
-        kind = "visit" if isinstance(of, Visit) else "patrolling"
+    def movement(self, pattern: Visit | Patrolling) -> PatternText:
+        places = self.locations(pattern.objectives, "in")
+        kind = "visit" if isinstance(pattern, Visit) else "patrolling"
         begin = "the robot comes to" if kind == "visit" else "again and again the robot comes to"
-        listed = enumeration(of.objectives)
-        sentence = f"{begin} {_ORDERS[of.order].format(listed)}"
-        return PatternText(robots.movement(kind, of.order, places), f"{sentence}.")
+        listed = enumeration(pattern.objectives)
+        sentence = f"{begin} {_ORDERS[pattern.order].format(listed)}"
+        return PatternText(robots.movement(kind, pattern.order, places), f"{sentence}.")
 
-    def places(self, of: Avoidance | RestrictedAvoidance | Wait) -> PatternText:
-        places = self.locations(of.objectives, "in" if isinstance(of, Wait) else "of")
-        listed = enumeration(of.objectives)
+    def places(self, pattern: Avoidance | RestrictedAvoidance | Wait) -> PatternText:
+        places = self.locations(pattern.objectives, "in" if isinstance(pattern, Wait) else "of")
+        listed = enumeration(pattern.objectives)
         either = listed if len(places) == 1 else f"any of {listed}"
         here = places[0] if len(places) == 1 else f"({' | '.join(places)})"
-        match of:
+        match pattern:
             case Wait():
                 formula = self._placed(robots.WAIT, here, "until", lasting="p")
                 return PatternText(formula, f"the robot stays in {either} until {self.clause('until')}.")
             case RestrictedAvoidance():
-                said = next(a for a in ("at_most", "at_least", "exactly") if getattr(of, a) is not None)
-                times: int = getattr(of, said)
+                said = next(a for a in ("at_most", "at_least", "exactly") if getattr(pattern, a) is not None)
+                times: int = getattr(pattern, said)
                 formula = " & ".join(f"({robots.entries(said, place, times)})" for place in places)
                 number = f"{said.replace('_', ' ')} {_TIMES.get(times, f'{times} times')}"
                 each = listed if len(places) == 1 else f"each of {listed}"
                 return PatternText(formula, f"the robot enters {each} {number}.")
-        if of.until is not None:
+        if pattern.until is not None:
             formula = self._placed(robots.PAST, here, "until")
             sentence = f"at some time {self.clause('until')}, and the robot does not come to {either} before."
             return PatternText(formula, sentence)
-        if of.after is not None:
+        if pattern.after is not None:
             formula = self._placed(robots.FUTURE, here, "after")
             return PatternText(formula, f"once {self.clause('after')}, the robot never comes to {either}.")
         return PatternText(robots.GLOBAL.format(each=here), f"the robot never comes to {either}.")
@@ -242,14 +244,14 @@ class _PatternReader:
         )
         return _written(of_letters, {"p": here, letter: self.operand(attribute)})
 
-    def reaction(self, of: Reaction) -> PatternText:
+    def reaction(self, pattern: Reaction) -> PatternText:
         to, gives = self.clause("to"), self.clause("gives")
         formulas, sentences = robots.REACTIONS, _REACTIONS
         if self.is_event("to") and not self.is_event("gives"):
             formulas = {**formulas, **robots.REACTIONS_TO_EVENTS}
             sentences = sentences | _REACTIONS_TO_EVENTS
-        formula = formulas[of.when].format(to=self.operand("to"), gives=self.operand("gives"))
-        return PatternText(formula, sentences[of.when].format(to=to, gives=gives))
+        formula = formulas[pattern.when].format(to=self.operand("to"), gives=self.operand("gives"))
+        return PatternText(formula, sentences[pattern.when].format(to=to, gives=gives))
 
 
 def _written(formula: str, texts: Mapping[str, str]) -> str:
@@ -271,24 +273,24 @@ def _comes_about(formula: Formula) -> bool:
     return False
 
 
-def _kind(of: Scoped) -> tuple[str, dict[str, str]]:
+def _kind(pattern: Scoped) -> tuple[str, dict[str, str]]:
     """The name of a pattern in the catalogue, and by letter of its formula the attribute that is meant."""
-    match of:
-        case Precedence() if of.then is not None:
+    match pattern:
+        case Precedence() if pattern.then is not None:
             return "precedence_chain_2_1", {"p": "of", "s": "by", "t": "then"}
-        case Precedence() if of.followed_by is not None:
+        case Precedence() if pattern.followed_by is not None:
             return "precedence_chain_1_2", {"p": "by", "s": "of", "t": "followed_by"}
         case Precedence():
             return "precedence", {"p": "of", "s": "by"}
-        case Response() if of.without is not None:
+        case Response() if pattern.without is not None:
             return "constrained_chain", {"p": "to", "s": "gives", "t": "then", "z": "without"}
-        case Response() if of.then is not None:
+        case Response() if pattern.then is not None:
             return "response_chain_1_2", {"p": "to", "s": "gives", "t": "then"}
-        case Response() if of.followed_by is not None:
+        case Response() if pattern.followed_by is not None:
             return "response_chain_2_1", {"p": "gives", "s": "to", "t": "followed_by"}
         case Response():
             return "response", {"p": "to", "s": "gives"}
-    return of.TAG, {"p": "of"}
+    return pattern.TAG, {"p": "of"}
 
 
 _SCOPES = {

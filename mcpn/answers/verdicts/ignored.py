@@ -109,9 +109,9 @@ def targets(mission: Mission) -> Mapping[str, frozenset[Written]]:
             if isinstance(block, Use):
                 users.setdefault(block.protocol, []).append((text, block.name))
 
-    def caught(of: Written) -> Iterator[Written]:
+    def caught(block: Written) -> Iterator[Written]:
         """Where an abort of the parent of a block is caught."""
-        outer, seen = [around[of]] if of in around else list(users.get(of[0], ())), set[Written]()
+        outer, seen = [around[block]] if block in around else list(users.get(block[0], ())), set[Written]()
         while outer:
             here = outer.pop()
             if here in seen:
@@ -124,15 +124,15 @@ def targets(mission: Mission) -> Mapping[str, frozenset[Written]]:
                 outer += [around[here]] if here in around else users.get(here[0], ())
 
     found: dict[str, set[Written]] = {}
-    owners = [(of, block.handlers) for of, block in blocks.items()]
-    for of, handlers in (*owners, (("", ""), mission.handlers)):
+    owners = [(name, block.handlers) for name, block in blocks.items()]
+    for owner, handlers in (*owners, (("", ""), mission.handlers)):
         for handler in handlers:
             if handler.event is None:
                 continue
-            led = (of[0], handler.goto or handler.pause or "")
+            led = (owner[0], handler.goto or handler.pause or "")
             leads = found.setdefault(handler.event, set())
             if led in blocks:
                 leads.add(led)
-            elif led[1] == ABORT and of[1]:
-                leads.update(caught(of))
+            elif led[1] == ABORT and owner[1]:
+                leads.update(caught(owner))
     return {event: frozenset(leads) for event, leads in found.items()}

@@ -272,7 +272,7 @@ class MissionCheck(Told):
 
 
 def check(
-    of: MissionSubject,
+    subject: MissionSubject,
     *,
     engine: Asked = "auto",
     max_states: int | None = None,
@@ -280,7 +280,7 @@ def check(
     """Checks a mission: every verdict, with its runs.
 
     Args:
-        of: The mission's spaces, or its net.
+        subject: The mission's spaces, or its net.
         engine: Arrays, diagrams, composition or ``auto``, see :mod:`mcpn.spaces.engines`.
         max_states: Limit on states that are listed one by one.
 
@@ -289,7 +289,7 @@ def check(
         PremiseError: Composition cannot answer, since a section hands on more than the state of its hardware.
         LimitError: A limit was hit.
     """
-    spaces = spaces_of(of)
+    spaces = spaces_of(subject)
     asked: list[AskedRequirement] = []
     if spaces.mission.mission.requires:  # understood before anything is explored
         from mcpn.answers.requirements import asked_of

@@ -34,7 +34,7 @@ _EVENTS = {"success": What.SUCCESS, "failure": What.FAILURE, TIMED_OUT: What.TIM
 class _Route(NamedTuple):
     """A route of a section: by which outcome or declared event, where it leads, whether facts decide it."""
 
-    of: Section
+    section: Section
     by: str | Event
     target: str
     by_facts: bool = False
@@ -173,7 +173,7 @@ class Routing:
         """The outcomes of a section that happen."""
         if isinstance(section, ElementarySection):
             known = {outcome: Event(what, section.name) for outcome, what in _EVENTS.items()}
-            known |= {of: Event(What.FAILURE, section.name, why) for why, of in section.failures}
+            known |= {to: Event(What.FAILURE, section.name, why) for why, to in section.failures}
             never = {outcome for outcome, event in known.items() if event not in self._happens}
             return frozenset(outcome for outcome, _ in section.outcomes if outcome not in never)
         ends = [(branch.mandatory, self._ends(branch.name, branch.graph)) for branch in section.branches]
@@ -199,7 +199,7 @@ class Routing:
 
     def _is_taken(self, route: _Route) -> bool:
         """Whether the outcome or the event of a route happens."""
-        return route.by in (self._happens if isinstance(route.by, Event) else self.taken(route.of))
+        return route.by in (self._happens if isinstance(route.by, Event) else self.taken(route.section))
 
     def _taken_targets(self, section: Section) -> list[str]:
         """The targets of those routes of a section that are taken."""
@@ -261,7 +261,7 @@ class Routing:
 
     def _written(self, route: _Route) -> tuple[str | Event, Written]:
         """A route as it is written, whatever copy it is of."""
-        return route.by, self._copies.written(route.of.name)
+        return route.by, self._copies.written(route.section.name)
 
     def _key(self, routes: Iterable[_Route]) -> frozenset[tuple[str | Event, Written]]:
         """Routes as they are written."""
@@ -275,8 +275,8 @@ class Routing:
             return self._written(route), route.by_facts and self._is_taken(route)
 
         for (_, others), same in grouped(causes, alike).items():
-            by, kind = same[0].by, _kind(same[0].of)
-            subject, several = self._copies.subject(kind, [r.of.name for r in same], self._every)
+            by, kind = same[0].by, _kind(same[0].section)
+            subject, several = self._copies.subject(kind, [r.section.name for r in same], self._every)
             if others:
                 said.append(f"the facts that {subject} {'ask' if several else 'asks'} for never hold there")
             elif isinstance(by, Event):
@@ -284,7 +284,7 @@ class Routing:
                     f"event {by.element} never happens while {subject} {'run' if several else 'runs'}"
                 )
             else:
-                facts = dict(same[0].of.becoming).get(by)
+                facts = dict(same[0].section.becoming).get(by)
                 verb = _VERBS.get(by) or f"fail for {by.removeprefix(failed_for(''))}"
                 if facts is not None:
                     verb = f"be left as {facts.words} comes about"

@@ -77,7 +77,7 @@ def aborts(mission_net: MissionNet, space: Space[S]) -> Aborts[S]:
 
     unsafe = tuple(name for name in failing if shelters(name))
     badly = dict[int, S]()
-    for t, states in (of for name in unsafe for of in failing[name].items()):
+    for t, states in (each for name in unsafe for each in failing[name].items()):
         badly[t] = badly[t] | states if t in badly else states
     left = ((t, states - badly[t] if t in badly else states) for t, states in into.items())
     return Aborts(unsafe, badly, {t: states for t, states in left if states})

@@ -75,7 +75,7 @@ def bench(
     script = [] if faults is None else read_script(faults)
     study = question.study(mission)
     mission_net = study.mission_net
-    untimed = duration is None and any(of.duration is None for of in mission_net.graph.walk())
+    untimed = duration is None and any(section.duration is None for section in mission_net.graph.walk())
     controller = study.controller("auto", max_states=question.max_states)
     world = World(mission_net, Tables(document(controller, mission_net)), duration)
     nominal = nominal_run_of(world)
@@ -214,7 +214,7 @@ def _difference(target: str, difference: Difference | None) -> dict[str, Any]:
 
 def _agrees(told: dict[str, Any]) -> bool:
     each = [*told["outcomes"].values(), told["degraded_modes"], told["against"] or {}]
-    return all(of.get("agrees") is not False for of in each)
+    return all(figure.get("agrees") is not False for figure in each)
 
 
 def _print(told: dict[str, Any]) -> None:
@@ -224,10 +224,10 @@ def _print(told: dict[str, Any]) -> None:
     nominal = told["nominal"]
     ends = f"ends in {nominal['outcome']}" if nominal["outcome"] else "does not end"
     rows = {"nothing fails": f"the run {ends}, after {len(nominal['events']):,} events"}
-    for name, of in (*told["outcomes"].items(), ("degraded modes", told["degraded_modes"])):
-        text = f"{of['mean']:.6g}  [{of['low']:.6g}, {of['high']:.6g}]"
-        if of["risk"] is not None:
-            text += f"  risk {of['risk']:.6g}" + ("" if of["agrees"] else "  OUTSIDE")
+    for name, figure in (*told["outcomes"].items(), ("degraded modes", told["degraded_modes"])):
+        text = f"{figure['mean']:.6g}  [{figure['low']:.6g}, {figure['high']:.6g}]"
+        if figure["risk"] is not None:
+            text += f"  risk {figure['risk']:.6g}" + ("" if figure["agrees"] else "  OUTSIDE")
         rows[name] = text
     if told["hours"] is not None:
         rows["mean hours"] = f"{told['hours']:.6g}"
@@ -241,12 +241,12 @@ def _print(told: dict[str, Any]) -> None:
     if told["no_risk"]:
         click.echo(f"no numbers of risk: {told['no_risk']}")
     if told["against"]:
-        of = told["against"]
-        if of["agrees"]:
-            click.echo(f"{of['target']}: does the same on every event")
+        figure = told["against"]
+        if figure["agrees"]:
+            click.echo(f"{figure['target']}: does the same on every event")
         else:
-            click.echo(f"{of['target']}: does something else on the last of {' '.join(of['events'])}")
-            click.echo(f"  expected {of['expected']}\n  found    {of['found']}")
+            click.echo(f"{figure['target']}: does something else on the last of {' '.join(figure['events'])}")
+            click.echo(f"  expected {figure['expected']}\n  found    {figure['found']}")
     for path in told["traces"]:
         click.echo(path)
 

@@ -52,8 +52,8 @@ def monitor(
     study = question.study(mission)
     if study.is_net:
         raise InputError.at(Source(str(mission)), "expected a mission: a net requires nothing")
-    of = monitors_of(study.mission_spaces("what it requires"), question.max_states, within)
-    texts = files(of, btcpp=btcpp)
+    monitors = monitors_of(study.mission_spaces("what it requires"), question.max_states, within)
+    texts = files(monitors, btcpp=btcpp)
     paths: list[str] = []
     if output is not None:
         write_folder(output, texts)
@@ -65,9 +65,13 @@ def monitor(
         except JournalError as error:
             raise InputError.at(Source(str(log), error.line), str(error)) from None
     if question.as_json:
-        sizes = {each.name: len(each.values) for each in of.monitors}
-        found: dict[str, Any] = {"mission": of.mission, "states": sizes, "unwatched": list(of.unwatched)}
-        found |= {"within_mission": {each.name: each.within for each in of.monitors}}
+        sizes = {each.name: len(each.values) for each in monitors.monitors}
+        found: dict[str, Any] = {
+            "mission": monitors.mission,
+            "states": sizes,
+            "unwatched": list(monitors.unwatched),
+        }
+        found |= {"within_mission": {each.name: each.within for each in monitors.monitors}}
         found |= {"files": paths, "log": None}
         if log is not None:
             findings = [
@@ -81,11 +85,11 @@ def monitor(
             }
         emit_json(found)
     else:
-        for each in of.monitors if output is not None else ():
+        for each in monitors.monitors if output is not None else ():
             click.echo(f"{each.name}: {len(each.values)} states: {each.words}")
-        for line in not_within(of) if within else ():
+        for line in not_within(monitors) if within else ():
             click.echo(line)
-        for name in of.unwatched:
+        for name in monitors.unwatched:
             click.echo(f"{name}: not watched, for it speaks of what may happen")
         for line in (*paths, *(told(watching) if log is not None else ())):
             click.echo(line)
@@ -109,17 +113,17 @@ def monitors_for(study: Study, max_states: int | None) -> Monitors:
     from mcpn.controller.monitors import files, monitors_of
     from mcpn.runtime.monitors import Monitors
 
-    of = monitors_of(study.mission_spaces("what it requires"), max_states, within=True)
-    for line in not_within(of):
+    monitors = monitors_of(study.mission_spaces("what it requires"), max_states, within=True)
+    for line in not_within(monitors):
         click.echo(line, err=True)
-    return Monitors(json.loads(files(of)["monitors.json"]))
+    return Monitors(json.loads(files(monitors)["monitors.json"]))
 
 
-def not_within(of: MissionMonitors) -> Iterator[str]:
+def not_within(monitors: MissionMonitors) -> Iterator[str]:
     """Which monitors are decided by any continuation though the mission's own were asked for, and why."""
     from mcpn.controller.monitors import MAX_WITHIN
 
-    for each in of.monitors:
+    for each in monitors.monitors:
         if not each.within:
             why = f"within the mission it would have more than {MAX_WITHIN} states"
             yield f"{each.name}: decided by any continuation, for {why}"

@@ -335,13 +335,16 @@ def _begun(path: Path, said: Mapping[str, Any]) -> tuple[int, tuple[StopMessage,
         type(starts) is int
         and starts >= 0
         and isinstance(untold, list)
-        and all(isinstance(of, list) and len(of) == 3 and all(type(t) is str for t in of) for of in untold)
+        and all(
+            isinstance(message, list) and len(message) == 3 and all(type(t) is str for t in message)
+            for message in untold
+        )
     )
     if not whole:
         raise InputError.at(
             Source(str(path)), "the snapshot's list of what is to be told to stop is malformed"
         )
-    return starts, tuple(StopMessage(*of) for of in untold)
+    return starts, tuple(StopMessage(*message) for message in untold)
 
 
 def _rows(path: Path, said: Any) -> list[ProcessGroup]:
@@ -351,9 +354,9 @@ def _rows(path: Path, said: Any) -> list[ProcessGroup]:
     if said is None:
         return []
     try:
-        for of in (said["controller"], said["warden"]):
-            if of is not None and (len(of) != 2 or type(of[0]) is not int):
-                raise ValueError(f"{of!r} is no process")
+        for process in (said["controller"], said["warden"]):
+            if process is not None and (len(process) != 2 or type(process[0]) is not int):
+                raise ValueError(f"{process!r} is no process")
         rows = [
             ProcessGroup(int(number), str(since), int(stop), float(grace))
             for number, since, stop, grace in said["drivers"]
@@ -377,8 +380,10 @@ def _alone(path: Path, said: Mapping[str, Any] | None, rows: list[ProcessGroup])
     if said is None:
         return
 
-    def is_there(of: Any) -> bool:
-        return of is not None and of[0] != os.getpid() and warden.started_at(of[0]) == of[1]
+    def is_there(process: Any) -> bool:
+        return (
+            process is not None and process[0] != os.getpid() and warden.started_at(process[0]) == process[1]
+        )
 
     if is_there(said["controller"]):
         number = said["controller"][0]

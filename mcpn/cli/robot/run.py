@@ -330,7 +330,7 @@ def run(
             controller,
             tables,
             plan,
-            told=(lambda *of: None) if shown is None else shown.line,
+            told=(lambda *line: None) if shown is None else shown.line,
             after=records.save,
             begins=records.save,
             starts=before.starts,
@@ -427,13 +427,13 @@ def _warnings() -> Iterator[WarningLines]:
     silent = logging.NullHandler()
     # What asyncio logs would else be written by the loop's thread, which must not wait for standard error.
     handlers = {"mcpn.drivers": handler, "asyncio": handler, "mcpn.runtime": silent}
-    for name, of in handlers.items():
-        logging.getLogger(name).addHandler(of)
+    for name, each in handlers.items():
+        logging.getLogger(name).addHandler(each)
     try:
         yield handler
     finally:
-        for name, of in handlers.items():
-            logging.getLogger(name).removeHandler(of)
+        for name, each in handlers.items():
+            logging.getLogger(name).removeHandler(each)
         handler.close()
 
 

@@ -181,7 +181,7 @@ class Numbers(Generic[Type]):
         self._lists: dict[tuple[tuple[int, int, int, int], ...], int] = {}
         # Sections of one type are left with the same outcomes, in the same order.
         outcomes = {section.type: tuple(section.routes) for section in controller.sections}
-        assert all(of[:2] == ("success", "failure") for of in outcomes.values())
+        assert all(reasons[:2] == ("success", "failure") for reasons in outcomes.values())
         aborts = any(ABORT in section.routes.values() for section in controller.sections)
         ends = 3 if aborts else 2
         largest = max(
@@ -248,7 +248,7 @@ class Numbers(Generic[Type]):
             for section in controller.sections
         ]
         routes: Pool[int] = Pool()
-        self.section_routes = [routes.add(of) for of in self.routes]
+        self.section_routes = [routes.add(row) for row in self.routes]
         self.route = routes.items
         self.slices: dict[str, list[int]] = {kind: [] for kind in (*KINDS, "faulty", "once")}
         events: Pool[tuple[int, int]] = Pool()
@@ -305,13 +305,13 @@ class Numbers(Generic[Type]):
         objectives |= dict.fromkeys(self.blocks, ())
         running = {a.name: a for a in self.mission_net.mission.activities}
         ways = {f"{a.name}.{w.name}": w.parameters for a in running.values() for w in a.alternatives}
-        for kind, of in (
+        for kind, rows in (
             ("objectives", [objectives[name] for name in self.objectives]),
             ("activities", [running[name].parameters for name in self.activities]),
             ("alternatives", [ways[name] for name in self.alternatives]),
         ):
             self.law[kind] = []
-            for parameters in of:
+            for parameters in rows:
                 self.law[kind].append((len(self.parameters), len(parameters)))
                 self.parameters.extend(parameters)
 

@@ -163,7 +163,7 @@ class RuleNumbers(Numbers[Rules]):
         self.type_rows.append(len(self.rule_start))
         for event in range(-1, len(type_.events)):
             self.rule_start.append(len(self.rule_effect))
-            for rule in type_.of.get(event, ()):
+            for rule in type_.by_event.get(event, ()):
                 self.rule_literals.append(len(self.literals))
                 self.literals += rule.literals
                 self.rule_effect.append(first + rule.effect)
@@ -180,7 +180,7 @@ class RuleNumbers(Numbers[Rules]):
             self.modes.append((literal, *names))
 
     def _ended(self) -> None:
-        for starts, of in (
+        for starts, rows in (
             (self.rule_start, self.rule_effect),
             (self.rule_literals, self.literals),
             (self.effect_start, self.effect_bits),
@@ -188,7 +188,7 @@ class RuleNumbers(Numbers[Rules]):
             (self.idle_start, self.idle_bits),
             (self.mode_start, self.modes),
         ):
-            starts.append(len(of))  # one row more, where the last one ends
+            starts.append(len(rows))  # one row more, where the last one ends
 
     def entry_lists(self, kind: int) -> Iterable[int]:
         """The lists of actions of a type's entries."""

@@ -128,19 +128,19 @@ def _by_objective(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
 
 
 def _by_request(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
-    a, outputs, of = activity.name, activity.produces, canvas.resource
+    a, outputs, place_of = activity.name, activity.produces, canvas.resource
     start = pen.place("StartByRes")
     sharing = canvas.usage.sharing
     if not sharing.serves(a):
         (s,) = outputs
-        given = [of(s, "deactivation")]
-        ending = _Ending(produce=given, read=[of(s, "free")])
-        return _Life(start, given, [of(s, "activation")], (ending,))
+        given = [place_of(s, "deactivation")]
+        ending = _Ending(produce=given, read=[place_of(s, "free")])
+        return _Life(start, given, [place_of(s, "activation")], (ending,))
     idle = pen.place("idle", initial=1)
     served = [(s, owner) for s in outputs for owner in canvas.owners(s)]
-    unused = [of(s, "unused", owner) for s, owner in served]
+    unused = [place_of(s, "unused", owner) for s, owner in served]
     for number, (s, owner) in enumerate(served):
-        pen.transition(f"start{number}", [idle], [start], read=[of(s, "waiting", owner)])
+        pen.transition(f"start{number}", [idle], [start], read=[place_of(s, "waiting", owner)])
     refuse = []
     if canvas.usage.refusable(a):
         refuse = [canvas.role(pen.place("refusing"), ("refused", a))]
@@ -258,8 +258,8 @@ class AlternativeDrawing:
         """A fact is not as it requires, and some resource has not answered yet: give up, try the next."""
         for stages, asking, given in self._while_asking():
             if "error" not in stages:  # else it gives up for that
-                given_up, of = [*given, *self.otherwise], (fact, value, _initials(stages))
-                self.handle("asklost", [self.wait, *asking], given_up, *of, read=[place])
+                given_up, suffixes = [*given, *self.otherwise], (fact, value, _initials(stages))
+                self.handle("asklost", [self.wait, *asking], given_up, *suffixes, read=[place])
 
     def error_while_waiting(self) -> None:
         """Some resources answered with an error, the others are here: give all back, try the next."""
@@ -389,11 +389,11 @@ class AlternativeDrawing:
         return self.canvas.resource(resource, part, self.usage.sharing.owner(resource, self.activity.name))
 
     def handle(
-        self, verb: str, consume: list[str], produce: list[str], *of: str, read: list[str] | None = None
+        self, verb: str, consume: list[str], produce: list[str], *suffixes: str, read: list[str] | None = None
     ) -> None:
         """Draws what the activity does on an error or a return."""
         rank = self.canvas.ranks.handling(self.activity.name)
-        self.draw(verb, consume, produce, *of, read=read, rank=rank)
+        self.draw(verb, consume, produce, *suffixes, read=read, rank=rank)
 
     def end(self, verb: str, consume: list[str], produce: list[str], *stages: str) -> None:
         """Draws a way in which the activity is stopped."""
@@ -406,12 +406,12 @@ class AlternativeDrawing:
         verb: str,
         consume: list[str],
         produce: list[str],
-        *of: str,
+        *suffixes: str,
         read: list[str] | None = None,
         rank: int = 0,
     ) -> None:
         """Draws a transition of this alternative."""
-        self.pen.transition((f"{verb}{self.number}", *of), consume, produce, read=read, rank=rank)
+        self.pen.transition((f"{verb}{self.number}", *suffixes), consume, produce, read=read, rank=rank)
 
 
 def _initials(stages: tuple[str, ...]) -> str:

@@ -152,8 +152,8 @@ def _deciding(graph: ObjectivesGraph) -> Iterator[tuple[tuple[str, str, str], in
             blocks = [inner for inner in level if isinstance(inner, ParallelSection)]
             every += [(b.name, outcome, branch.name) for b in blocks for outcome, branch in b.deciding]
             level = [inner for block in blocks for graph in block.graphs for inner in graph.sections]
-        every.sort(key=lambda of: of[1] != "abort")
-        yield from ((of, number) for number, of in enumerate(every))
+        every.sort(key=lambda branch: branch[1] != "abort")
+        yield from ((branch, number) for number, branch in enumerate(every))
 
 
 def _becoming(graph: ObjectivesGraph) -> Iterator[tuple[tuple[str, str, int], int]]:
@@ -165,7 +165,7 @@ def _becoming(graph: ObjectivesGraph) -> Iterator[tuple[tuple[str, str, int], in
             for outcome, each in inner.becoming
             for word in range(len(each.when))
         )
-        yield from ((of, number) for number, of in enumerate(every))
+        yield from ((word, number) for number, word in enumerate(every))
 
 
 def _starting(graph: ObjectivesGraph) -> Iterator[tuple[str, int]]:
@@ -341,15 +341,15 @@ class Pen:
         self.called = called
         self.owner = owner
 
-    def place(self, *part: str, initial: int = 0, of: tuple[str, str] | None = None) -> str:
+    def place(self, *part: str, initial: int = 0, element: tuple[str, str] | None = None) -> str:
         """Draws a place and returns its name.
 
         Args:
             *part: Which place of its element; nothing for the element's own.
             initial: Tokens of the initial marking.
-            of: Kind and name of the element, where it is another than the pen's.
+            element: Kind and name of the element, where it is another than the pen's.
         """
-        name = self.canvas.place_of(*(of or self.called), *part, *self.owner)
+        name = self.canvas.place_of(*(element or self.called), *part, *self.owner)
         return self.canvas.place(name, initial=initial, provenance=self.provenance)
 
     def own(self, name: str) -> str:

@@ -86,11 +86,11 @@ class _CompactAlternative(AlternativeDrawing):
         return (k for k in self.consumes if "waiting" in self.stages(k))
 
     def leave_waiting(
-        self, verb: str, k: str, stage: str, whereto: str, *of: str, read: list[str] | None = None
+        self, verb: str, k: str, stage: str, whereto: str, *suffixes: str, read: list[str] | None = None
     ) -> None:
         """It waits, and the request of one resource has come so far: give that back, then all others."""
         put = [*self.after(k, stage), self.place_of(whereto)]
-        self.handle(verb, [self.wait, self.of(k, stage)], put, *of, k, read=read)
+        self.handle(verb, [self.wait, self.of(k, stage)], put, *suffixes, k, read=read)
 
     def after(self, first: str, stage: str) -> list[str]:
         """What is marked when one resource is given back, and the others are to be."""
@@ -170,14 +170,14 @@ class _CompactAlternative(AlternativeDrawing):
 
     # --- names ----------------------------------------------------------------------------------------
 
-    def part(self, word: str, *of: str) -> tuple[str, ...]:
+    def part(self, word: str, *suffixes: str) -> tuple[str, ...]:
         """A part of the activity that belongs to this alternative."""
-        return (f"{word}{self.number}", *of)
+        return (f"{word}{self.number}", *suffixes)
 
     def of_activity(self, word: str) -> str:
         """The name of a place that its alternatives share, drawn already or not."""
         return self.canvas.place_of("activity", self.activity.name, word)
 
-    def place_of(self, word: str, *of: str) -> str:
+    def place_of(self, word: str, *suffixes: str) -> str:
         """The name of a place of this alternative, drawn already or not."""
-        return self.canvas.place_of("activity", self.activity.name, *self.part(word, *of))
+        return self.canvas.place_of("activity", self.activity.name, *self.part(word, *suffixes))

@@ -90,7 +90,7 @@ class _Control(Interrupting):
         running = [running_place(self.canvas, usage.activities[a]) for a in section.activities]
         for event, part, outcome, read in (
             (Event(What.SUCCESS, name), "EV_OK", "success", [p for p in running if p is not None]),
-            *((Event(What.FAILURE, name, why), "EV_FAIL", of, []) for why, of in section.failures),
+            *((Event(What.FAILURE, name, why), "EV_FAIL", to, []) for why, to in section.failures),
             (Event(What.TIMEOUT, name), "EV_TIMEOUT", TIMED_OUT, []),
         ):
             if (outcome, section.timed_out) == (TIMED_OUT, None):
@@ -112,14 +112,14 @@ class _Control(Interrupting):
         running = [pen.place("running")] if self.eventful(section) else []
         leaving = Leaving(self.canvas, section)
         for branch in section.branches:
-            ended = [pen.place(part, of=("objective", branch.name)) for part in ("ok", "fail")]
+            ended = [pen.place(part, element=("objective", branch.name)) for part in ("ok", "fail")]
             # Else outcomes are taken note of one by one, and another place says that it has ended.
             if not leaving.combined:
-                ended = [pen.place("ended", of=("objective", branch.name))]
+                ended = [pen.place("ended", element=("objective", branch.name))]
             for place in ended:
                 self.canvas.role(place, ("done", branch.name))
             if branch.graph.aborts:
-                pen.place("abort", of=("objective", branch.name))
+                pen.place("abort", element=("objective", branch.name))
             self.inside(section, branch).draw()
         for number in range(1, len(section.shelters) + 1):
             self.meanwhile(section, number).draw()

@@ -69,9 +69,9 @@ class Interrupting(Level):
         """Where the objectives of a section may be when an event happens; one of these holds at a time."""
 
         def handled(
-            place: str, put: Callable[[Interruption, int], _Ways], of: Interrupted = section
+            place: str, put: Callable[[Interruption, int], _Ways], interrupted: Interrupted = section
         ) -> Iterator[Position]:
-            for number, (own, before) in enumerate(of.handlers(event), 1):
+            for number, (own, before) in enumerate(interrupted.handlers(event), 1):
                 if own is None:
                     yield Position((place,), happened=before)
                     continue
@@ -94,7 +94,7 @@ class Interrupting(Level):
 
             yield from handled(self.of(section), onward)
             return
-        for phase, of in enumerate((section, *section.shelters)):
+        for phase, interrupted in enumerate((section, *section.shelters)):
 
             def whole(own: Interruption, number: int, phase: int = phase) -> _Ways:
                 return [([], self.stopping(section, phase, own, number))]
@@ -103,7 +103,7 @@ class Interrupting(Level):
                 if inside.put is not None:
                     yield inside
                     continue
-                for outer in handled(self.active(section, phase), whole, of):
+                for outer in handled(self.active(section, phase), whole, interrupted):
                     if self.possible(both := inside.together_with(outer)):
                         yield both
 

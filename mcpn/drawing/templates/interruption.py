@@ -147,8 +147,8 @@ class Pausing:
         self.section = section
         self.waiting = [
             (phase, pauses + 1)
-            for phase, of in enumerate((section, *section.shelters))
-            for pauses in dict.fromkeys(i.pauses for i in of.interruptions if i.pauses is not None)
+            for phase, interrupted in enumerate((section, *section.shelters))
+            for pauses in dict.fromkeys(i.pauses for i in interrupted.interruptions if i.pauses is not None)
         ]
         """Phases that pause, each with the phase that runs meanwhile."""
 

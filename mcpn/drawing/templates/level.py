@@ -127,7 +127,7 @@ class Level:
         self, section: Section, outcome: str, changes: Mapping[str, str] | None = None
     ) -> Iterator[tuple[str, Way, list[str]]]:
         """Where an outcome leads: a number, empty if there is one way alone, the way, places to mark."""
-        (route,) = (route for of, route in section.outcomes if of == outcome)
+        (route,) = (route for said, route in section.outcomes if said == outcome)
         yield from self.ways(section, route, section.cases_of(outcome), changes or {})
 
     def ways(

@@ -94,7 +94,7 @@ class Automaton:
 
     def components(self) -> list[list[int]]:
         """The strongly connected components of its states, those that others lead to first."""
-        return strongly_connected([[edge.target for edge in of] for of in self.edges])
+        return strongly_connected([[edge.target for edge in edges] for edges in self.edges])
 
     @property
     def is_empty(self) -> bool:
@@ -110,8 +110,8 @@ class Automaton:
         """States from which it accepts every path: by a loop that bears every mark and asks for nothing."""
         return frozenset(
             q
-            for q, of in enumerate(self.edges)
-            if any(e.target == q and not e.literals and len(e.marks) == self.marks for e in of)
+            for q, edges in enumerate(self.edges)
+            if any(e.target == q and not e.literals and len(e.marks) == self.marks for e in edges)
         )
 
 
@@ -170,7 +170,11 @@ def translated(formula: Formula) -> Automaton:
                 f"the automaton of a formula on paths has more than {MAX_STATES} states or {MAX_EDGES} edges:"
                 " the limit was hit"
             )
-    untils = list(dict.fromkeys(f for of in ways for way in of for f in sorted(way.put_off, key=repr)))
+    untils = list(
+        dict.fromkeys(
+            f for ways_of_state in ways for way in ways_of_state for f in sorted(way.put_off, key=repr)
+        )
+    )
     edges = tuple(
         tuple(
             AutomatonEdge(
@@ -178,16 +182,18 @@ def translated(formula: Formula) -> Automaton:
                 frozenset(i for i, until in enumerate(untils) if until not in way.put_off),
                 numbers[way.left],
             )
-            for way in of
+            for way in ways_of_state
         )
-        for of in ways
+        for ways_of_state in ways
     )
     return _reduced(Automaton(edges, len(untils)), steps)
 
 
 def kept(automaton: Automaton, keep: Callable[[Literals], bool]) -> Automaton:
     """An automaton without the edges whose literals are not to be kept, and without states useless then."""
-    edges = tuple(tuple(edge for edge in of if keep(edge.literals)) for of in automaton.edges)
+    edges = tuple(
+        tuple(edge for edge in edges_of_state if keep(edge.literals)) for edges_of_state in automaton.edges
+    )
     return _reduced(Automaton(edges, automaton.marks), _Steps())
 
 
@@ -292,12 +298,12 @@ def _useful(automaton: Automaton) -> Automaton:
     edges = tuple(
         tuple(
             AutomatonEdge(e.literals, e.marks if component[e.target] == component[q] else nothing, e.target)
-            for e in of
+            for e in edges_of_state
             if e.target in accepting
         )
         if q in accepting
         else ()
-        for q, of in enumerate(automaton.edges)
+        for q, edges_of_state in enumerate(automaton.edges)
     )
     return Automaton(edges, automaton.marks)
 
@@ -374,7 +380,7 @@ def write_hoa(automaton: Automaton, name: str, formula: Formula, said: Callable[
         formula: What it was translated from, in normal form.
         said: A formula on states, or a step, as text: these are the atomic propositions.
     """
-    literals = [f for of in automaton.edges for e in of for f in sorted(e.literals, key=said)]
+    literals = [f for edges in automaton.edges for e in edges for f in sorted(e.literals, key=said)]
     atoms = {atom: i for i, atom in enumerate(dict.fromkeys(map(atom_of, literals)))}
     inf = "&".join(f"Inf({mark})" for mark in range(automaton.marks))
     properties = "trans-labels explicit-labels trans-acc"
@@ -392,9 +398,9 @@ def write_hoa(automaton: Automaton, name: str, formula: Formula, said: Callable[
         f"mcpn.classes: {' '.join(map(json.dumps, hierarchy))}",
         "--BODY--",
     ]
-    for number, of in enumerate(automaton.edges):
+    for number, edges in enumerate(automaton.edges):
         lines.append(f"State: {number}")
-        for edge in of:
+        for edge in edges:
             signs = sorted((atoms[atom_of(f)], atom_of(f) != f) for f in edge.literals)
             label = "&".join(f"{'!' if negated else ''}{atom}" for atom, negated in signs) or "t"
             marks = f" {{{' '.join(map(str, sorted(edge.marks)))}}}" if edge.marks else ""
@@ -414,7 +420,7 @@ def classes(formula: Formula) -> list[str]:
         Of ``safety``, ``guarantee``, ``obligation``, ``recurrence``, ``persistence``, ``reactivity``, and
         ``stutter-insensitive``: the last says that steps which change nothing do not count.
     """
-    names = [name for name, of in _CLASSES.items() if of(formula)]
+    names = [name for name, belongs in _CLASSES.items() if belongs(formula)]
     if not names:
         names = ["reactivity"]
     if is_stutter_insensitive(formula):

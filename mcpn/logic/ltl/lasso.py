@@ -185,7 +185,7 @@ class PathSearch:
         self._net, self._searches = net, searches or Searches(net)
         self._goals: dict[Formula, Goal] = {}
         self.fits = self._searches.fits and automaton.marks <= MOST_MARKS
-        for literal in dict.fromkeys(f for of in automaton.edges for edge in of for f in edge.reads):
+        for literal in dict.fromkeys(f for edges in automaton.edges for edge in edges for f in edge.reads):
             goal = as_goal(literal, net)
             if goal is None:
                 self.fits = False
@@ -193,7 +193,7 @@ class PathSearch:
             self._goals[literal] = goal
         self._encoded, self._roots = encode(list(self._goals.values()), len(net.places))
         self._numbers = {literal: number for number, literal in enumerate(self._goals)}
-        self._edges = [list(map(self._edge, of)) for of in automaton.edges]
+        self._edges = [list(map(self._edge, edges)) for edges in automaton.edges]
         self._marks = (1 << automaton.marks) - 1
         self._all = [q in automaton.accepting_all for q in range(len(automaton.edges))]
 

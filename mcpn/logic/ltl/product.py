@@ -80,7 +80,9 @@ class Product(Generic[S]):
         self.resting = space.dead if resting is None else space.dead | resting
         self.space, self.automaton, self.constraints = space, automaton, tuple(constraints)
         self.edges = [
-            edge for q, of in enumerate(automaton.edges) for edge in _joined(map(self._edge(q, states), of))
+            edge
+            for q, edges in enumerate(automaton.edges)
+            for edge in _joined(map(self._edge(q, states), edges))
         ]
         self.components = automaton.components()
 

@@ -131,7 +131,9 @@ class Copies:
     def inside(self, name: str, within: str = "") -> list[str]:
         """The objectives in a block that a name means, in all copies of it; arguments as of :meth:`meant`."""
         blocks = {id(each) for each in self._said(name, within)}
-        return [leaf for leaf, of in self.objectives.items() if any(id(each) in blocks for each in of.chain)]
+        return [
+            leaf for leaf, copy in self.objectives.items() if any(id(each) in blocks for each in copy.chain)
+        ]
 
     def _said(self, name: str, within: str, among: Collection[int] | None = None) -> list[Standing]:
         """What a name says, in the use of a protocol that it is written in, else in the whole mission."""
@@ -208,18 +210,21 @@ class Copies:
             every: All names of their sort.
         """
         here, found = grouped(dict.fromkeys(names), self.plain), list[str]()
-        whole = grouped(every, self.plain) if any(len(of) > 1 for of in here.values()) else {}
-        for plain, of in here.items():
+        whole = grouped(every, self.plain) if any(len(named) > 1 for named in here.values()) else {}
+        for plain, named in here.items():
             copies = [name for name in dict.fromkeys(whole.get(plain, ())) if name not in self.wholes]
-            spoken = {name for name in of if name not in self.wholes}
-            together = self._together(of, copies)
+            spoken = {name for name in named if name not in self.wholes}
+            together = self._together(named, copies)
             left = self._together([name for name in copies if name not in spoken], copies)
-            if len(of) > 1 and {*copies} == spoken:
+            if len(named) > 1 and {*copies} == spoken:
                 found.append(f"{plain} (all {len(copies)})")
             elif 0 < len(left) <= MOST_LEFT_OUT and 2 * len(left) < len(together) and spoken < {*copies}:
                 found.append(f"{plain} (all {len(copies)} but {', '.join(left)})")
             else:
-                found += (f"{name} (all {len(of)})" if len(of) > 1 else name for name, of in together.items())
+                found += (
+                    f"{name} (all {len(members)})" if len(members) > 1 else name
+                    for name, members in together.items()
+                )
         return found
 
     def _together(self, names: Collection[str], copies: Collection[str]) -> dict[str, list[str]]:
@@ -233,7 +238,7 @@ class Copies:
             among = (name for name in self._shorter(copy) if meant.get(name, {""}) <= {*names})
             name = next(among, copy)
             found.setdefault(name, []).append(copy)
-        return {(of[0] if len(of) == 1 else name): of for name, of in found.items()}
+        return {(members[0] if len(members) == 1 else name): members for name, members in found.items()}
 
     def _shorter(self, name: str) -> Iterator[str]:
         """The names of a copy without some or all of its own suffixes, the shortest first."""

@@ -199,7 +199,7 @@ def crash_errors(activity: Activity, resources: Container[str]) -> Iterator[Prob
             yield Problem(declared.source, f"{name} has a repair_rate, though it never recovers")
 
 
-def _repaired(of: Hardware | Fault) -> Iterator[Problem]:
+def _repaired(element: Hardware | Fault) -> Iterator[Problem]:
     """A problem where hardware, or a fault, that is not repairable has a rate of repairs."""
-    if of.repair_rate:
-        yield Problem(of.source, f"{of.name} has a repair_rate, though it is not repairable")
+    if element.repair_rate:
+        yield Problem(element.source, f"{element.name} has a repair_rate, though it is not repairable")

@@ -168,12 +168,12 @@ class Routes(Interrupted):
 
     def led(self, outcome: str) -> tuple[str, ...]:
         """Where an outcome may lead, the default first."""
-        default = [route for of, route in self.outcomes if of == outcome]
+        default = [route for said, route in self.outcomes if said == outcome]
         return *default, *(case.target for case in self.cases_of(outcome) if default)
 
     def cases_of(self, outcome: str) -> tuple[FactCase, ...]:
         """Where an outcome leads instead if facts are so."""
-        return tuple(case for of, case in self.cases if of == outcome)
+        return tuple(case for said, case in self.cases if said == outcome)
 
     @property
     def all_cases(self) -> Iterator[FactCase]:

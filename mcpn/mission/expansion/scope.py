@@ -193,5 +193,6 @@ def _copies(blocks: tuple[Block, ...]) -> Iterator[tuple[Block, str]]:
                 inner = tuple(f"_{value}" for value in block.values) if isinstance(block, Each) else ("",)
                 branches = ((child,) for child in block.blocks)
                 stack.extend(
-                    (of, inner) for of in (branches if isinstance(block, Parallel) else (block.blocks,))
+                    (blocks, inner)
+                    for blocks in (branches if isinstance(block, Parallel) else (block.blocks,))
                 )

@@ -109,7 +109,7 @@ _forms: dict[type, Form] = {}
 def form_of(element: type) -> Form:
     """The form of a class of the model: how files write it. Computed once for each class."""
     if element not in _forms:
-        owners = (of for of in reversed(element.__mro__) if "__dataclass_fields__" in vars(of))
+        owners = (base for base in reversed(element.__mro__) if "__dataclass_fields__" in vars(base))
         fields = tuple({f.name: f for owner in owners for f in _declared(owner)}.values())
         attributes = sorted(
             (f for f in fields if f.type), key=lambda f: (f.owner is Described, not f.required)
@@ -199,15 +199,15 @@ def language() -> dict[str, Tag]:
         if element not in forms.setdefault(element.TAG, {}):
             forms[element.TAG][element] = None
             stack.extend(reversed(list(inside(element))))
-    return {tag: _tag(tuple(of)) for tag, of in forms.items()}
+    return {tag: _tag(tuple(classes)) for tag, classes in forms.items()}
 
 
 def _tag(classes: tuple[_Element, ...]) -> Tag:
-    forms = [form_of(of) for of in classes]
+    forms = [form_of(each) for each in classes]
     attributes = {a.tag: a for form in forms for a in form.attributes}
     attributes |= {c.short.tag: c.short for form in forms for c in form.contents if c.short}
     required = frozenset.intersection(*(frozenset(a.tag for a in f.attributes if a.required) for f in forms))
-    children = frozenset(child.TAG for of in classes for child in inside(of))
+    children = frozenset(child.TAG for each in classes for child in inside(each))
     return Tag(classes, attributes, required, children)
 
 
@@ -237,10 +237,12 @@ def relax_ng() -> str:
     """The schema as the text of its file."""
     tags = language()
     datatypes = {a.datatype.name: a.datatype for tag in tags.values() for a in tag.attributes.values()}
-    groups = {of.TAG: [_attribute(a) for a in form_of(of).attributes if a.owner is of] for of in GROUPS}
+    groups = {
+        group.TAG: [_attribute(a) for a in form_of(group).attributes if a.owner is group] for group in GROUPS
+    }
     root = etree.fromstring(_ROOT)
     root.append(_node("start", _any(root.TAG for root in ROOTS)))
-    root.extend(_node("define", _data(of), name=f"data.{name}") for name, of in datatypes.items())
+    root.extend(_node("define", _data(datatype), name=f"data.{name}") for name, datatype in datatypes.items())
     root.extend(_node("define", *attributes, name=group) for group, attributes in groups.items())
     root.extend(_node("define", _element(name, tag), name=name) for name, tag in tags.items())
     etree.indent(root)  # what declares no more than an attribute is one line
@@ -272,10 +274,10 @@ def _data(datatype: Datatype) -> etree._Element:
     return _node("data", pattern, type="string")
 
 
-def _attribute(of: Field) -> etree._Element:
-    data = _node("ref", name=f"data.{of.datatype.name}")
-    attribute = _node("attribute", _note(of.meaning), data, name=of.tag)
-    return attribute if of.required else _node("optional", attribute)
+def _attribute(field: Field) -> etree._Element:
+    data = _node("ref", name=f"data.{field.datatype.name}")
+    attribute = _node("attribute", _note(field.meaning), data, name=field.tag)
+    return attribute if field.required else _node("optional", attribute)
 
 
 def _element(name: str, tag: Tag) -> etree._Element:
@@ -289,15 +291,20 @@ def _element(name: str, tag: Tag) -> etree._Element:
     ]
     rest = ways[0] if len(ways) == 1 else [_node("choice", *(_node("group", *way) for way in ways))]
     return _node(
-        "element", _note(tag.words), *(_node("ref", name=of) for of in groups), *attributes, *rest, name=name
+        "element",
+        _note(tag.words),
+        *(_node("ref", name=group) for group in groups),
+        *attributes,
+        *rest,
+        name=name,
     )
 
 
 def _variants(tag: Tag) -> Iterator[tuple[list[Field], list[str], list[str]]]:
     """The ways to write an element: its attributes, what may stand inside, what must."""
-    for of in tag.forms:
-        form = form_of(of)
-        free = [Import.TAG] * (of in ROOTS)
+    for element in tag.forms:
+        form = form_of(element)
+        free = [Import.TAG] * (element in ROOTS)
         free += [child.TAG for content in form.contents if not content.required for child in content.elements]
         needed = [child.TAG for content in form.contents if content.required for child in content.elements]
         for content in form.contents:

@@ -53,13 +53,13 @@ class Reference(NamedTuple):
         kind: What it names: a kind of element, or one of those of :data:`WORDS`.
         name: The name.
         place: Where it begins in the text.
-        of: The activity of an alternative, or the fact of a value.
+        owner: The activity of an alternative, or the fact of a value.
     """
 
     kind: str
     name: str
     place: int
-    of: str = ""
+    owner: str = ""
 
 
 def references(refers: str, text: str) -> Iterator[Reference]:
@@ -88,12 +88,12 @@ def references(refers: str, text: str) -> Iterator[Reference]:
 def _in_formula(text: str) -> Iterator[Reference]:
     for said in _SAID.finditer(text):
         word, name, begin = said["word"], said["name"], said.start("name")
-        kind, of = WORDS[word], ""
+        kind, owner = WORDS[word], ""
         if word == "alternative" and said["value"] is None and "." in name:
-            of, _, name = name.rpartition(".")
-            yield Reference("activity", of, begin)
-            kind, begin = "alternative", begin + len(of) + 1
-        yield Reference(kind, name, begin, of)
+            owner, _, name = name.rpartition(".")
+            yield Reference("activity", owner, begin)
+            kind, begin = "alternative", begin + len(owner) + 1
+        yield Reference(kind, name, begin, owner)
         if said["value"] is not None and word in VALUED:
             yield Reference(VALUED[word], said["value"], said.start("value"), name)
 
@@ -115,7 +115,7 @@ def reason_in(name: str) -> Reference | None:
 
     Examples:
         >>> reason_in("OBJ_dive_EV_FAIL_too_deep")
-        Reference(kind='reason', name='too_deep', place=17, of='')
+        Reference(kind='reason', name='too_deep', place=17, owner='')
     """
     ending = _ENDING.fullmatch(name)
     if ending is None or ending["reason"] is None:
@@ -130,7 +130,7 @@ def happening(name: str) -> Reference:
 
     Examples:
         >>> happening("OBJ_dive_EV_OK")
-        Reference(kind='objective', name='dive', place=4, of='')
+        Reference(kind='objective', name='dive', place=4, owner='')
         >>> happening("sonar_EV_OOS").kind, happening("leak").kind
         ('loss', 'event')
     """

@@ -170,7 +170,7 @@ def _stopped_at_once(graph: ObjectivesGraph) -> Iterator[Section]:
 
 
 def _joined(*all_: Running) -> Running:
-    return {event: frozenset().union(*(of.get(event, ()) for of in all_)) for event in chain(*all_)}
+    return {event: frozenset().union(*(each.get(event, ()) for each in all_)) for event in chain(*all_)}
 
 
 def _activities(sections: Iterable[ElementarySection]) -> frozenset[str]:

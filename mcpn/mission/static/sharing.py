@@ -172,9 +172,9 @@ class Sharing:
                 started = [
                     {a for o in branch.graph.walk() for a in o.activities} for branch in block.branches
                 ]
-                reached = [frozenset[str]().union(*map(usage.closure, of)) for of in started]
+                reached = [frozenset[str]().union(*map(usage.closure, producers)) for producers in started]
                 for producer in filter(self.serves, usage.started):
-                    using = [of for of in reached if producer in of]
+                    using = [closure for closure in reached if producer in closure]
                     above = (a for a in frozenset[str]().union(*using) if producer in usage.closure(a))
                     if len(using) > 1 and any((usage.closure(a) - {producer}) & sensitive for a in above):
                         found.add(producer)

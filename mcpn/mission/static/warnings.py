@@ -14,18 +14,18 @@ from mcpn.mission.static.sharing import contention_warnings
 from mcpn.mission.static.usage import Usage
 
 
-def find_warnings(of: Mission | Usage) -> list[Problem]:
+def find_warnings(subject: Mission | Usage) -> list[Problem]:
     """What is suspicious in a valid mission, though it can be verified as it stands.
 
     Args:
-        of: A valid mission, or its static analysis where it is there.
+        subject: A valid mission, or its static analysis where it is there.
 
     Returns:
         Activities that nothing starts, resources and protocols that nothing uses, events that interrupt
         nothing, routes of aborts where nothing aborts, objectives that no route reaches, alternatives
         that are never tried, facts that nobody changes or reads, each with its line.
     """
-    return in_order(_warnings(of if isinstance(of, Usage) else Usage(of, flatten(of))))
+    return in_order(_warnings(subject if isinstance(subject, Usage) else Usage(subject, flatten(subject))))
 
 
 def static_warnings(usage: Usage) -> list[Problem]:

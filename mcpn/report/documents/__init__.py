@@ -60,12 +60,12 @@ def _schema(shape: JsonShape, parts: dict[str, Any]) -> dict[str, Any]:
     """The schema of a value; those of named parts are added to ``parts``."""
     found = {"description": shape.meaning} if shape.meaning else {}
     if isinstance(shape, Nullable):
-        of = _schema(shape.of, parts)
-        return {**of, "type": [of["type"], "null"]}
+        schema = _schema(shape.shape, parts)
+        return {**schema, "type": [schema["type"], "null"]}
     if isinstance(shape, Shared):
         if shape.name not in parts:
             parts[shape.name] = {}  # its place among the others is before those in it
-            parts[shape.name] = _schema(shape.of, parts)
+            parts[shape.name] = _schema(shape.shape, parts)
         return {"$ref": f"#/$defs/{shape.name}", **found}
     match shape:
         case String():
@@ -81,20 +81,20 @@ def _schema(shape: JsonShape, parts: dict[str, Any]) -> dict[str, Any]:
         case OneOf():
             return {**found, "enum": list(shape.values)}
         case Either():
-            each = [_schema(of, parts) for of in shape.shapes]
-            if all(of.keys() <= {"type"} for of in each):
-                return {"type": [of["type"] for of in each], **found}
+            each = [_schema(one, parts) for one in shape.shapes]
+            if all(schema.keys() <= {"type"} for schema in each):
+                return {"type": [schema["type"] for schema in each], **found}
             return {**found, "anyOf": each}
         case ListOf():
             differ = {"uniqueItems": True} if shape.differ else {}
-            return {"type": "array", **found, "items": _schema(shape.of, parts), **differ}
+            return {"type": "array", **found, "items": _schema(shape.item, parts), **differ}
         case MapOf():
-            return {"type": "object", **found, "additionalProperties": _schema(shape.of, parts)}
+            return {"type": "object", **found, "additionalProperties": _schema(shape.value, parts)}
         case ObjectOf():
             return {
                 "type": "object",
                 **found,
-                "properties": {key: _schema(of, parts) for key, of in shape.keys.items()},
+                "properties": {key: _schema(value, parts) for key, value in shape.keys.items()},
                 "required": shape.required,
                 **({} if shape.others else {"additionalProperties": False}),
             }

@@ -104,7 +104,7 @@ SIMULATE = Document(
                     {
                         "event": String("What happened."),
                         "words": String("The same as a sentence."),
-                        "actions": ListOf("Orders, in this order.", ACTION.of),
+                        "actions": ListOf("Orders, in this order.", ACTION.shape),
                         "objectives": texts("Objectives that run now."),
                         "mode": MapOf("Alternative by activity that runs.", String()),
                         "out_of_service": texts("Hardware out of service."),

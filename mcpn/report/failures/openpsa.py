@@ -283,14 +283,14 @@ def _sum(products: Iterable[Sequence[Reference]]) -> Formula:
 
 def _write(parent: etree._Element, formula: Formula) -> None:
     """Writes a formula: a connective without arguments as a constant, of one argument as this argument."""
-    kind, of = formula
-    if isinstance(of, str):
-        etree.SubElement(parent, kind, name=_identifier(of))
-    elif not of:
+    kind, operands = formula
+    if isinstance(operands, str):
+        etree.SubElement(parent, kind, name=_identifier(operands))
+    elif not operands:
         etree.SubElement(parent, "constant", value="true" if kind == "and" else "false")
     else:
-        holder = etree.SubElement(parent, kind) if len(of) > 1 else parent
-        for inner in of:
+        holder = etree.SubElement(parent, kind) if len(operands) > 1 else parent
+        for inner in operands:
             _write(holder, inner)
 
 

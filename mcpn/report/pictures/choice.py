@@ -11,11 +11,11 @@ from mcpn.report.pictures.drawing import Drawing
 KINDS = ("mission", "objectives", "net", "alternatives", "controller")
 
 
-def drawn(of: MissionSubject, kind: str = "mission", section: str | None = None) -> Drawing:
+def drawn(subject: MissionSubject, kind: str = "mission", section: str | None = None) -> Drawing:
     """A picture of a mission.
 
     Args:
-        of: The mission's spaces, or its net.
+        subject: The mission's spaces, or its net.
         kind: One of :data:`KINDS`.
         section: Of this section alone.
 
@@ -28,7 +28,7 @@ def drawn(of: MissionSubject, kind: str = "mission", section: str | None = None)
     if kind not in known:
         what = "" if section is None else " of a section"
         raise InputError.at(None, f"found the picture {kind!r}, expected one{what} of {', '.join(known)}")
-    spaces = spaces_of(of)
+    spaces = spaces_of(subject)
     return _WHOLE[kind](spaces) if section is None else _OF_SECTION[kind](spaces, section)
 
 

@@ -409,12 +409,16 @@ def _parts(graph: Graph) -> list[Graph]:
 
 def _nested(graph: Graph, inside: Mapping[str, Placed]) -> Placed:
     """Lays out clusters, each placed already, as boxes; then draws the edges between them."""
-    of = {node.key: node.cluster for node in graph.nodes}
+    cluster_of = {node.key: node.cluster for node in graph.nodes}
     boxes = [
         Node(key, ("",), "", size=(placed.width, placed.height + NAME)) for key, placed in inside.items()
     ]
-    crossing = [e for e in graph.edges if of[e.source] != of[e.target] or of[e.source] is None]
-    pairs = dict.fromkeys((of[e.source] or e.source, of[e.target] or e.target) for e in crossing)
+    crossing = [
+        e for e in graph.edges if cluster_of[e.source] != cluster_of[e.target] or cluster_of[e.source] is None
+    ]
+    pairs = dict.fromkeys(
+        (cluster_of[e.source] or e.source, cluster_of[e.target] or e.target) for e in crossing
+    )
     free = [node for node in graph.nodes if node.cluster is None]
     joints = [Arrow(*pair, "arc") for pair in pairs if pair[::-1] not in pairs or pair < pair[::-1]]
     (outer,) = _layered([Graph(graph.name, [*boxes, *free], joints, sideways=graph.sideways)])

@@ -127,8 +127,8 @@ class _Drawn:
         leading = {exit_: self._target(graph, exits, to) for exit_, to in section.away}
         self.reached.update(leading.values())
         first = [self.first(shelter.graph) for shelter in section.shelters]
-        for of, begin in zip((section, *section.shelters), (last, *first), strict=True):
-            for i in of.interruptions:
+        for interrupted, begin in zip((section, *section.shelters), (last, *first), strict=True):
+            for i in interrupted.interruptions:
                 word, to = _on(i), None if i.pauses is None else first[i.pauses]
                 if to is not None:
                     title = f"{section.name}: {word} runs {to}, then goes on"
@@ -159,7 +159,7 @@ class _Drawn:
 def _routes(section: Section) -> Iterator[tuple[str, tuple[str, ...], str]]:
     """Where a section may lead, with what stands beside the arrow, and of which kind that is."""
     meanwhile = dict(section.away) if isinstance(section, ParallelSection) else {}
-    named = {of: why for why, of in section.failures if why} if isinstance(section, ElementarySection) else {}
+    named = {to: why for why, to in section.failures if why} if isinstance(section, ElementarySection) else {}
     becoming = dict(section.becoming)
     for outcome, route in section.outcomes:
         if outcome in meanwhile:

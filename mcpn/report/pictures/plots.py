@@ -146,15 +146,15 @@ def _growth(members: Sequence[Measured]) -> list[Curves]:
 
     def grown(what: str, title: str, unit: str, bars: bool = False) -> Curves:
         curves, spans = dict[str, list[tuple[float, float]]](), dict[str, list[tuple[float, float]]]()
-        for engine, of in ran.items():
+        for engine, runs in ran.items():
             name = named(engine, what)
-            curves[name] = [(size, took[what]) for size, m in of if what in (took := grows(m))]
-            spans[name] = [(m.cpu_seconds, m.most_cpu_seconds) for _, m in of if bars]
+            curves[name] = [(size, took[what]) for size, m in runs if what in (took := grows(m))]
+            spans[name] = [(m.cpu_seconds, m.most_cpu_seconds) for _, m in runs if bars]
         return Curves(title, "size", unit, curves, spans, logarithmic=True)
 
     # Engines agree on markings, so that one curve is enough.
     counted = {
-        size: states for of in ran.values() for size, m in of if (states := (m.sizes or {}).get("states"))
+        size: states for runs in ran.values() for size, m in runs if (states := (m.sizes or {}).get("states"))
     }
     return [
         grown("cpu_seconds", f"{GROWING['cpu_seconds']}, median; bars: least to most", "seconds", bars=True),

@@ -121,7 +121,7 @@ class Diagrams:
         if not self.net.priorities or len(self.net.internal_ranks) <= 1:
             return []
         both = zip(self.net.internal_ranks[1:], self.space.allowed[1:], strict=True)
-        return [([t for t in of if t in self.encoding.events], where) for of, where in both]
+        return [([t for t in transitions if t in self.encoding.events], where) for transitions, where in both]
 
     @cached_property
     def groups(self) -> list[tuple[list[int], Zdd]]:
@@ -182,7 +182,7 @@ class Diagrams:
         if not self.net.priorities:
             return dict.fromkeys(range(len(self.net.transitions)), self.everything)
         internal = zip(self.net.internal_ranks, self.space.allowed, strict=True)
-        allowed_in = {t: where for of, where in internal for t in of}
+        allowed_in = {t: where for transitions, where in internal for t in transitions}
         return {t: allowed_in.get(t, self.stable) for t in range(len(self.net.transitions))}
 
     def closure(self, begin: Zdd, events: Sequence[int], within: Zdd) -> Zdd:

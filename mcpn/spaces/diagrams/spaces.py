@@ -77,7 +77,9 @@ class DiagramMarkings(Diagrams):
             return self.closure(states.images(events, within=where), free, within)
 
         ways = self.ways(self.encoding.undoing, transitions, guards)
-        return chained(sources, [partial(back, events=of, where=where & within) for of, where in ways])
+        return chained(
+            sources, [partial(back, events=events, where=where & within) for events, where in ways]
+        )
 
     def reached(
         self,
@@ -95,7 +97,7 @@ class DiagramMarkings(Diagrams):
             return self.closure((states & where).images(events), free, within)
 
         ways = self.ways(self.encoding.events, transitions, guards)
-        return chained(targets, [partial(ahead, events=of, where=where) for of, where in ways])
+        return chained(targets, [partial(ahead, events=events, where=where) for events, where in ways])
 
     def continuing(self, states: Zdd, transitions: Collection[int] | None = None) -> Zdd:
         """Those of some states with an edge of some transitions that leads to one of them."""
@@ -184,7 +186,7 @@ class DiagramAlternatives(Diagrams):
             return self.ending(states).images(events, within=where)
 
         ways = self.ways(self.encoding.undoing, transitions, guards)
-        return [partial(back, events=of, where=where & along) for of, where in ways]
+        return [partial(back, events=events, where=where & along) for events, where in ways]
 
     def reached(
         self,
@@ -206,7 +208,7 @@ class DiagramAlternatives(Diagrams):
             return self.settled((states & where).images(events)) & along
 
         ways = self.ways(self.encoding.events, transitions, guards)
-        return [partial(ahead, events=of, where=where) for of, where in ways]
+        return [partial(ahead, events=events, where=where) for events, where in ways]
 
     def edges(self, state: Sequence[int]) -> Iterator[Edge]:
         """The edges of one state, each with one interleaving of the internal transitions behind it."""

@@ -79,12 +79,14 @@ class Searches:
         components that all do the same first often lock each other: each philosopher takes the left fork.
         """
         net, stems = self.net, dict[str, int]()
-        of = [stems.setdefault(t.name.rstrip("0123456789"), len(stems)) for t in net.transitions]
-        late = [not net.covers(net.initial, t) for t in range(len(of))]
+        stem_of = [stems.setdefault(t.name.rstrip("0123456789"), len(stems)) for t in net.transitions]
+        late = [not net.covers(net.initial, t) for t in range(len(stem_of))]
         orders = []
         for sign in (1, -1):
-            ranked = sorted(range(len(of)), key=lambda t: (late[t], of[t] if late[t] else sign * of[t]))
-            orders.append([0] * len(of))
+            ranked = sorted(
+                range(len(stem_of)), key=lambda t: (late[t], stem_of[t] if late[t] else sign * stem_of[t])
+            )
+            orders.append([0] * len(stem_of))
             for place, t in enumerate(ranked):
                 orders[-1][t] = place
         return orders[0], orders[1]

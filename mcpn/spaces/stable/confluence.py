@@ -59,7 +59,7 @@ def open_conflicts(encoding: Encoding, markings: Zdd) -> Iterator[Pair]:
         and the same length.
     """
     net, ranks = encoding.net, encoding.net.internal_ranks
-    rank_of = {t: rank for rank, of in enumerate(ranks) for t in of}
+    rank_of = {t: rank for rank, transitions in enumerate(ranks) for t in transitions}
     by_rank: list[dict[int, list[Pair]]] = [{} for _ in ranks]
     for pair in open_pairs(net, encoding.transitions):
         by_rank[rank_of[pair[1]]].setdefault(rank_of[pair[0]], []).append(pair)

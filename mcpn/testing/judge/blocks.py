@@ -183,14 +183,14 @@ def _within_parallel(shelter: WrittenBlock) -> bool:
 
 class _Writing:
     def __init__(self, mission: Mission) -> None:
-        self.of = mission
+        self.written = mission
         self.protocols = {protocol.name: protocol for protocol in mission.protocols}
 
     def mission(self) -> WrittenBlock:
-        root = WrittenBlock(self.of.name)
-        self.series(root, self.of.blocks, _Scope())
+        root = WrittenBlock(self.written.name)
+        self.series(root, self.written.blocks, _Scope())
         # Handlers of the mission lead to its own blocks, as those of a block lead to its siblings.
-        root.handlers = self.of.handlers
+        root.handlers = self.written.handlers
         return root
 
     def series(self, parent: WrittenBlock, blocks: tuple[Block, ...], scope: _Scope) -> None:
@@ -278,7 +278,9 @@ class _Writing:
                 self.series(round_, block.blocks, inside.copy(value, {block.bound: value}))
             self.copies(node, values)
         elif isinstance(block, Objective):
-            said = [name for a in self.of.activities if a.name in block.activities for name in a.failures]
+            said = [
+                name for a in self.written.activities if a.name in block.activities for name in a.failures
+            ]
             said += [text.split("=")[0] for text in block.failures]
             node.activities, node.failures = block.activities, tuple(dict.fromkeys(said))
             node.sets = block.sets

@@ -482,9 +482,9 @@ class Interpreter:
 
     def parameters(self, objective: str | None, activity: str, alternative: str) -> dict[str, str]:
         """The parameters in force for an alternative that an objective runs, or a request."""
-        of = self.robot.activities[activity]
-        (way,) = (way for way in of.alternatives if way.name == alternative)
-        declared = {p.name: p.value for p in (*of.parameters, *way.parameters)}
+        declaring = self.robot.activities[activity]
+        (way,) = (way for way in declaring.alternatives if way.name == alternative)
+        declared = {p.name: p.value for p in (*declaring.parameters, *way.parameters)}
         return {**declared, **(self.objectives[objective].parameters if objective else {})}
 
 

@@ -74,17 +74,17 @@ class Touch(NamedTuple):
     allowed: str
 
 
-def touches(of: Subject) -> Iterator[Touch]:
+def touches(subject: Subject) -> Iterator[Touch]:
     """Every arc of a mission's net, with what the declarations say of it."""
-    names, found = names_of(of.mission_net.usage), of.mission_net
-    for transition in of.net.transitions:
+    names, found = names_of(subject.mission_net.usage), subject.mission_net
+    for transition in subject.net.transitions:
         by = transition.provenance
         assert by is not None, "composition notes who drew a transition"
         for letter, arcs in zip(
             WORDS, (transition.consume, transition.produce, transition.read), strict=True
         ):
             for index, _ in arcs:
-                place = of.net.places[index]
+                place = subject.net.places[index]
                 drawn = None if place.provenance is None else drawer(place.provenance)
                 meaning = names.meaning(place.name) or drawn
                 if meaning is None:
@@ -95,20 +95,20 @@ def touches(of: Subject) -> Iterator[Touch]:
                 yield Touch(transition.name, by, letter, place.name, kind, element, row, side, allowed)
 
 
-def contract_of_arcs(of: Subject) -> None:
+def contract_of_arcs(subject: Subject) -> None:
     """Each transition touches the places of other templates only as these declare, and has events of its own.
 
     Args:
-        of: What has been composed.
+        subject: What has been composed.
 
     Raises:
         Violation: One does more.
     """
-    for t in touches(of):
+    for t in touches(subject):
         if t.letter not in t.allowed:
             message = f"{t.transition}, of {t.by}, {WORDS[t.letter]} {t.place}"
             raise Violation(f"{message}, which the {t.side} of {t.kind} {t.element} may not")
-    for transition in of.net.transitions:
+    for transition in subject.net.transitions:
         event, by = transition.event, transition.provenance
         kinds = HAPPENING.get(event.what) if event is not None else None
         if event is None or by is None or kinds is None:
@@ -133,11 +133,11 @@ def _declared(
         if name in rows:
             return (kind, name), rows[name]
     if role is not None and role[0] in SAYING:
-        of, name = SAYING[role[0]]
-        said = MEETINGS.get(of, {}).get(name)
-        if of == kind and said is not None:
-            own = said if of == "fact" else Meeting(said.says, {**said.allowed, "owner": "tpr"})
-            return (of, name), own
+        owner, name = SAYING[role[0]]
+        said = MEETINGS.get(owner, {}).get(name)
+        if owner == kind and said is not None:
+            own = said if owner == "fact" else Meeting(said.says, {**said.allowed, "owner": "tpr"})
+            return (owner, name), own
     return None, None
 
 
@@ -327,36 +327,36 @@ class TemplateMachine(RuleBasedStateMachine):
 
     def __init__(self) -> None:
         super().__init__()
-        self.of = Alone(self.mission, self.templates, *self.element)
+        self.alone = Alone(self.mission, self.templates, *self.element)
 
     def at(self, part: str, owner: str | None = None, element: tuple[str, str] | None = None) -> str:
         """The name of a place."""
         kind, name = element or self.element
-        return self.of.place(kind, name, part, owner)
+        return self.alone.place(kind, name, part, owner)
 
     def has(self, part: str, owner: str | None = None, element: tuple[str, str] | None = None) -> bool:
         """Whether a place is marked."""
-        return self.of.tokens[self.at(part, owner, element)] > 0
+        return self.alone.tokens[self.at(part, owner, element)] > 0
 
     @property
     def at_rest(self) -> bool:
         """Whether nothing internal of the template may fire, and nobody owes it anything."""
-        return not self.of.internal and not self.owed()
+        return not self.alone.internal and not self.owed()
 
     def owed(self) -> bool:
         """Whether others must act before an event may happen."""
         return False
 
-    @precondition(lambda self: self.of.internal)
+    @precondition(lambda self: self.alone.internal)
     @rule(choice=CHOICE)
     def fires(self, choice: int) -> None:
         """An internal transition of the template fires, any of those that may."""
-        enabled = self.of.internal
-        self.of.fire(enabled[choice % len(enabled)])
+        enabled = self.alone.internal
+        self.alone.fire(enabled[choice % len(enabled)])
 
-    @precondition(lambda self: self.at_rest and self.of.events)
+    @precondition(lambda self: self.at_rest and self.alone.events)
     @rule(choice=CHOICE)
     def happens(self, choice: int) -> None:
         """An event of the template happens."""
-        events = list(self.of.events.values())
-        self.of.fire(events[choice % len(events)])
+        events = list(self.alone.events.values())
+        self.alone.fire(events[choice % len(events)])

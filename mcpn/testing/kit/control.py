@@ -17,9 +17,9 @@ class ControlMachine(TemplateMachine):
         self.begun = False
         self.started: set[str] = set()
         """Activities that have been started, and not stopped."""
-        self.ways = {s.name: s.activities for s in self.of.graph.walk()}
-        self.timed = {s.name for s in self.of.graph.walk() if s.timed_out is not None}
-        self.reasons = {s.name: [why for why, _ in s.failures] for s in self.of.graph.walk()}
+        self.ways = {s.name: s.activities for s in self.alone.graph.walk()}
+        self.timed = {s.name for s in self.alone.graph.walk() if s.timed_out is not None}
+        self.reasons = {s.name: [why for why, _ in s.failures] for s in self.alone.graph.walk()}
         self.activities = sorted({a for used in self.ways.values() for a in used})
 
     def marked(self, part: str) -> list[str]:
@@ -37,23 +37,23 @@ class ControlMachine(TemplateMachine):
     @property
     def reacting(self) -> bool:
         """Whether activities act: what control decides first has fired."""
-        return self.owed() and not any(t.rank < 0 for t in self.of.internal)
+        return self.owed() and not any(t.rank < 0 for t in self.alone.internal)
 
-    @precondition(lambda self: any(t.rank <= 0 or not self.owed() for t in self.of.internal))
+    @precondition(lambda self: any(t.rank <= 0 or not self.owed() for t in self.alone.internal))
     @rule(choice=CHOICE)
     def fires(self, choice: int) -> None:
         """An internal transition fires; gates are of the last ranks, and wait for the activities."""
-        enabled = self.of.internal
-        self.of.fire(enabled[choice % len(enabled)])
+        enabled = self.alone.internal
+        self.alone.fire(enabled[choice % len(enabled)])
 
-    @precondition(lambda self: self.at_rest and self.of.events)
+    @precondition(lambda self: self.at_rest and self.alone.events)
     @rule(choice=CHOICE)
     def happens(self, choice: int) -> None:
         """An event happens."""
-        events = list(self.of.events.items())
+        events = list(self.alone.events.items())
         event, transition = events[choice % len(events)]
         self.begun |= event.what is What.START
-        self.of.fire(transition)
+        self.alone.fire(transition)
 
     @precondition(lambda self: self.reacting)
     @rule(choice=CHOICE, possible=st.booleans())
@@ -66,15 +66,15 @@ class ControlMachine(TemplateMachine):
             self.started.discard(name)
             ended = [self.at("active1", element=element)] if self.runs(name) else []
             idle = self.at("idle", element=element)
-            puts = [idle] if idle in self.of.tokens else []
-            self.of.move(f"{name} stops", (self.at("Stop", element=element), *ended), tuple(puts))
+            puts = [idle] if idle in self.alone.tokens else []
+            self.alone.move(f"{name} stops", (self.at("Stop", element=element), *ended), tuple(puts))
             return
-        self.of.require(self.has("Start", element=element), f"{name} is stopped and has not been started")
-        self.of.require(name not in self.started, f"{name} is started twice")
+        self.alone.require(self.has("Start", element=element), f"{name} is stopped and has not been started")
+        self.alone.require(name not in self.started, f"{name} is started twice")
         self.started.add(name)
         begins = (self.at("active1", element=element),) if possible else ()
         said = "runs" if possible else "is refused"
-        self.of.move(f"{name} {said}", (self.at("Start", element=element),), begins)
+        self.alone.move(f"{name} {said}", (self.at("Start", element=element),), begins)
 
     @precondition(lambda self: self.at_rest and self.started)
     @rule(choice=CHOICE)
@@ -84,15 +84,15 @@ class ControlMachine(TemplateMachine):
         name = names[choice % len(names)]
         place = (self.at("active1", element=("activity", name)),)
         if self.runs(name):
-            self.of.move(f"{name} is refused", place, ())
+            self.alone.move(f"{name} is refused", place, ())
         else:
-            self.of.move(f"{name} runs", (), place)
+            self.alone.move(f"{name} runs", (), place)
 
-    @precondition(lambda self: self.at_rest and not self.of.events)
+    @precondition(lambda self: self.at_rest and not self.alone.events)
     @rule()
     def is_begun_anew(self) -> None:
         """Where nothing may happen any more the mission is played again."""
-        self.of.begin()
+        self.alone.begin()
         self.begun = False
 
     @invariant()
@@ -100,32 +100,32 @@ class ControlMachine(TemplateMachine):
         """At rest the activities of the objectives that run are started, and no others."""
         if not self.at_rest:
             return
-        running = [name for name in self.ways if self.of.says("objective", name)]
+        running = [name for name in self.ways if self.alone.says("objective", name)]
         used = {activity for name in running for activity in self.ways[name]}
-        self.of.require(
+        self.alone.require(
             used == self.started,
             f"{sorted(self.started)} are started, and {running} run, which use {sorted(used)}",
         )
         name = self.mission.name
-        ended = [end for end in ("success", "failure", "abort") if self.of.says(end, name)]
-        self.of.require(len(ended) < 2, f"the mission has ended in {' and '.join(ended)}")
+        ended = [end for end in ("success", "failure", "abort") if self.alone.says(end, name)]
+        self.alone.require(len(ended) < 2, f"the mission has ended in {' and '.join(ended)}")
         said = f"run: {told(running)}; the mission's end: {told(ended)}"
-        self.of.require((len(ended) + bool(running)) == self.begun, said)
+        self.alone.require((len(ended) + bool(running)) == self.begun, said)
         self._events_are_those_of(running)
         if ended:
-            left = self.of.changed(self.at("begin", element=("mission", name)))
-            self.of.require(not left, f"the mission has ended, and these are not as before: {told(left)}")
+            left = self.alone.changed(self.at("begin", element=("mission", name)))
+            self.alone.require(not left, f"the mission has ended, and these are not as before: {told(left)}")
 
     def _events_are_those_of(self, running: list[str]) -> None:
         expected = {Event(What.FAILURE, name, why) for name in running for why in self.reasons[name]}
         expected |= {Event(What.TIMEOUT, name) for name in running if name in self.timed}
         expected |= {Event(What.SUCCESS, name) for name in running if all(map(self.runs, self.ways[name]))}
         expected |= set() if self.begun else {START}
-        found = {e for e in self.of.events if e.what is not What.DECLARED}
+        found = {e for e in self.alone.events if e.what is not What.DECLARED}
         wrong = sorted(" ".join(filter(None, (e.element, e.what, e.reason))) for e in expected ^ found)
-        self.of.require(not wrong, f"{', '.join(wrong)} may happen, or not, against what runs")
-        heard = [e for e in self.of.events if e.what is What.DECLARED]
-        self.of.require(not heard or bool(running), "an event is handled, and nothing runs")
+        self.alone.require(not wrong, f"{', '.join(wrong)} may happen, or not, against what runs")
+        heard = [e for e in self.alone.events if e.what is What.DECLARED]
+        self.alone.require(not heard or bool(running), "an event is handled, and nothing runs")
 
 
 class FactMachine(TemplateMachine):
@@ -134,11 +134,11 @@ class FactMachine(TemplateMachine):
     @property
     def values(self) -> tuple[str, ...]:
         """The values of the fact."""
-        return self.of.usage.world.facts[self.element[1]].values
+        return self.alone.usage.world.facts[self.element[1]].values
 
     def said(self) -> list[str]:
         """The values that its places say."""
-        return [value for value in self.values if self.of.says("fact", f"{self.element[1]}={value}")]
+        return [value for value in self.values if self.alone.says("fact", f"{self.element[1]}={value}")]
 
     @precondition(lambda self: self.at_rest)
     @rule(choice=CHOICE)
@@ -147,28 +147,30 @@ class FactMachine(TemplateMachine):
         (was,) = self.said()
         others = [value for value in self.values if value != was]
         now = others[choice % len(others)]
-        watched = (self.element[1], now) in self.of.usage.world.watched
+        watched = (self.element[1], now) in self.alone.usage.world.watched
         noted = (self.at(f"became:{now}"),) if watched else ()  # for blocks that are left then
-        self.of.move(f"it becomes {now}", (self.at(was),), (self.at(now), *noted))
+        self.alone.move(f"it becomes {now}", (self.at(was),), (self.at(now), *noted))
 
-    @precondition(lambda self: self.at_rest and self.of.events)
+    @precondition(lambda self: self.at_rest and self.alone.events)
     @rule(choice=CHOICE)
     def happens(self, choice: int) -> None:
         """A declared event happens, and gives it the value that it says."""
-        events = list(self.of.events.items())
+        events = list(self.alone.events.items())
         event, transition = events[choice % len(events)]
-        self.of.fire(transition)
-        wanted = self.of.usage.world.changing[event.element][self.element[1]]
-        self.of.require(self.said() == [wanted], f"{event} makes it {told(self.said())}, expected {wanted}")
+        self.alone.fire(transition)
+        wanted = self.alone.usage.world.changing[event.element][self.element[1]]
+        self.alone.require(
+            self.said() == [wanted], f"{event} makes it {told(self.said())}, expected {wanted}"
+        )
 
     @invariant()
     def it_has_one_value(self) -> None:
         """One place says the value, and an event that would change it may happen."""
         said = self.said()
-        self.of.require(len(said) == 1, f"the values that are said: {told(said)}")
+        self.alone.require(len(said) == 1, f"the values that are said: {told(said)}")
         if not self.at_rest:
             return
-        changing = self.of.usage.world.changing
+        changing = self.alone.usage.world.changing
         expected = sorted(e for e, to in changing.items() if to.get(self.element[1], said[0]) != said[0])
-        found = sorted(event.element for event in self.of.events)
-        self.of.require(found == expected, f"{told(found)} may happen, expected {told(expected)}")
+        found = sorted(event.element for event in self.alone.events)
+        self.alone.require(found == expected, f"{told(found)} may happen, expected {told(expected)}")

@@ -35,7 +35,7 @@ SEEN = {
 """What can be seen of a mission, by field of :class:`~mcpn.testing.judge.interpreter.Seen`, in words."""
 
 
-def as_the_language_says(of: Subject) -> None:
+def as_the_language_says(subject: Subject) -> None:
     """After each run of events the mission is as the page on the language says, and the same may happen.
 
     Where the language leaves open who comes first, what follows is not compared.
@@ -43,22 +43,22 @@ def as_the_language_says(of: Subject) -> None:
     Raises:
         Violation: It is not, with a shortest run that shows it.
     """
-    event_deterministic(of)
-    judge = Judge(of.mission_net.mission)
+    event_deterministic(subject)
+    judge = Judge(subject.mission_net.mission)
     try:
         determined = judge.explore(MOST_STATES)
-        graph = of.reduced()
+        graph = subject.reduced()
     except ConfluenceError as error:
         if determined:
             message = f"the language gives each event one outcome here: {error}"
-            raise Violation(message, error.runs, of.net) from None
+            raise Violation(message, error.runs, subject.net) from None
         return
     except (TooLargeError, DivergenceError):
         return  # that internal evolution ends is another property
     try:
-        judge.lockstep("the net", OfGraph(of.mission_net, graph))
+        judge.lockstep("the net", OfGraph(subject.mission_net, graph))
     except Mismatch as found:
-        raise Violation(told(found), [fired(of.net, found.run)], of.net) from None
+        raise Violation(told(found), [fired(subject.net, found.run)], subject.net) from None
 
 
 def told(found: Mismatch) -> str:

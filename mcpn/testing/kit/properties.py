@@ -32,41 +32,41 @@ from mcpn.testing.kit.subject import MOST_MARKINGS, Subject, Violation
 Property: TypeAlias = Callable[[Subject], None]
 
 
-def one_safe(of: Subject) -> None:
+def one_safe(subject: Subject) -> None:
     """No firing puts a second token in a place."""
     try:
-        of.markings  # noqa: B018
+        subject.markings  # noqa: B018
     except UnsafeError as error:
-        raise Violation(str(error), error.runs, of.net) from None
+        raise Violation(str(error), error.runs, subject.net) from None
 
 
-def unit_invariants(of: Subject) -> None:
+def unit_invariants(subject: Subject) -> None:
     """Each interface of a resource holds one token, in every marking."""
-    one_safe(of)
-    invariants_of_units(of)
+    one_safe(subject)
+    invariants_of_units(subject)
 
 
-def ending(of: Subject) -> None:
+def ending(subject: Subject) -> None:
     """Internal evolution ends, and from every marking some run leads to an end of the mission.
 
     Where activities contend they may wait for each other, or ask again and again: that is not looked at. Nor
     are ends of missions whose routes may lead round for ever.
     """
-    one_safe(of)
-    if of.mission_net.usage.contentions:
+    one_safe(subject)
+    if subject.mission_net.usage.contentions:
         return
     try:
-        of.reduced()
+        subject.reduced()
     except DivergenceError as error:
-        raise Violation(str(error), error.runs, of.net) from None
+        raise Violation(str(error), error.runs, subject.net) from None
     except ConfluenceError:
         pass  # another property
-    if any(map(_goes_round, of.mission_net.usage.graphs())):
+    if any(map(_goes_round, subject.mission_net.usage.graphs())):
         return
-    ends = np.zeros(of.markings.states, np.bool_)
-    for place in of.mission_net.ends.values():
-        ends |= of.markings.marked(place)
-    of.require(of.markings.reaching(ends), "no run leads from here to an end of the mission")
+    ends = np.zeros(subject.markings.states, np.bool_)
+    for place in subject.mission_net.ends.values():
+        ends |= subject.markings.marked(place)
+    subject.require(subject.markings.reaching(ends), "no run leads from here to an end of the mission")
 
 
 def _goes_round(graph: ObjectivesGraph) -> bool:
@@ -81,49 +81,49 @@ def _goes_round(graph: ObjectivesGraph) -> bool:
     return bool(left)
 
 
-def confluent(of: Subject) -> None:
+def confluent(subject: Subject) -> None:
     """Each event has one outcome, whatever the order of internal firings; where nothing contends."""
-    one_safe(of)
-    if of.mission_net.usage.contentions:
+    one_safe(subject)
+    if subject.mission_net.usage.contentions:
         return
     try:
-        of.reduced()
+        subject.reduced()
     except ConfluenceError as error:
-        raise Violation(str(error), error.runs, of.net) from None
+        raise Violation(str(error), error.runs, subject.net) from None
     except DivergenceError:
         pass  # another property
 
 
-def idle_again(of: Subject) -> None:
+def idle_again(subject: Subject) -> None:
     """When the mission has ended, everything but the status of hardware is as before."""
-    one_safe(of)
-    idle_at_the_end(of)
+    one_safe(subject)
+    idle_at_the_end(subject)
 
 
-def event_deterministic(of: Subject) -> None:
+def event_deterministic(subject: Subject) -> None:
     """In no stable marking may one event fire two transitions."""
-    one_safe(of)
-    graph = of.markings
-    for state in np.flatnonzero(of.stable).tolist():
-        events = [of.net.transitions[t].event for t, _ in graph.successors(state)]
+    one_safe(subject)
+    graph = subject.markings
+    for state in np.flatnonzero(subject.stable).tolist():
+        events = [subject.net.transitions[t].event for t, _ in graph.successors(state)]
         for event in events:
             if events.count(event) > 1:
-                raise of.violation(state, f"the event {event} fires several transitions")
+                raise subject.violation(state, f"the event {event} fires several transitions")
 
 
-def refused_for_a_reason(of: Subject) -> None:
+def refused_for_a_reason(subject: Subject) -> None:
     """No event leads to a refusal while an alternative of the activity is possible.
 
     Possible, whatever the templates, is an alternative that needs hardware alone, all of it in service. Where
     activities contend, others may hold it. Who was refused before the event may stay so: it evaluates again
     when it is started again.
     """
-    one_safe(of)
-    found = of.mission_net
+    one_safe(subject)
+    found = subject.mission_net
     if found.usage.contentions:
         return
     try:
-        graph = of.reduced()
+        graph = subject.reduced()
     except (ConfluenceError, DivergenceError):
         return  # other properties
 
@@ -145,18 +145,18 @@ def refused_for_a_reason(of: Subject) -> None:
             for name in way.consumes:
                 out |= said("oos", name) | said("known", name)
             for edge in np.flatnonzero(fresh & ~out[graph.targets]).tolist():
-                raise of.after(graph, edge, f"{activity.name} is refused, and {way.name} was possible")
+                raise subject.after(graph, edge, f"{activity.name} is refused, and {way.name} was possible")
 
 
-def contract_kept(of: Subject) -> None:
+def contract_kept(subject: Subject) -> None:
     """Transitions touch other templates only as the contract says; at rest all have answered.
 
     At rest means in stable markings: hardware is free, busy or out of service, and each activity of an
     objective runs, waits or is refused.
     """
-    contract_of_arcs(of)
-    one_safe(of)
-    promises_at_rest(of)
+    contract_of_arcs(subject)
+    one_safe(subject)
+    promises_at_rest(subject)
 
 
 PROPERTIES: Mapping[str, Property] = {
@@ -172,23 +172,24 @@ PROPERTIES: Mapping[str, Property] = {
 """By name, what holds of every mission; in the order in which one looks for the cause of a fault."""
 
 
-def no_dead_transition(of: Subject) -> None:
+def no_dead_transition(subject: Subject) -> None:
     """Every transition fires in some run: of missions that need all of what is drawn.
 
     Templates may draw what a mission does not need, so this is asked of chosen missions alone. Those are
     named first whose places are each marked at some time: the others wait for what these should have put.
     """
-    one_safe(of)
-    fired = {*np.unique(of.markings.labels).tolist()}
-    dead = [t for t in range(len(of.net.transitions)) if t not in fired]
+    one_safe(subject)
+    fired = {*np.unique(subject.markings.labels).tolist()}
+    dead = [t for t in range(len(subject.net.transitions)) if t not in fired]
     if not dead:
         return
-    marked = {p for p in range(len(of.net.places)) if of.markings.marked(p).any()}
-    arcs = {t: of.net.transitions[t] for t in dead}
+    marked = {p for p in range(len(subject.net.places)) if subject.markings.marked(p).any()}
+    arcs = {t: subject.net.transitions[t] for t in dead}
     needs = {t: {p for p, _ in (*arcs[t].consume, *arcs[t].read)} for t in dead}
     first = [t for t in dead if needs[t] <= marked] or dead
     named, behind = (
-        ", ".join(of.net.transitions[t].name for t in dead if (t in first) is way) for way in (True, False)
+        ", ".join(subject.net.transitions[t].name for t in dead if (t in first) is way)
+        for way in (True, False)
     )
     raise Violation(f"never fired: {named}" + (f"; nor what comes behind: {behind}" if behind else ""))
 
@@ -201,14 +202,14 @@ def behaves_as(templates: TemplateSet, *, name: str = "the others") -> Property:
         name: What they are called where it does not.
     """
 
-    def holds(of: Subject) -> None:
-        other = MissionSpaces(compose(of.mission_net.mission, templates), templates=templates)
+    def holds(subject: Subject) -> None:
+        other = MissionSpaces(compose(subject.mission_net.mission, templates), templates=templates)
         names = ("these", name)
         try:
-            found = likeness_of(of.spaces, other, names=names, max_states=MOST_MARKINGS)
+            found = likeness_of(subject.spaces, other, names=names, max_states=MOST_MARKINGS)
         except SemanticsError as error:
-            raise Violation(str(error), error.runs, of.net) from None
+            raise Violation(str(error), error.runs, subject.net) from None
         if found.difference is not None:
-            raise Violation("\n".join(likeness_lines(found, names, of.mission_net.mission.name)))
+            raise Violation("\n".join(likeness_lines(found, names, subject.mission_net.mission.name)))
 
     return holds

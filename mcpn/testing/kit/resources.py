@@ -28,7 +28,7 @@ class ResourceMachine(TemplateMachine):
     def passes_on(self, choice: int, before: str, after: str, said: str) -> None:
         """A consumer takes a token of its interface and puts another."""
         owner = self.chosen(before, choice)
-        self.of.move(said, (self.at(before, owner),), (self.at(after, owner),))
+        self.alone.move(said, (self.at(before, owner),), (self.at(after, owner),))
 
     def owed(self) -> bool:
         """Whether others must act before an event may happen."""
@@ -36,7 +36,7 @@ class ResourceMachine(TemplateMachine):
 
     def one(self, said: int, message: str) -> None:
         """Sees that one place of several is marked, or none while the template goes from one to another."""
-        self.of.require(said == 1 or (said == 0 and bool(self.of.internal)), message)
+        self.alone.require(said == 1 or (said == 0 and bool(self.alone.internal)), message)
 
     def may_ask(self) -> bool:
         """Whether a consumer may ask now."""
@@ -95,12 +95,12 @@ class HardwareMachine(ResourceMachine):
     def it_answers(self) -> None:
         """At rest every request and release has been answered, and its status is known."""
         if self.at_rest:
-            self.of.require(not self.any_has("take"), "a request is not answered")
-            self.of.require(not self.any_has("release"), "a release is not answered")
-            self.of.require(not self.between, "it fails for ever")
-            out = sorted(event.what.name for event in self.of.events)
+            self.alone.require(not self.any_has("take"), "a request is not answered")
+            self.alone.require(not self.any_has("release"), "a release is not answered")
+            self.alone.require(not self.between, "it fails for ever")
+            out = sorted(event.what.name for event in self.alone.events)
             expected = [what.name for what in self.expected()]
-            self.of.require(out == expected, f"{told(out)} may happen, expected {told(expected)}")
+            self.alone.require(out == expected, f"{told(out)} may happen, expected {told(expected)}")
 
     def expected(self) -> list[What]:
         """The events that are possible at rest."""
@@ -127,7 +127,7 @@ class SoftwareMachine(ResourceMachine):
 
     def may_give_back(self) -> bool:
         """Whether a consumer may give back now."""
-        return super().may_give_back() and not self.asked and not self.of.internal
+        return super().may_give_back() and not self.asked and not self.alone.internal
 
     @precondition(lambda self: self.asked and not self.has("activation"))
     @rule(runs=st.booleans())
@@ -135,20 +135,20 @@ class SoftwareMachine(ResourceMachine):
         """The producer, which has been started or evaluates again, runs or refuses."""
         self.runs = runs
         said, part = ("it runs", "activation") if runs else ("it refuses", "deactivation")
-        self.of.move(said, (self.at("StartByRes", element=self.producer),), (self.at(part),))
+        self.alone.move(said, (self.at("StartByRes", element=self.producer),), (self.at(part),))
 
     @precondition(lambda self: self.runs and self.at_rest)
     @rule()
     def producer_evaluates(self) -> None:
         """The producer has lost something and evaluates again."""
-        self.of.move("it evaluates again", (), (self.at("StartByRes", element=self.producer),))
+        self.alone.move("it evaluates again", (), (self.at("StartByRes", element=self.producer),))
 
     @precondition(lambda self: self.runs and self.has("free") and not self.asked)
     @rule()
     def producer_stops(self) -> None:
         """Nobody holds the product: the producer stops."""
         self.runs = False
-        self.of.move("it stops", (), (self.at("deactivation"),))
+        self.alone.move("it stops", (), (self.at("deactivation"),))
 
     @invariant()
     def its_interface_is_in_one_state(self) -> None:
@@ -162,9 +162,9 @@ class SoftwareMachine(ResourceMachine):
         """At rest nothing is on its way; it is held if its producer runs, and else to be had."""
         if self.at_rest:
             left = [part for part in ("take", "release", "waiting", "activation") if self.has(part)]
-            self.of.require(not left, f"{' and '.join(left)} is left")
+            self.alone.require(not left, f"{' and '.join(left)} is left")
             part = "answer" if self.runs else "available"
-            self.of.require(
+            self.alone.require(
                 self.has(part), f"no {part}, though its producer {'runs' if self.runs else 'stopped'}"
             )
 
@@ -190,13 +190,13 @@ class CrashMachine(HardwareMachine):
     @rule()
     def begins(self) -> None:
         """The activity, which has been answered, runs."""
-        self.of.move("runs", (), (self.at("active1", element=self.activity),))
+        self.alone.move("runs", (), (self.at("active1", element=self.activity),))
 
     @precondition(lambda self: self.runs)
     @rule()
     def ends(self) -> None:
         """The activity runs no more: it has been stopped, or takes note that it has crashed."""
-        self.of.move("runs no more", (self.at("active1", element=self.activity),), ())
+        self.alone.move("runs no more", (self.at("active1", element=self.activity),), ())
 
     def expected(self) -> list[What]:
         """The events that are possible at rest."""
@@ -223,13 +223,13 @@ class LateMachine(HardwareMachine):
         """Whether the activity runs that detects the loss."""
         return self.has("active1", element=self.looking)
 
-    @precondition(lambda self: self.at_rest and self.of.events)
+    @precondition(lambda self: self.at_rest and self.alone.events)
     @rule(choice=CHOICE)
     def happens(self, choice: int) -> None:
         """An event of the template happens."""
-        events = list(self.of.events.items())
+        events = list(self.alone.events.items())
         event, transition = events[choice % len(events)]
-        self.of.fire(transition)
+        self.alone.fire(transition)
         self.gone = event.what is not What.REPAIRED
         self.known = event.what is What.DETECTED
         self.suspected = self.suspected and event.what is What.OUT_OF_SERVICE
@@ -240,14 +240,14 @@ class LateMachine(HardwareMachine):
         """The activity that detects the loss is started, or stopped."""
         place = (self.at("active1", element=self.looking),)
         said = "nobody looks" if self.looks else "somebody looks"
-        self.of.move(said, *((place, ()) if self.looks else ((), place)))
+        self.alone.move(said, *((place, ()) if self.looks else ((), place)))
 
     @precondition(lambda self: self.at_rest and self.has("undoubted"))
     @rule()
     def an_objective_fails(self) -> None:
         """An objective that may use the hardware fails."""
         self.suspected |= self.gone and not self.known and self.any_has("answer")
-        self.of.move("an objective fails", (self.at("undoubted"),), (self.at("doubted"),))
+        self.alone.move("an objective fails", (self.at("undoubted"),), (self.at("doubted"),))
 
     @precondition(lambda self: self.may_give_back())
     @rule(choice=CHOICE)
@@ -268,9 +268,9 @@ class LateMachine(HardwareMachine):
     def it_says_what_is_true(self) -> None:
         """At rest no doubt is left, and it is available unless it is held, or known to be gone."""
         if self.at_rest:
-            self.of.require(not self.has("doubted") and self.has("undoubted"), "a doubt is left")
-            self.of.require(self.has("OOS") == self.known, f"its loss is known: {self.has('OOS')}")
+            self.alone.require(not self.has("doubted") and self.has("undoubted"), "a doubt is left")
+            self.alone.require(self.has("OOS") == self.known, f"its loss is known: {self.has('OOS')}")
             had = self.any_has("answer")
-            self.of.require(self.has("available") != (had or self.known), "it is available, and it is not")
-            said = self.of.says("oos", self.element[1])
-            self.of.require(said == self.gone, f"it is out of service: {said}")
+            self.alone.require(self.has("available") != (had or self.known), "it is available, and it is not")
+            said = self.alone.says("oos", self.element[1])
+            self.alone.require(said == self.gone, f"it is out of service: {said}")

@@ -79,11 +79,15 @@ class Subject:
     @classmethod
     def known(cls, mission_net: MissionNet, markings: StateGraph) -> Subject:
         """A subject whose markings have been listed already."""
-        of = cls.__new__(cls)
-        of.templates, of.mission_net, of._spaces = None, mission_net, MissionSpaces(mission_net)
-        of._choice = Choice("explicit", max_states=MOST_MARKINGS)
-        vars(of)["markings"] = markings
-        return of
+        subject = cls.__new__(cls)
+        subject.templates, subject.mission_net, subject._spaces = (
+            None,
+            mission_net,
+            MissionSpaces(mission_net),
+        )
+        subject._choice = Choice("explicit", max_states=MOST_MARKINGS)
+        vars(subject)["markings"] = markings
+        return subject
 
     @property
     def net(self) -> PetriNet:

@@ -56,7 +56,7 @@ class ActivityMachine(TemplateMachine):
 
     def resource(self, k: str) -> tuple[str, str]:
         """Kind and name of a resource."""
-        return ("hardware" if k in self.of.usage.hardware else "software"), k
+        return ("hardware" if k in self.alone.usage.hardware else "software"), k
 
     def with_token(self, part: str) -> list[str]:
         """Resources of which a place is marked."""
@@ -66,7 +66,7 @@ class ActivityMachine(TemplateMachine):
         """A resource takes a token of its interface and puts another."""
         places = (self.at(part, element=self.resource(k)) for part in (before, after))
         taken, put = places
-        self.of.move(f"{k} {said}", (taken,), (put,))
+        self.alone.move(f"{k} {said}", (taken,), (put,))
 
     def owed(self) -> bool:
         """Whether others must act before an event may happen."""
@@ -75,7 +75,7 @@ class ActivityMachine(TemplateMachine):
     def something_happens(self) -> None:
         """From here on a reaction is looked at."""
         self.impossible.clear()
-        self.begun = len(self.of.run)
+        self.begun = len(self.alone.run)
         self.was_refused = self.has("error")
 
     @precondition(lambda self: not self.started and self.at_rest)
@@ -84,7 +84,7 @@ class ActivityMachine(TemplateMachine):
         """An objective starts it."""
         self.something_happens()
         self.started = True
-        self.of.move("starts", (), (self.at("Start"),))
+        self.alone.move("starts", (), (self.at("Start"),))
 
     @precondition(lambda self: self.started and self.at_rest)
     @rule()
@@ -92,7 +92,7 @@ class ActivityMachine(TemplateMachine):
         """An objective stops it."""
         self.something_happens()
         self.started = False
-        self.of.move("stops", (), (self.at("Stop"),))
+        self.alone.move("stops", (), (self.at("Stop"),))
 
     @precondition(lambda self: self.with_token("take"))
     @rule(choice=CHOICE, granted=st.booleans())
@@ -147,7 +147,7 @@ class ActivityMachine(TemplateMachine):
         """While an alternative runs, all that it consumes has answered; some may be in error."""
         for i, way in enumerate(self.drawn.alternatives, 1):
             held = {*self.with_token("answer"), *self.with_token("error")}
-            self.of.require(
+            self.alone.require(
                 not self.has(f"active{i}") or held >= {*way.consumes},
                 f"{way.name} runs before it is answered",
             )
@@ -159,22 +159,22 @@ class ActivityMachine(TemplateMachine):
             return
         running = [i for i in range(len(self.drawn.alternatives)) if self.has(f"active{i + 1}")]
         said = len(running) + self.has("error")
-        self.of.require(
+        self.alone.require(
             said == self.started, f"it runs or is refused in {said} ways, started: {self.started}"
         )
         held = {k for i in running for k in self.drawn.alternatives[i].consumes}
-        self.of.require({*self.with_token("answer")} == held, "it does not hold what it runs with")
+        self.alone.require({*self.with_token("answer")} == held, "it does not hold what it runs with")
         left = [part for part in ("Start", "Stop", "running") if self.has(part) and not running]
-        self.of.require(not left, f"{' and '.join(left)} is left")
-        self.of.require(not self.with_token("error"), "it does not take note of an error")
-        selected = [name for name in self.of.run[self.begun :] if "_sel" in name]
+        self.alone.require(not left, f"{' and '.join(left)} is left")
+        self.alone.require(not self.with_token("error"), "it does not take note of an error")
+        selected = [name for name in self.alone.run[self.begun :] if "_sel" in name]
         refused = self.has("error") and not self.was_refused
         if (running and selected) or refused:
             out = self.impossible | {*self.with_token("OOS")}
             passed = self.drawn.alternatives[: None if refused else running[0]]
             missed = [way.name for way in passed if not out & {*way.consumes}]
             does = "is refused and passes" if refused else "passes"
-            self.of.require(not missed, f"it {does} over {' and '.join(missed)}, which was possible")
+            self.alone.require(not missed, f"it {does} over {' and '.join(missed)}, which was possible")
 
 
 # --- State machines that drive one template alone, in the most general environment of its contract --------
