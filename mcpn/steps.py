@@ -37,6 +37,7 @@ class Doing(Enum):
     FINDING_SURVIVAL_FROM = "finding what the mission survives from section {section} on"
     JOINING = "joining the sections"
     LISTING = "listing the stable states, and proving that each event has one outcome"
+    LISTING_SECTION = "listing the states of section {section}"
     LISTING_MARKINGS = "listing the markings"
     MAKING_DIAGRAM = "making a diagram of all markings"
     PREPARING = "preparing {question}"

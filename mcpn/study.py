@@ -36,10 +36,10 @@ if TYPE_CHECKING:
     from mcpn.controller.modular import AnyController
     from mcpn.drawing.compose import MissionNet
     from mcpn.drawing.templates import TemplateSet
+    from mcpn.findings import Findings
     from mcpn.logic.behaviour import NetCheck, Structure
     from mcpn.logic.questions import Answer, Questions
     from mcpn.mission.model import Mission
-    from mcpn.report.findings import Findings
     from mcpn.report.pictures.drawing import Drawing
     from mcpn.spaces.algebra import Space
     from mcpn.spaces.engines import Asked, Choice, On
@@ -426,14 +426,9 @@ class Study:
         kind = kind or ("mission" if section is None else "alternatives")
         return drawn(self.mission_spaces("this picture"), kind, section)
 
-    def findings(
-        self,
-        *,
-        engine: Asked = "auto",
-        max_states: int | None = None,
-    ) -> Findings:
-        """What a report tells of the mission; see :func:`mcpn.report.findings.findings`."""
-        from mcpn.report.findings import findings
+    def findings(self, *, engine: Asked = "auto", max_states: int | None = None) -> Findings:
+        """What a report tells of the mission; see :func:`mcpn.findings.findings`."""
+        from mcpn.findings import findings
 
         return findings(self.mission_spaces("a report"), engine, max_states)
 

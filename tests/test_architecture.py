@@ -38,6 +38,7 @@ WAY = [
     "controller",
     "bench",
     "drivers",
+    "findings",
     "report",
     "study",
     "testing",

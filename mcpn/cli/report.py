@@ -34,6 +34,7 @@ def report(
     """
     from mcpn.files import write_atomically
     from mcpn.report.page import page
+    from mcpn.report.pictures.machines import local_pictures
 
     if output.suffix.lower() not in (".html", ".htm"):
         source = Source(str(output))
@@ -42,13 +43,14 @@ def report(
     with progress_on_terminal(), question.workers():
         found = study.findings(engine=engine, max_states=question.max_states)
         step(Doing.PREPARING, question="the page")
-        text = page(found)
+        local = local_pictures(found.local)
+        text = page(found, local=local)
     write_atomically(output, text)
     if question.as_json:
         size = len(text.encode())
         emit_json({"file": str(output), "bytes": size, "engine": found.engine, "passed": found.check.passed})
     else:
-        for note in (*found.notes, *found.undrawn):
+        for note in (*found.notes, *found.unlisted, *local[1]):
             click.echo(f"note: {note}", err=True)
         click.echo(str(output))
     if not found.check.passed:

@@ -8,11 +8,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from mcpn.errors import InputError, Problem
+from mcpn.findings import Findings
 from mcpn.mission.flatten import requirements_of
 from mcpn.mission.language.forms import form_of
 from mcpn.mission.near import did_you_mean
 from mcpn.mission.validate import valid
-from mcpn.report.findings import Findings
 from mcpn.report.pages.story import StoryLine, headline, story
 from mcpn.report.words import modes_in_words
 from mcpn.study import Study

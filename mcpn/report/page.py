@@ -24,11 +24,12 @@ from mcpn.report.pages.story import headline, runs_of, story
 from mcpn.report.pages.tables import tables
 from mcpn.report.pictures.boxes import boxes
 from mcpn.report.pictures.layout import lay_out
+from mcpn.report.pictures.machines import LocalPictures, local_pictures
 
 if TYPE_CHECKING:
     from mcpn.errors import Problem, Source
+    from mcpn.findings import Findings
     from mcpn.mission.model import Mission
-    from mcpn.report.findings import Findings
 
 SCRIPTS = ("tables.js", "losses.js", "served.js", "game.js", "machine.js", "film.js", "robot.js")
 """The parts of the script of a page; they are the body of one function."""
@@ -37,11 +38,14 @@ AROUND, MOST_OF_LINE = 2, 200
 """Lines that are shown before and after one that is wrong, and characters of each."""
 
 
-def page(findings: Findings, *, served: int = 0, robot: bool = False) -> str:
+def page(
+    findings: Findings, *, local: LocalPictures | None = None, served: int = 0, robot: bool = False
+) -> str:
     """The report as a page of HTML.
 
     Args:
         findings: What was found of the mission.
+        local: Pictures of its local graphs, where they are drawn already.
         served: The number of this version of the page, where a server makes a new one after each change of
             the mission's files; 0 for a page without a server.
         robot: Whether the page shows what a robot does, which a server sends.
@@ -53,6 +57,7 @@ def page(findings: Findings, *, served: int = 0, robot: bool = False) -> str:
     root, keys = boxes(mission_net.mission, mission_net.graph)
     live = live_data(findings, keys)
     data = json.dumps(live, separators=(",", ":"))
+    pictures, undrawn = local_pictures(findings.local) if local is None else local
     script, digest = _script()
     return (
         environment()
@@ -72,8 +77,8 @@ def page(findings: Findings, *, served: int = 0, robot: bool = False) -> str:
             verdict=headline(findings),
             preflight=list(preflight(findings)),
             story=list(story(findings)),
-            local=findings.local,
-            undrawn=findings.undrawn,
+            local=pictures,
+            undrawn=[*findings.unlisted, *undrawn],
             tables=tables(findings),
             early=int(bool(findings.fmeca)),  # the first table answers what people ask first
             notes=findings.notes,

@@ -12,11 +12,11 @@ from mcpn.answers.names import MissionNames
 from mcpn.answers.verdicts.mission import MissionCheck, check
 from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError, SemanticsError
+from mcpn.findings import findings
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.syntax import parse
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
-from mcpn.report.findings import findings
 from mcpn.report.page import page
 from mcpn.testing import missions
 from mcpn.testing.elements import GUARDED, PAUSING, PAUSING_APART, WORLD, WORLD_ABORTED

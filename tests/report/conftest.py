@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from mcpn.drawing.compose import compose
+from mcpn.findings import Findings, findings
 from mcpn.mission.xml import read_mission
-from mcpn.report.findings import Findings, findings
 from tests.conftest import ULYSSE
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")

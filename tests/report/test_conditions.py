@@ -12,9 +12,9 @@ from mcpn.answers.causes.find import Causes, find_causes
 from mcpn.answers.causes.fmeca import fmeca
 from mcpn.answers.verdicts.mission import check
 from mcpn.drawing.compose import compose
+from mcpn.findings import findings
 from mcpn.mission.xml import read_mission
 from mcpn.report.failures.terminal import condition, headlines, survived
-from mcpn.report.findings import findings
 from mcpn.report.page import page
 from mcpn.spaces.engines import Engine
 from tests.logic.asked import ENGINES

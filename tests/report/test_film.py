@@ -18,12 +18,12 @@ from mcpn.controller.generate import generate
 from mcpn.controller.simulator import HARDWARE, Simulation, likelihood
 from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import compose
+from mcpn.findings import Findings, findings
 from mcpn.mission.model import Handler, Mission, Objective, Parallel
 from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware, Robot
 from mcpn.mission.xml import read_mission
 from mcpn.nets.events import Event, What
 from mcpn.nets.game import TokenGame
-from mcpn.report.findings import Findings, findings
 from mcpn.report.page import page
 from mcpn.runtime import Controller
 from mcpn.testing import missions

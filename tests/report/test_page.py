@@ -14,10 +14,10 @@ from typing import Any
 import pytest
 
 from mcpn.drawing.compose import compose
+from mcpn.findings import Findings, findings
 from mcpn.mission.model import Handler, Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware, Robot
 from mcpn.mission.xml import read_mission
-from mcpn.report.findings import Findings, findings
 from mcpn.report.page import page
 from mcpn.report.pages.tables import tables
 from mcpn.runtime import Controller, Journal, Refused
@@ -244,8 +244,7 @@ def test_the_page_answers_what_is_asked_first(ulysse_findings: Findings) -> None
 
 def test_local_graphs_are_zoomed(browser: Any, ulysse_findings: Findings, tmp_path: Path) -> None:
     """One for each type of section; it becomes larger and smaller by buttons and keys."""
-    if not ulysse_findings.local:
-        pytest.skip("needs pygraphviz: the extra pictures")
+    pytest.importorskip("pygraphviz", reason="needs pygraphviz: the extra pictures")
     tab, wrong = opened(browser, page(ulysse_findings), tmp_path)
     pictures = tab.locator("#local details")
     assert pictures.count() == len(ulysse_findings.local) == 2

@@ -14,9 +14,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 
 from mcpn.drawing.compose import compose
+from mcpn.findings import Findings, findings
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
-from mcpn.report.findings import Findings, findings
 from mcpn.report.page import page
 from mcpn.report.pages.tables import MOST_BITS, tables
 from mcpn.report.pictures.objectives import mission_drawing

@@ -12,9 +12,9 @@ from hypothesis import given, settings
 
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
+from mcpn.findings import Findings, findings
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.xml import read_mission
-from mcpn.report.findings import Findings, findings
 from mcpn.report.page import page
 from mcpn.report.pages.identity import EPOCH, digest_of, identity
 from mcpn.report.pages.live import nominal_run

@@ -24,9 +24,9 @@ from mcpn.answers.verdicts.mission import check
 from mcpn.composite.composite import CompositeSpace
 from mcpn.composite.section_type import SectionType
 from mcpn.drawing.compose import MissionNet, compose
+from mcpn.findings import findings
 from mcpn.mission.xml import read_mission
 from mcpn.report.failures.terminal import print_fmeca
-from mcpn.report.findings import findings
 from mcpn.report.progress import exploring, listening
 from mcpn.report.terminal import LEAST_WIDTH, Terminal, plain
 from mcpn.report.words import modes_in_words
@@ -193,7 +193,7 @@ def test_every_engine_announces_its_steps(
 
 
 def test_a_report_tells_what_it_prepares(caplog: pytest.LogCaptureFixture) -> None:
-    """Each part is a step, and no local graph is drawn past the last."""
+    """Each part is a step, and no local graph is listed past the last."""
     with caplog.at_level(logging.INFO, "mcpn.steps"):
         findings(compose(read_mission(ULYSSE)), "local")
     steps = [each for record in caplog.records for each in record.args or () if isinstance(each, WorkStep)]
@@ -204,8 +204,8 @@ def test_a_report_tells_what_it_prepares(caplog: pytest.LogCaptureFixture) -> No
         "controller",
         "local graphs",
     ]
-    drawn = [(each.number, each.total) for each in steps if each.doing is Doing.DRAWING]
-    assert drawn == [(1, 2), (2, 2)]
+    listed = [(each.number, each.total) for each in steps if each.doing is Doing.LISTING_SECTION]
+    assert listed == [(1, 2), (2, 2)]
 
 
 def test_a_width_is_asked_for() -> None:

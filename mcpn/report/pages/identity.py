@@ -14,7 +14,7 @@ from mcpn.errors import InputError
 from mcpn.mission.model import Mission
 
 if TYPE_CHECKING:
-    from mcpn.report.findings import Findings
+    from mcpn.findings import Findings
 
 EPOCH = "SOURCE_DATE_EPOCH"
 """Environment variable: seconds since 1970 that pages say in place of the time now, so that they can be made

@@ -15,7 +15,7 @@ from mcpn.runtime.tables import START
 
 if TYPE_CHECKING:
     from mcpn.answers.causes.find import Causes
-    from mcpn.report.findings import Findings
+    from mcpn.findings import Findings
 
 MOST_EVENTS = 5_000
 """Events at most of the run without failures, which may be endless."""

@@ -11,7 +11,7 @@ from mcpn.report.words import folded
 from mcpn.sentences import enumeration
 
 if TYPE_CHECKING:
-    from mcpn.report.findings import Findings
+    from mcpn.findings import Findings
 
 MOST_NAMED = 12
 """Names of one item."""

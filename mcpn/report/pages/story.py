@@ -27,7 +27,7 @@ from mcpn.sentences import enumeration
 if TYPE_CHECKING:
     from mcpn.answers.causes.find import Causes, GoalCauses
     from mcpn.answers.verdicts.mission import MissionCheck
-    from mcpn.report.findings import Findings
+    from mcpn.findings import Findings
     from mcpn.spaces.run import Run
 
 MOST_TOLD = 8

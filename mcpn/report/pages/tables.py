@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mcpn.answers.causes.risk import Risk
     from mcpn.answers.verdicts.mission import MissionCheck
     from mcpn.drawing.compose import MissionNet
-    from mcpn.report.findings import Findings
+    from mcpn.findings import Findings
 
 _NAME = re.compile(r"\w(?:[\w.-]*\w)?")
 """Matches words in a text that may be names of objectives."""

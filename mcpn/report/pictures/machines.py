@@ -16,8 +16,9 @@ from mcpn.controller.hierarchy import SectionMachine, TableController, section_m
 from mcpn.controller.machine import PlannedAction
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.mortal import forgetful
-from mcpn.drawing.sections import SectionParts, part_of
-from mcpn.errors import LimitError, SemanticsError
+from mcpn.drawing.sections import part_of
+from mcpn.errors import LimitError
+from mcpn.findings import LocalGraph
 from mcpn.mission.graph import ObjectivesGraph, names_in
 from mcpn.nets.events import Event, What
 from mcpn.report.pictures.drawing import Drawing
@@ -332,16 +333,16 @@ def _title(state: Situation, *, merged: bool) -> str:
 
 # Local graphs for a report: one for each type of section, drawn by what runs; large ones by objectives.
 
-MOST_LOCAL_STATES, MOST_DRAWN, MOST_BOXES = 20_000, 24, 60
-"""States of a section that are listed for its drawing, drawings of a report, and boxes of each."""
+MOST_BOXES, MOST_MODES = 60, 20
+"""Boxes up to which a local graph is drawn, and up to which each way to run is one of them.
 
-MOST_MODES = 20
-"""Boxes up to which each way to run is one; of more nobody can follow the curves between them."""
+Nobody can follow the curves between more.
+"""
 
 
 @dataclass(frozen=True)
 class LocalPicture:
-    """The local graph of a type of section.
+    """The picture of the local graph of a type of section.
 
     Args:
         section: The section that it is drawn for.
@@ -356,48 +357,29 @@ class LocalPicture:
     picture: Placed
 
 
-def local_pictures(spaces: MissionSpaces) -> tuple[list[LocalPicture], list[str]]:
-    """Local graphs as far as they can be drawn, and for each that cannot why.
+LocalPictures = tuple[list[LocalPicture], list[str]]
+"""Pictures of local graphs, and why others are not drawn."""
 
-    Args:
-        spaces: The mission's spaces.
-    """
-    alike: dict[Hashable, list[str]] = {}
-    mission_net = spaces.mission
-    alone = SectionParts(mission_net.usage).alone
-    for section in mission_net.graph.sections:
-        alike.setdefault(alone(section).type, []).append(section.name)
-    notes, sizes = list[str](), list[int]()
-    graphs: list[Graph] = []
-    members: list[list[str]] = []
-    for number, names in enumerate(alike.values(), 1):
-        step(Doing.DRAWING, section=names[0], number=number, total=min(len(alike), MOST_DRAWN))
-        if len(graphs) == MOST_DRAWN:
-            notes.append(
-                f"No more than {MOST_DRAWN} local graphs are drawn, of {len(alike)} types of sections."
-            )
-            break
-        try:
-            local, graph = spaces.local(names[0], MOST_LOCAL_STATES)
-        except (LimitError, SemanticsError) as error:
-            notes.append(f"No local graph of {names[0]}: {error}")
+
+def local_pictures(found: Sequence[LocalGraph]) -> LocalPictures:
+    """Draws local graphs, as far as somebody can read them."""
+    notes, drawn = list[str](), list[tuple[LocalGraph, Graph]]()
+    for number, each in enumerate(found, 1):
+        step(Doing.DRAWING, section=each.section, number=number, total=len(found))
+        states, passages = states_within(each.net, each.graph)
+        name = f"Local graph of the section {each.section}"
+        picture = states_picture(name, states, passages, merged=True)
+        if len(picture.nodes) > MOST_MODES:
+            picture = states_picture(name, states, passages, by_objectives=True)
+        if len(picture.nodes) > MOST_BOXES:
+            notes.append(f"No drawing of the local graph of {each.section}: {len(picture.nodes)} boxes.")
             continue
-        states, passages = states_within(local, graph)
-        name = f"Local graph of the section {names[0]}"
-        found = states_picture(name, states, passages, merged=True)
-        if len(found.nodes) > MOST_MODES:
-            found = states_picture(name, states, passages, by_objectives=True)
-        if len(found.nodes) > MOST_BOXES:
-            notes.append(f"No drawing of the local graph of {names[0]}: {len(found.nodes)} boxes.")
-            continue
-        graphs.append(replace(found, sideways=False))
-        sizes.append(graph.states)
-        members.append(names)
+        drawn.append((each, replace(picture, sideways=False)))
     try:
-        placed = lay_out_all(graphs)
+        placed = lay_out_all([picture for _, picture in drawn])
     except LimitError as error:
         return [], [*notes, f"No local graphs: {error}"]
     return [
-        LocalPicture(names[0], tuple(names[1:]), size, picture)
-        for names, size, picture in zip(members, sizes, placed, strict=True)
+        LocalPicture(each.section, each.alike, each.graph.states, picture)
+        for (each, _), picture in zip(drawn, placed, strict=True)
     ], notes

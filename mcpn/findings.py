@@ -3,32 +3,53 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.causes.find import Causes, find_causes
 from mcpn.answers.causes.fmeca import Row, fmeca
-from mcpn.answers.spaces import MissionSubject, spaces_of
+from mcpn.answers.spaces import MissionSpaces, MissionSubject, spaces_of
 from mcpn.answers.verdicts.mission import MissionCheck, check
 from mcpn.controller.generate import generate
 from mcpn.controller.targets.json import document
-from mcpn.errors import McpnError
+from mcpn.drawing.sections import SectionParts
+from mcpn.errors import LimitError, McpnError, SemanticsError
 from mcpn.mission.static.intervals import at_their_means
-from mcpn.report.pictures.machines import LocalPicture, local_pictures
 from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
     from mcpn.answers.causes.prospects import Prospects
     from mcpn.answers.causes.risk import Risk
     from mcpn.controller.generate import Form
+    from mcpn.drawing.compose import MissionNet
     from mcpn.mission.model import Mission
     from mcpn.spaces.engines import Asked
-
+    from mcpn.spaces.stable.alternatives import AlternativesGraph
 
 MOST_ROWS = 50
 """Objectives up to which a page has the FMECA table."""
+
+MOST_LOCAL_STATES, MOST_LOCAL = 20_000, 24
+"""States up to which a local graph is listed, and local graphs of one mission."""
+
+
+@dataclass(frozen=True)
+class LocalGraph:
+    """The local graph of a type of section.
+
+    Args:
+        section: The section that it is listed for.
+        alike: Other sections of the same type.
+        net: The section's net.
+        graph: Its stable states.
+    """
+
+    section: str
+    alike: tuple[str, ...]
+    net: MissionNet
+    graph: AlternativesGraph
 
 
 @dataclass(frozen=True)
@@ -46,8 +67,8 @@ class Findings:
         engine: The engine that was used.
         seconds: Time by what took it.
         risk: Numbers of risk, where the mission's files give rates.
-        local: Local graphs.
-        undrawn: Why some local graphs are missing.
+        local: Local graphs, one for each type of section.
+        unlisted: Why some local graphs are missing.
     """
 
     check: MissionCheck
@@ -59,8 +80,8 @@ class Findings:
     engine: str = ""
     seconds: Mapping[str, float] = field(default_factory=dict)
     risk: Risk | None = None
-    local: Sequence[LocalPicture] = ()
-    undrawn: Sequence[str] = ()
+    local: Sequence[LocalGraph] = ()
+    unlisted: Sequence[str] = ()
 
 
 def findings(
@@ -106,21 +127,39 @@ def findings(
     if not (checked.verdicts["safe"].holds and checked.verdicts["confluent"].holds):
         notes.append("No causes and no controller: the reaction to an event is not always the same.")
         return Findings(checked, notes=notes, warnings=warnings, engine=chosen, seconds=seconds)
-    causes, rows = tried("causes", lambda: _causes(checked, max_states)) or (
-        None,
-        None,
-    )
+    causes, rows = tried("causes", lambda: _causes(checked, max_states)) or (None, None)
     if causes is not None and rows is None:
         notes.append(f"No FMECA table of more than {MOST_ROWS} objectives: mcpn causes --fmeca writes it.")
     controller = tried("controller", lambda: _controller(checked, max_states))
     with timed("local graphs"):
-        local, missing = local_pictures(spaces)
+        local, unlisted = _local_graphs(spaces)
     risk = None
     if causes is not None and _has_rates(mission_net.mission):
         risk = tried("numbers of risk", lambda: _risk(causes.prospects))
         if risk is not None and (means := at_their_means(mission_net.mission)):
             notes.append(f"Numbers of risk are {means}; mcpn causes --rates tells bounds.")
-    return Findings(checked, causes, rows, controller, notes, warnings, chosen, seconds, risk, local, missing)
+    return Findings(
+        checked, causes, rows, controller, notes, warnings, chosen, seconds, risk, local, unlisted
+    )
+
+
+def _local_graphs(spaces: MissionSpaces) -> tuple[list[LocalGraph], list[str]]:
+    """The local graph of each type of section as far as it can be listed, and why others cannot."""
+    alike: dict[Hashable, list[str]] = {}
+    alone = SectionParts(spaces.mission.usage).alone
+    for section in spaces.mission.graph.sections:
+        alike.setdefault(alone(section).type, []).append(section.name)
+    found, notes = list[LocalGraph](), list[str]()
+    for number, (first, *others) in enumerate(alike.values(), 1):
+        step(Doing.LISTING_SECTION, section=first, number=number, total=min(len(alike), MOST_LOCAL))
+        if len(found) == MOST_LOCAL:
+            notes.append(f"No more than {MOST_LOCAL} local graphs, of {len(alike)} types of sections.")
+            break
+        try:
+            found.append(LocalGraph(first, tuple(others), *spaces.local(first, MOST_LOCAL_STATES)))
+        except (LimitError, SemanticsError) as error:
+            notes.append(f"No local graph of {first}: {error}")
+    return found, notes
 
 
 def _risk(prospects: Prospects[Any]) -> Risk:
@@ -136,11 +175,7 @@ def _has_rates(mission: Mission) -> bool:
 
 def _causes(checked: MissionCheck, max_states: int | None) -> tuple[Any, Any]:
     """Causes and, of missions that are not long, the FMECA table."""
-    causes = find_causes(
-        checked.spaces,
-        engine=checked.choice.engine,
-        max_states=max_states,
-    )
+    causes = find_causes(checked.spaces, engine=checked.choice.engine, max_states=max_states)
     if len(causes.objectives) > MOST_ROWS:
         return causes, None
     step(Doing.PREPARING, question="the FMECA table")
