@@ -35,7 +35,7 @@ class _Level(NamedTuple):
     branch: Branch | None = None
 
 
-_Around: TypeAlias = tuple[_Level, ...]
+_Ancestors: TypeAlias = tuple[_Level, ...]
 """The level in which a section stands, and those around it, the innermost first."""
 
 _Move: TypeAlias = tuple[int, str]
@@ -58,7 +58,7 @@ def _entered_again(graph: ObjectivesGraph, around: tuple[ParallelSection, ...]) 
     for block in graph.sections:
         if not isinstance(block, ParallelSection):
             continue
-        early = {outcome for outcome, _ in (*block.deciding, *block.away, *block.becoming)}
+        early = {outcome for outcome, _ in (*block.deciding, *block.pause_exits, *block.becoming)}
         routes = {route for outcome in early for route in block.led(outcome)}
         for outer, further in zip((block, *around), (*around, None), strict=True):
             if outer.name in routes:
@@ -74,7 +74,7 @@ def _targets(block: ParallelSection) -> set[str]:
     return {route for outcome, _ in block.outcomes for route in block.led(outcome)}
 
 
-def _levels(graph: ObjectivesGraph, around: _Around = ()) -> Iterator[tuple[Section, _Around]]:
+def _levels(graph: ObjectivesGraph, around: _Ancestors = ()) -> Iterator[tuple[Section, _Ancestors]]:
     """Every section of a graph at any depth, with the levels around it."""
     levels = around or (_Level(graph),)
     for section in graph.sections:
@@ -82,11 +82,11 @@ def _levels(graph: ObjectivesGraph, around: _Around = ()) -> Iterator[tuple[Sect
         if isinstance(section, ParallelSection):
             for branch in section.branches:
                 yield from _levels(branch.graph, (_Level(branch.graph, section, branch), *levels))
-            for shelter in section.shelters:
-                yield from _levels(shelter.graph, (_Level(shelter.graph, section), *levels))
+            for pause_graph in section.pause_graphs:
+                yield from _levels(pause_graph.graph, (_Level(pause_graph.graph, section), *levels))
 
 
-def _moves(levels: _Around, routes: Iterable[str]) -> Iterator[_Move]:
+def _moves(levels: _Ancestors, routes: Iterable[str]) -> Iterator[_Move]:
     """The sections that may be entered when a section is left by routes, which may end blocks around it."""
     (graph, block, branch), *outer = levels
     inside = {section.name for section in graph.sections}
@@ -112,7 +112,7 @@ def _ended(block: ParallelSection, branch: Branch, route: str) -> tuple[str, ...
     return ("failure",) if block.needed is not None or branch.mandatory else ("success", "failure")
 
 
-def _stays_at_entry(levels: _Around, moves: Collection[_Move], block: ParallelSection) -> bool:
+def _stays_at_entry(levels: _Ancestors, moves: Collection[_Move], block: ParallelSection) -> bool:
     """Whether some move within a block may lead to where its branches begin."""
     inside = levels[
         : next(i for i, level in enumerate(levels) if level.block and level.block.name == block.name) + 1
@@ -250,15 +250,15 @@ class Reentry(Generic[S]):
         return found
 
     def _left(
-        self, levels: Mapping[str, tuple[Section, _Around]]
-    ) -> Iterator[tuple[int, list[tuple[_Around, set[_Move]]]]]:
+        self, levels: Mapping[str, tuple[Section, _Ancestors]]
+    ) -> Iterator[tuple[int, list[tuple[_Ancestors, set[_Move]]]]]:
         """By transition, the sections that it may leave: the levels around each, and its moves."""
         net = self.mission_net.net
         for t, transition in enumerate(net.transitions):
             event = transition.event
             if event is None:
                 continue
-            by_facts = list[tuple[_Around, set[_Move]]]()
+            by_facts = list[tuple[_Ancestors, set[_Move]]]()
             for section, outcome, *_ in self._beginning(t):
                 around = levels[section.name][1]
                 by_facts.append((around, set(_moves(around, section.led(outcome)))))
@@ -269,15 +269,15 @@ class Reentry(Generic[S]):
             elif event.what is What.DECLARED:
                 origins = (net.places[place].provenance for place, _ in transition.consume)
                 names = {o.name for o in origins if o is not None and o.kind in ("objective", "parallel")}
-                left = list[tuple[_Around, set[_Move]]]()
+                left = list[tuple[_Ancestors, set[_Move]]]()
                 for section, around in (levels[name] for name in names if name in levels):
                     handled = (i for i in section.every_interruption if i.event == event.element)
-                    away = dict(section.away) if isinstance(section, ParallelSection) else {}
-                    routes = (away.get(to, to) for i in handled for to in i.routes)
+                    pause_exits = dict(section.pause_exits) if isinstance(section, ParallelSection) else {}
+                    routes = (pause_exits.get(to, to) for i in handled for to in i.routes)
                     left.append((around, set(_moves(around, routes))))
                 yield t, [*left, *by_facts]
 
 
-def _is_in(around: _Around, block: ParallelSection) -> bool:
+def _is_in(around: _Ancestors, block: ParallelSection) -> bool:
     """Whether a section with some levels around it stands in a block."""
     return any(level.block is not None and level.block.name == block.name for level in around)

@@ -151,7 +151,7 @@ class _RulePlayer:
         self.leaf_of: dict[str, Instance] = {name: leaf for name, leaf in known.items() if leaf is not None}
         texts = (imported.mission.blocks, *(protocol.blocks for protocol in imported.mission.protocols))
         written = {block.name for blocks in texts for block in walk(blocks)}
-        if not any(standing.path[-1] in written for standing in self.copies.objectives.values()):
+        if not any(position.path[-1] in written for position in self.copies.objectives.values()):
             tree, own = imported.ledger.file, mission_net.mission.source
             raise InputError.at(own, f"no objective of {tree} is in this mission: it is of another tree")
 

@@ -272,7 +272,7 @@ class World:
             inside: list[tuple[Interrupted, Iterable[ElementarySection]]] = [(section, section.walk())]
             if isinstance(section, ParallelSection):
                 inside = [(section, branch.graph.walk()) for branch in section.branches]
-                inside += [(shelter, shelter.graph.walk()) for shelter in section.shelters]
+                inside += [(pause_graph, pause_graph.graph.walk()) for pause_graph in section.pause_graphs]
             for outer, stopped in inside:
                 events = {Event(What.DECLARED, handler.event) for handler in outer.interruptions}
                 if outer is section:  # the time of a block that pauses does not go on

@@ -311,7 +311,7 @@ class EventSession(Prompt):
             case ["goto", ("success" | "failure" | "abort") as outcome]:
                 return self.goto(outcome)
             case ["goto", "cut", "set", *hardware]:
-                return self.cut(hardware)
+                return self.fail(hardware)
             case ["goto", *_]:
                 return "found another goto, expected success, failure, abort or cut set"
             case [word]:
@@ -352,7 +352,7 @@ class EventSession(Prompt):
         self.take_all(way)
         return None
 
-    def cut(self, hardware: list[str]) -> str | None:
+    def fail(self, hardware: list[str]) -> str | None:
         """Lets hardware fail: what is named, or a smallest cut set."""
         from mcpn.nets.events import Event, What
 

@@ -284,11 +284,11 @@ class LocalPart:
                     inside = inside, len(section.becomes), section.timed_out is not None
             else:
                 branches = tuple((b.mandatory, self._shape(b.graph, number, task)) for b in section.branches)
-                shelters = tuple(
-                    (self._shape(shelter.graph, number, task), self._events(shelter, {}))
-                    for shelter in section.shelters
+                pause_graphs = tuple(
+                    (self._shape(pause_graph.graph, number, task), self._events(pause_graph, {}))
+                    for pause_graph in section.pause_graphs
                 )
-                inside = (branches, section.needed, section.hasty, section.failing, shelters)
+                inside = (branches, section.needed, section.hasty, section.failing, pause_graphs)
                 inside = inside if section.timed_out is None else (inside, TIMED_OUT)
                 inside = (inside, len(section.becomes)) if section.becomes else inside
             outcomes = (section.led(outcome) for outcome, _ in section.outcomes)
@@ -468,5 +468,7 @@ def _routed(section: Section, kept: set[str]) -> Section:
         named = tuple((why, to if to in kept else failed_for(why)) for why, to in routed.reasons)
         return replace(routed, reasons=named) if named else routed
     abort = routed.abort if routed.abort is None or routed.abort in kept else ABORT
-    away = tuple((outcome, target if target in kept else outcome) for outcome, target in routed.away)
-    return replace(routed, abort=abort, away=away)
+    pause_exits = tuple(
+        (outcome, target if target in kept else outcome) for outcome, target in routed.pause_exits
+    )
+    return replace(routed, abort=abort, pause_exits=pause_exits)

@@ -26,8 +26,8 @@ from mcpn.spaces.search.goal import (
     Not,
     Or,
     as_goal,
-    calm,
     holds,
+    none_more_urgent,
 )
 
 if TYPE_CHECKING:
@@ -177,7 +177,11 @@ class Known:
                 goal = as_goal(inside, self.net)
                 # A dead marking is stable; of other goals only the stable markings count.
                 unrestricted = goal is None or goal == DEADLOCK or not self.settled
-                return goal if unrestricted else as_goal(And(inside, calm(self.net, EVENTS)), self.net)
+                return (
+                    goal
+                    if unrestricted
+                    else as_goal(And(inside, none_more_urgent(self.net, EVENTS)), self.net)
+                )
         return None
 
     def beginning(self, names: Names) -> Witness:

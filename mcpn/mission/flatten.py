@@ -20,8 +20,8 @@ from mcpn.errors import InputError, Source
 from mcpn.mission.conditions import facts_of, resolved
 from mcpn.mission.expansion.copies import Copies
 from mcpn.mission.expansion.guards import guarded, left_by_facts, refuse_paused
-from mcpn.mission.expansion.leads import Lead, Leads, Named, by_facts, failing_for, reasons_led
-from mcpn.mission.expansion.pauses import PAUSE, sheltered, suffix_at
+from mcpn.mission.expansion.leads import Destination, Destinations, Named, by_facts, failing_for, reasons_led
+from mcpn.mission.expansion.pauses import PAUSE, suffix_at, with_pause_graph
 from mcpn.mission.expansion.recovery import entered, following, helping
 from mcpn.mission.expansion.routes import GO_ON, Becoming, Condition, Interruption, Setting
 from mcpn.mission.expansion.scope import (
@@ -39,8 +39,8 @@ from mcpn.mission.graph import (
     ElementarySection,
     ObjectivesGraph,
     ParallelSection,
+    PauseGraph,
     Section,
-    Shelter,
 )
 from mcpn.mission.model import (
     ABORT,
@@ -92,7 +92,7 @@ def flatten(mission: Mission) -> ObjectivesGraph:
     """
     flattening = _Flattening(valid(mission))
     graph = flattening.graph(mission.blocks, Scope(), mission.handlers)
-    return replace(graph, copies=flattening.standing)
+    return replace(graph, copies=flattening.positions)
 
 
 def requirements_of(mission: Mission) -> dict[str, tuple[str, Requirement]]:
@@ -119,7 +119,7 @@ def requirements_of(mission: Mission) -> dict[str, tuple[str, Requirement]]:
 class _Flattening:
     def __init__(self, mission: Mission) -> None:
         self.requirements: dict[str, tuple[str, Requirement]] = {}
-        self.standing = Copies()
+        self.positions = Copies()
         self.protocols: dict[str, Protocol] = {p.name: p for p in mission.protocols}
         self.activities = {activity.name: activity for activity in mission.activities}
         self.facts = facts_of(mission)
@@ -137,7 +137,7 @@ class _Flattening:
         handlers: tuple[Handler, ...] = (),
     ) -> ObjectivesGraph:
         sections: list[Section] = []
-        exits = {exit_: Lead(exit_) for exit_ in (SUCCEED, FAIL, ABORT)}
+        exits = {exit_: Destination(exit_) for exit_ in (SUCCEED, FAIL, ABORT)}
         self.series(blocks, scope, exits, sections, handlers)
         return ObjectivesGraph(tuple(sections), self.entry(blocks[0], scope)).reachable()
 
@@ -145,7 +145,7 @@ class _Flattening:
         self,
         blocks: tuple[Block, ...],
         scope: Scope,
-        exits: dict[str, Lead],
+        exits: dict[str, Destination],
         sections: list[Section],
         around: tuple[Handler, ...] = (),
         copied: Mapping[str, Named] | None = None,
@@ -166,7 +166,7 @@ class _Flattening:
             inner = self.handling(scope, block.handlers, routes, block.name)
             failure = block.failure or FAIL
             late = block.timeout_goto or failure
-            leads = Leads(routes[success], routes[failure], routes[block.abort or ABORT], routes[late])
+            leads = Destinations(routes[success], routes[failure], routes[block.abort or ABORT], routes[late])
             before = len(sections)
             leads = leads._replace(named=copied) if copied else self.deciding(block, routes, leads, exits)
             leads = leads._replace(becoming=self.becoming(block, routes))
@@ -180,8 +180,12 @@ class _Flattening:
                 self.paused(before, runs, (scope, routes), leads.failure, sections)
 
     def deciding(
-        self, block: Block, routes: Mapping[str, Lead], leads: Leads, exits: Mapping[str, Lead]
-    ) -> Leads:
+        self,
+        block: Block,
+        routes: Mapping[str, Destination],
+        leads: Destinations,
+        exits: Mapping[str, Destination],
+    ) -> Destinations:
         """The leads of a block, its routes with a condition on facts or a reason put before the others."""
         own: dict[str, list[tuple[Condition, str]]] = {"success": [], "failure": []}
         named = {reason: list[tuple[Condition, str]]() for reason in reasons_led(exits)}
@@ -191,7 +195,9 @@ class _Flattening:
         if not block.routes and not named:
             return leads
 
-        def led(cases: list[tuple[Condition, str]], failing: Lead) -> tuple[tuple[Condition, Lead], ...]:
+        def led(
+            cases: list[tuple[Condition, str]], failing: Destination
+        ) -> tuple[tuple[Condition, Destination], ...]:
             return tuple((when, failing if goto == FAIL else routes[goto]) for when, goto in cases)
 
         success = by_facts(led(own["success"], routes[FAIL]), leads.success)
@@ -202,14 +208,16 @@ class _Flattening:
             around = exits.get(failing_for(reason), routes[FAIL])
             default = around if block.failure in (None, FAIL) else leads.failure
             found[reason] = Named(led(cases, around), by_facts(led(own["failure"], around), default))
-        return Leads(success, failure, leads.abort, leads.timed_out if block.timeout_goto else failure, found)
+        return Destinations(
+            success, failure, leads.abort, leads.timed_out if block.timeout_goto else failure, found
+        )
 
     def recovered(
         self,
         block: Block,
         scope: Scope,
-        leads: Leads,
-        recovery: tuple[Block, Scope, Mapping[str, Lead]],
+        leads: Destinations,
+        recovery: tuple[Block, Scope, Mapping[str, Destination]],
         sections: list[Section],
     ) -> None:
         """Adds the runs of a block that recovers, and between them copies of the sibling that it names."""
@@ -220,17 +228,17 @@ class _Flattening:
                 self.series(blocks, inside, leads.exits, sections, copied=leads.named)
                 return
             here = around.copy(by, f"{block.name}{number}")
-            run = leads.failing(Lead(self.entry(by, here)))
+            run = leads.failing(Destination(self.entry(by, here)))
             self.series(blocks, inside, run.exits, sections, copied=run.named)
-            back = Lead(self.entry(again[0][0], again[1]))
+            back = Destination(self.entry(again[0][0], again[1]))
             self.helper(by, here, routes, (back, leads.failure), sections)
 
     def paused(
         self,
         before: int,
         runs: Mapping[str, Block],
-        around: tuple[Scope, Mapping[str, Lead]],
-        failure: Lead,
+        around: tuple[Scope, Mapping[str, Destination]],
+        failure: Destination,
         sections: list[Section],
     ) -> None:
         """Makes copies of siblings, one for each section (from number ``before`` on) of a block that pauses.
@@ -252,13 +260,13 @@ class _Flattening:
                 self.copied.add(here.name(by))
                 own = {mark for mark, runner in runs.items() if runner is by}
                 if isinstance(section, ElementarySection):
-                    self.helper(by, here, routes, (Lead(section.name), failure), sections)
+                    self.helper(by, here, routes, (Destination(section.name), failure), sections)
                     entries |= dict.fromkeys(own, self.entry(by, here))
                     continue
                 copy = list[Section]()
-                self.helper(by, replace(here, handlers=()), routes, (Lead(GO_ON), failure), copy)
+                self.helper(by, replace(here, handlers=()), routes, (Destination(GO_ON), failure), copy)
                 graph = ObjectivesGraph(tuple(copy), self.entry(by, here)).reachable()
-                section = sheltered(section, Shelter(graph, here.interruptions), own)
+                section = with_pause_graph(section, PauseGraph(graph, here.interruptions), own)
             led = (replace(i, target=entries.get(i.target, i.target)) for i in section.interruptions)
             sections[number] = replace(section, interruptions=tuple(led))
 
@@ -266,19 +274,19 @@ class _Flattening:
         self,
         by: Block,
         here: Scope,
-        routes: Mapping[str, Lead],
-        ways: tuple[Lead, Lead],
+        routes: Mapping[str, Destination],
+        ways: tuple[Destination, Destination],
         sections: list[Section],
     ) -> None:
         """Adds a copy of a sibling that is run for another block; its success and failure lead two ways."""
         success, failure = ways
         late = by.timeout_goto
-        leads = Leads(success, failure, routes[by.abort or ABORT], routes[late] if late else failure)
+        leads = Destinations(success, failure, routes[by.abort or ABORT], routes[late] if late else failure)
         leads = leads._replace(becoming=self.becoming(by, routes))
         self.block(by, self.handling(here, by.handlers, routes, by.name), leads, sections)
 
     def handling(
-        self, scope: Scope, handlers: tuple[Handler, ...], routes: Mapping[str, Lead], block: str
+        self, scope: Scope, handlers: tuple[Handler, ...], routes: Mapping[str, Destination], block: str
     ) -> Scope:
         """The scope under some handlers more, those of a block or of the mission."""
         found = []
@@ -290,7 +298,9 @@ class _Flattening:
             found.append(Interruption(handler.event, lead.target, once, handler.source, lead.cases))
         return replace(scope, handlers=(*found, *scope.handlers)) if found else scope
 
-    def becoming(self, block: Block, routes: Mapping[str, Lead]) -> tuple[tuple[Becoming, Lead], ...]:
+    def becoming(
+        self, block: Block, routes: Mapping[str, Destination]
+    ) -> tuple[tuple[Becoming, Destination], ...]:
         """By what facts become a block is left, each with where that leads."""
         found = []
         for handler in block.handlers:
@@ -299,12 +309,12 @@ class _Flattening:
                 found.append((Becoming(when, lead.target, handler.source), lead))
         return tuple(found)
 
-    def leading(self, handler: Handler, routes: Mapping[str, Lead]) -> Lead:
+    def leading(self, handler: Handler, routes: Mapping[str, Destination]) -> Destination:
         """Where a handler leads; for a pause a placeholder, which :meth:`paused` replaces by a copy."""
         if handler.pause is None:
             return routes[handler.goto or ABORT]  # a valid one has one of the two
         self.pauses[mark := f"{PAUSE}{len(self.pauses)}"] = handler.pause
-        return Lead(mark)
+        return Destination(mark)
 
     def inside(self, block: Recursive | Parallel | Use, scope: Scope) -> tuple[tuple[Block, ...], Scope]:
         """What a block holds, and the scope of that."""
@@ -326,7 +336,7 @@ class _Flattening:
                 return scope.name(block)
             block = blocks[0]
 
-    def block(self, block: Block, scope: Scope, leads: Leads, sections: list[Section]) -> None:
+    def block(self, block: Block, scope: Scope, leads: Destinations, sections: list[Section]) -> None:
         if leads.becoming and (several(block) or not isinstance(block, Objective | Parallel)):
             sections.append(self.whole(block, scope, leads))
         elif several(block):
@@ -337,7 +347,7 @@ class _Flattening:
             reasons = reasons_of(block, self.activities)
             leads = leads.of_reasons(each.name for each in reasons)
             whole, parts = probabilities(block, reasons)
-            self.standing.objectives[scope.name(block)] = scope.standing(block)
+            self.positions.objectives[scope.name(block)] = scope.position(block)
             sections.append(
                 ElementarySection(
                     scope.name(block),
@@ -390,7 +400,7 @@ class _Flattening:
                 self.requirements[f"{inner.prefix}{each.name}"] = inner.prefix, each
             self.series(blocks, inner, leads.exits, sections)
 
-    def whole(self, block: Block, scope: Scope, leads: Leads) -> ParallelSection:
+    def whole(self, block: Block, scope: Scope, leads: Destinations) -> ParallelSection:
         """A block that is stopped as a whole and is not parallel: a section with one branch, which it is.
 
         Its time may be over, or it is left as facts become so; the copies of a block have times of their own.
@@ -421,7 +431,7 @@ class _Flattening:
         done = f"done({block.name})"
         return (*said, Setting(done, BOOLEAN_VALUES[True], "success")) if done in self.facts else said
 
-    def copies(self, block: Block, scope: Scope, leads: Leads, sections: list[Section]) -> None:
+    def copies(self, block: Block, scope: Scope, leads: Destinations, sections: list[Section]) -> None:
         """Adds the rounds of a block, or its tries, one after the other."""
         tries = block.repeat is None and block.retries > 0
         here: tuple[tuple[Block, ...], Scope] | None = next(each := copies(block, scope))
@@ -431,9 +441,9 @@ class _Flattening:
             if following is None:
                 each_leads = leads
             elif tries:
-                each_leads = leads.failing(Lead(following))
+                each_leads = leads.failing(Destination(following))
             else:
-                each_leads = leads._replace(success=Lead(following))
+                each_leads = leads._replace(success=Destination(following))
             copied = each_leads.named if tries or block.repeat is not None else None
             self.series(blocks, inner, each_leads.exits, sections, copied=copied)
 

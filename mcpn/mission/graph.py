@@ -122,7 +122,7 @@ class Branch:
 
 
 @dataclass(frozen=True, slots=True)
-class Shelter(Interrupted):
+class PauseGraph(Interrupted):
     """What runs while a parallel block pauses: a copy of a sibling of a block that the block is or stands in.
 
     Args:
@@ -154,8 +154,8 @@ class ParallelSection(Routes):
         hasty: Whether it fails as soon as a mandatory branch has failed.
         failing: How many failed branches, mandatory or not, fail it at once; ``None`` where none need to.
         cases: With its outcome, where that leads instead if facts are so; the first that fits counts.
-        shelters: What runs while it pauses.
-        away: Outcomes of these by which it does not go on, each with where that leads.
+        pause_graphs: What runs while it pauses.
+        pause_exits: Outcomes of these by which it does not go on, each with where that leads.
         timeout: After how many seconds it is left by itself; ``None`` where it never is. A block that has one
             and is not parallel is a section with one branch.
         timed_out: Where that leads; ``None`` where it never does.
@@ -174,8 +174,8 @@ class ParallelSection(Routes):
     needed: int | None = None
     hasty: bool = False
     cases: tuple[tuple[str, FactCase], ...] = ()
-    shelters: tuple[Shelter, ...] = ()
-    away: tuple[tuple[str, str], ...] = ()
+    pause_graphs: tuple[PauseGraph, ...] = ()
+    pause_exits: tuple[tuple[str, str], ...] = ()
     failing: int | None = None
     timeout: float | None = None
     timed_out: str | None = None
@@ -185,12 +185,14 @@ class ParallelSection(Routes):
     def graphs(self) -> Iterator[ObjectivesGraph]:
         """The graphs of its branches, then of what runs while it pauses."""
         yield from (branch.graph for branch in self.branches)
-        yield from (shelter.graph for shelter in self.shelters)
+        yield from (pause_graph.graph for pause_graph in self.pause_graphs)
 
     @property
     def every_interruption(self) -> tuple[Interruption, ...]:
         """Its interruptions, and those of what runs while it pauses."""
-        return *self.interruptions, *(i for shelter in self.shelters for i in shelter.interruptions)
+        return *self.interruptions, *(
+            i for pause_graph in self.pause_graphs for i in pause_graph.interruptions
+        )
 
     @property
     def deciding(self) -> Iterator[tuple[str, Branch]]:
@@ -233,7 +235,7 @@ class ParallelSection(Routes):
         ended += [] if self.abort is None else [("abort", self.abort)]
         ended += [] if self.timed_out is None else [(TIMED_OUT, self.timed_out)]
         ended += [(outcome, each.target) for outcome, each in self.becoming]
-        return (*ended, *self.away)
+        return (*ended, *self.pause_exits)
 
     def walk(self) -> Iterator[ElementarySection]:
         """Every elementary objective in it, at any depth, in document order."""
@@ -262,8 +264,8 @@ def rerouted(section: Section, to: Callable[[str], str]) -> Section:
     )
     if isinstance(led, ElementarySection):
         return replace(led, reasons=tuple((reason, to(target)) for reason, target in led.reasons))
-    away = tuple((outcome, to(target)) for outcome, target in led.away)
-    return replace(led, abort=led.abort and to(led.abort), away=away)
+    pause_exits = tuple((outcome, to(target)) for outcome, target in led.pause_exits)
+    return replace(led, abort=led.abort and to(led.abort), pause_exits=pause_exits)
 
 
 def names_in(section: Section) -> Iterator[str]:
@@ -274,8 +276,8 @@ def names_in(section: Section) -> Iterator[str]:
             yield branch.name
             for inner in branch.graph.sections:
                 yield from names_in(inner)
-        for shelter in section.shelters:
-            for inner in shelter.graph.sections:
+        for pause_graph in section.pause_graphs:
+            for inner in pause_graph.graph.sections:
                 yield from names_in(inner)
 
 
@@ -411,18 +413,20 @@ class ObjectivesGraph(Drawn):
                 graph.add_node(section.name, kind="objective", activities=section.activities)
             else:
                 graph.add_node(section.name, kind="parallel")
-            shelters, away = tuple[Shelter, ...](), dict[str, str]()
+            pause_graphs, pause_exits = tuple[PauseGraph, ...](), dict[str, str]()
             if isinstance(section, ParallelSection):
-                shelters, away = section.shelters, dict(section.away)
+                pause_graphs, pause_exits = section.pause_graphs, dict(section.pause_exits)
             becoming = {outcome: f"on {each.words}" for outcome, each in section.becoming}
             for outcome, route in section.outcomes:
-                if outcome in away:
+                if outcome in pause_exits:
                     continue  # what runs meanwhile leads there
                 outcome = becoming.get(outcome, outcome)
                 for target in (route, *(case.target for case in section.cases_of(outcome))):
                     graph.add_edge(section.name, exits.get(target, target), outcome=outcome)
             for interruption in section.interruptions:
-                paused = [] if interruption.pauses is None else [shelters[interruption.pauses].graph.entry]
+                paused = (
+                    [] if interruption.pauses is None else [pause_graphs[interruption.pauses].graph.entry]
+                )
                 for target in (*interruption.routes, *paused):
                     route = exits.get(target, target)
                     graph.add_edge(section.name, route, outcome=f"event {interruption.event}")
@@ -431,6 +435,6 @@ class ObjectivesGraph(Drawn):
                 inner = {route: f"{branch.name}:{words[route]}" for route in branch.graph.exits}
                 branch.graph._add_to(graph, inner)
                 graph.add_edge(section.name, branch.graph.entry, outcome="branch", mandatory=branch.mandatory)
-            for shelter in shelters:
-                leading = {exit_: exits.get(target, target) for exit_, target in away.items()}
-                shelter.graph._add_to(graph, {GO_ON: section.name, **leading})
+            for pause_graph in pause_graphs:
+                leading = {exit_: exits.get(target, target) for exit_, target in pause_exits.items()}
+                pause_graph.graph._add_to(graph, {GO_ON: section.name, **leading})

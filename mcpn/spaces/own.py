@@ -157,13 +157,13 @@ class OwnSpace:
     def _firing(self, states: OwnSet) -> Iterator[tuple[int, OwnSet]]:
         """Each transition with those of some markings in which it fires, priorities respected."""
         for rank in self._ranks:
-            calm = states
+            rest = states
             for t, own in enumerate(self.net.ranks):
                 if own == rank or not self.net.priorities:
                     covering = self._covering(states, t)
-                    calm = calm - covering
+                    rest = rest - covering
                     yield t, covering
-            states = calm
+            states = rest
 
     @cached_property
     def everything(self) -> OwnSet:

@@ -447,7 +447,7 @@ class _Space:
             everything = sets.union(everything, self.settled(self.images(stable, events))[0])
         return everything
 
-    def calm(self, markings: Node) -> Iterator[tuple[Sequence[int], Node]]:
+    def by_urgency(self, markings: Node) -> Iterator[tuple[Sequence[int], Node]]:
         """Ranks of transitions with the markings that enable nothing more urgent; what is left comes last."""
         for own, guards in zip((*self.internal, self.events), self.guards, strict=True):
             yield own, markings
@@ -574,8 +574,8 @@ def count(net: PetriNet, max_nodes: int = MAX_NODES, seconds: float = MAX_SECOND
     with _deep(len(net.places)):
         space = _Space(net, max_nodes, seconds)
         reachable = space.reach()
-        by_rank = [*space.calm(reachable)]
-        edges = sum(space.firings(calm, transitions) for transitions, calm in by_rank)
+        by_rank = [*space.by_urgency(reachable)]
+        edges = sum(space.firings(by_urgency, transitions) for transitions, by_urgency in by_rank)
         *_, (_, stable), (_, dead) = by_rank
         space.sets.check()
         return ReferenceCounts(

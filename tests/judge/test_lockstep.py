@@ -177,7 +177,7 @@ def test_blocks_that_pause(of: Mission) -> None:
 def holds_branches(of: Mission) -> bool:
     """Whether some parallel block of a mission pauses."""
     sections = flatten(of).all_sections()
-    return any(isinstance(section, ParallelSection) and section.shelters for section in sections)
+    return any(isinstance(section, ParallelSection) and section.pause_graphs for section in sections)
 
 
 @fewer(0.5)

@@ -251,9 +251,9 @@ def test_a_sibling_that_is_only_run_in_pauses_is_no_warning() -> None:
 def test_each_copy_has_the_box_of_its_block(of: Mission) -> None:
     _, keys = boxes(of, flatten(of))
     named = {name: key for name, key in keys.items() if "_at_" not in name}
-    shelters = {name: key for name, key in keys.items() if name.startswith("s_at_") and "." not in name}
-    assert len({*shelters.values()}) <= 1
-    assert {*shelters.values()}.isdisjoint(named.values())
+    pause_graphs = {name: key for name, key in keys.items() if name.startswith("s_at_") and "." not in name}
+    assert len({*pause_graphs.values()}) <= 1
+    assert {*pause_graphs.values()}.isdisjoint(named.values())
 
 
 def test_copies_are_meant_by_the_name_of_the_sibling(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Leads that choose by facts, flattened into one list: they choose as nested routes do in every world."""
+"""Destinations that facts choose, flattened into one list: they choose as nested routes do in every world."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from itertools import product
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from mcpn.mission.expansion.leads import Lead, by_facts
+from mcpn.mission.expansion.leads import Destination, by_facts
 from mcpn.mission.expansion.routes import Condition, FactCase
 
 FACTS = {"door": ("open", "shut"), "light": ("on", "off", "dim")}
@@ -19,7 +19,7 @@ conditions: st.SearchStrategy[Condition] = st.fixed_dictionaries(
 ).map(lambda asked: tuple(asked.items()))
 targets = st.sampled_from("abcdef")
 leads = st.builds(
-    Lead,
+    Destination,
     targets,
     st.lists(st.builds(FactCase, conditions.filter(bool), targets), max_size=3).map(tuple),
 )
@@ -29,7 +29,7 @@ def holds(when: Condition, world: Mapping[str, str]) -> bool:
     return all(world[fact] == value for fact, value in when)
 
 
-def chosen(lead: Lead, world: Mapping[str, str]) -> str:
+def chosen(lead: Destination, world: Mapping[str, str]) -> str:
     """Where a lead leads in a world: to the target of its first case that holds, else to its default."""
     return next((case.target for case in lead.cases if holds(case.when, world)), lead.target)
 
@@ -38,11 +38,11 @@ OPEN, SHUT, DIM = (("door", "open"),), (("door", "shut"),), (("light", "dim"),)
 
 
 @given(st.lists(st.tuples(conditions, leads), max_size=4), leads)
-@example([(OPEN, Lead("a"))], Lead("b", (FactCase(DIM, "c"),)))  # the default chooses, too
-@example([(OPEN, Lead("a", (FactCase(DIM, "b"),)))], Lead("c"))  # so does what a case leads to
-@example([(OPEN, Lead("a", (FactCase(SHUT, "b"),)))], Lead("c"))  # by what cannot hold there
+@example([(OPEN, Destination("a"))], Destination("b", (FactCase(DIM, "c"),)))  # the default chooses, too
+@example([(OPEN, Destination("a", (FactCase(DIM, "b"),)))], Destination("c"))  # so does what a case leads to
+@example([(OPEN, Destination("a", (FactCase(SHUT, "b"),)))], Destination("c"))  # by what cannot hold there
 def test_one_list_chooses_as_the_lists_in_each_other_do(
-    cases: list[tuple[Condition, Lead]], default: Lead
+    cases: list[tuple[Condition, Destination]], default: Destination
 ) -> None:
     flat = by_facts(cases, default)
     for world in WORLDS:

@@ -138,7 +138,7 @@ class Case:
             return f"at once, by the error to {' and '.join(users)}"
         return "by its event alone: not in use here"
 
-    def compensation(self, section: ElementarySection, around: Around) -> str:
+    def compensation(self, section: ElementarySection, around: Ancestors) -> str:
         """What replaces the resource, or where the objective's failure leads."""
         if self.objective_lost:
             return route(section, around)
@@ -172,11 +172,11 @@ class Case:
         return "be aborted" if self.safety_regained else ""
 
 
-Around: TypeAlias = Sequence[tuple[ParallelSection, Branch]]
+Ancestors: TypeAlias = Sequence[tuple[ParallelSection, Branch]]
 """The parallel blocks around an objective, each with the branch that it stands in, the outermost first."""
 
 
-def route(section: ElementarySection, around: Around) -> str:
+def route(section: ElementarySection, around: Ancestors) -> str:
     """Where the failure of an objective leads, and where that for a reason leads elsewhere."""
     ways: dict[str, list[str]] = {}
     for reason, target in section.reasons:
@@ -187,7 +187,7 @@ def route(section: ElementarySection, around: Around) -> str:
     return ", ".join((plain, *named))
 
 
-def _route(section: ElementarySection, around: Around) -> str:
+def _route(section: ElementarySection, around: Ancestors) -> str:
     """Where the failure of an objective leads."""
     if section.failure not in _ENDS:
         again = _TRY.search(section.name) and _TRY.sub("", section.name) == _TRY.sub("", section.failure)

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import compress
+from itertools import compress, islice
 from typing import Generic, NamedTuple, TypeAlias
 
 from mcpn.answers.causes.effects import Case, Loss, Severity, changes, joined, local_effect, worth_telling
@@ -125,12 +125,12 @@ class _Table(Generic[S]):
                 for branch in block.branches:
                     for inner in branch.graph.walk():
                         self.around[inner.name].append((block, branch))
-                for shelter in block.shelters:
-                    away = {GO_ON: block.name, **dict(block.away)}
-                    for here in shelter.graph.sections:
+                for pause_graph in block.pause_graphs:
+                    pause_exits = {GO_ON: block.name, **dict(block.pause_exits)}
+                    for here in pause_graph.graph.sections:
                         if isinstance(here, ElementarySection):
-                            to = away.get(here.failure, here.failure)
-                            reasons = tuple((why, away.get(at, at)) for why, at in here.reasons)
+                            to = pause_exits.get(here.failure, here.failure)
+                            reasons = tuple((why, pause_exits.get(at, at)) for why, at in here.reasons)
                             self.sections[here.name] = replace(here, failure=to, reasons=reasons)
         self._modes: dict[str, dict[int, S]] = {}
         self._facts: Alike[_Facts | None] = Alike()
@@ -312,13 +312,12 @@ class _Table(Generic[S]):
             *(self.leading(region, fails, repairs) for region in (lost, *self.lost[::2])),
             *(self.leading(modes[p], *steps) for steps in ways for p in changed),
         ]
-        n, m = len(changed), len(self.lost)
-        for answers, those in _atoms(states, asked):
-            already, gone, *rest = answers
-            loss, still_gone = Loss(*rest[:m]), rest[m]
-            still, marked = rest[m + 1 : m + 1 + m // 2], rest[m + 1 + m // 2 :]
+        for said, those in _atoms(states, asked):
+            answers = iter(said)  # in the order of what is asked
+            already, gone, loss = next(answers), next(answers), Loss(*islice(answers, len(self.lost)))
+            still_gone, still = next(answers), list(islice(answers, len(self.lost[::2])))
             before, after, back = (
-                said_by(self.net, compress(changed, marked[i * n : (i + 1) * n])) for i in range(3)
+                said_by(self.net, compress(changed, list(islice(answers, len(changed))))) for _ in ways
             )
             mission, *safety = (bool(was) and not now for was, now in zip(loss[::2], still, strict=False))
             regained = gone and not still_gone, mission, any(safety)

@@ -192,7 +192,7 @@ class Routing:
             badly, doomed = sum(FAIL in e for _, e in ends), sum(SUCCEED not in e for _, e in ends)
             happen["failure"] |= badly >= section.failing
             happen["success"] &= section.needed is not None or doomed < section.failing
-        for exit_, _ in section.away:
+        for exit_, _ in section.pause_exits:
             leading = [*_meanwhile(section, exit_)]
             happen[exit_] = not leading or any(map(self._is_taken, leading))
         return frozenset(outcome for outcome, _ in section.outcomes if happen.get(outcome, True))
@@ -331,9 +331,9 @@ def _in_text(graph: ObjectivesGraph, sections: Collection[Section]) -> list[Sect
 
 def _routes(section: Section) -> Iterator[_Route]:
     """The routes of a section, those of what runs while it pauses among them."""
-    away = dict(section.away) if isinstance(section, ParallelSection) else {}
+    pause_exits = dict(section.pause_exits) if isinstance(section, ParallelSection) else {}
     for outcome, target in section.outcomes:
-        if isinstance(section, ParallelSection) and outcome in away:
+        if isinstance(section, ParallelSection) and outcome in pause_exits:
             yield from (route._replace(target=target) for route in _meanwhile(section, outcome))
         else:
             yield _Route(section, outcome, target)
@@ -352,9 +352,9 @@ def _interrupting(section: Section) -> Iterator[_Route]:
 
 def _meanwhile(section: ParallelSection, exit_: str) -> Iterator[_Route]:
     """The routes by which what runs while a block pauses leads to one of the exits of the block."""
-    for shelter in section.shelters:
-        inside = (route for inner in shelter.graph.sections for route in _routes(inner))
+    for pause_graph in section.pause_graphs:
+        inside = (route for inner in pause_graph.graph.sections for route in _routes(inner))
         yield from (route for route in inside if route.target == exit_)
-        for interruption in shelter.interruptions:
+        for interruption in pause_graph.interruptions:
             if exit_ in interruption.routes:
                 yield _Route(section, Event(What.DECLARED, interruption.event), exit_)

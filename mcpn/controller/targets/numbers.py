@@ -325,7 +325,7 @@ def _timers(graph: ObjectivesGraph) -> int:
             most = max(most, own)
         else:
             most = max(most, own + sum(_timers(branch.graph) for branch in section.branches))
-            most = max(most, *(_timers(shelter.graph) for shelter in section.shelters), 0)
+            most = max(most, *(_timers(pause_graph.graph) for pause_graph in section.pause_graphs), 0)
     return most
 
 

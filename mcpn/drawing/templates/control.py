@@ -121,7 +121,7 @@ class _Control(Interrupting):
             if branch.graph.aborts:
                 pen.place("abort", element=("objective", branch.name))
             self.inside(section, branch).draw()
-        for number in range(1, len(section.shelters) + 1):
+        for number in range(1, len(section.pause_graphs) + 1):
             self.meanwhile(section, number).draw()
         leaving.all_ended(pen, running, partial(self.led, section), self.halted(section))
         if self.halted(section):

@@ -27,7 +27,7 @@ MAX_WAYS = 4096
 """Combinations of values of facts that one event may be drawn for."""
 
 
-class Way(NamedTuple):
+class FactArcs(NamedTuple):
     """What a transition does with facts, and where it then leads.
 
     Args:
@@ -85,7 +85,7 @@ def _draw_fact(canvas: Canvas, mission: Pen, fact: Fact, begin: str) -> None:
             mission.transition(part, [places[fact.start]], [place], read=[begin], event=event)
 
 
-def changing(canvas: Canvas, changes: Mapping[str, str], what: str) -> Iterator[Way]:
+def changing(canvas: Canvas, changes: Mapping[str, str], what: str) -> Iterator[FactArcs]:
     """Gives facts values, whatever they were.
 
     Raises:
@@ -96,7 +96,7 @@ def changing(canvas: Canvas, changes: Mapping[str, str], what: str) -> Iterator[
 
 def ways(
     canvas: Canvas, default: str, cases: Sequence[FactCase], changes: Mapping[str, str], what: str
-) -> list[Way]:
+) -> list[FactArcs]:
     """The ways of a transition: one for each combination of values of facts that it changes or is led by.
 
     Args:
@@ -110,8 +110,8 @@ def ways(
         LimitError: There are too many combinations of values.
     """
     if not cases and not changes:
-        return [Way([], [], [], default)]
-    facts, leads = canvas.usage.world.facts, list[Way]()
+        return [FactArcs([], [], [], default)]
+    facts, leads = canvas.usage.world.facts, list[FactArcs]()
     for known, target in _decided(cases, default, dict(changes), facts):
         read = [canvas.fact(name, value) for name, value in known.items() if name not in changes]
         for before in product(*(facts[name].values for name in changes)):
@@ -123,7 +123,7 @@ def ways(
             changed = [(name, now) for name, was, now in both if was != now]
             begun = [canvas.fact(*to) for to in changed]
             begun += [canvas.became(*to) for to in changed if to in canvas.usage.world.watched]
-            leads.append(Way(ended, begun, [*read, *kept], target))
+            leads.append(FactArcs(ended, begun, [*read, *kept], target))
     return leads
 
 

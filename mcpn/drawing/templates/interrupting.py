@@ -22,8 +22,8 @@ from math import prod
 from typing import Literal, TypeAlias
 
 from mcpn.drawing.templates.canvas import Pen
-from mcpn.drawing.templates.facts import Way
-from mcpn.drawing.templates.interruption import Pausing, Position, Shift, Strand, called, events_of
+from mcpn.drawing.templates.facts import FactArcs
+from mcpn.drawing.templates.interruption import Arcs, Pausing, Position, Region, called, events_of
 from mcpn.drawing.templates.leaving import Leaving
 from mcpn.drawing.templates.level import Level, element_of
 from mcpn.errors import LimitError
@@ -94,12 +94,12 @@ class Interrupting(Level):
 
             yield from handled(self.of(section), onward)
             return
-        for phase, interrupted in enumerate((section, *section.shelters)):
+        for phase, interrupted in enumerate((section, *section.pause_graphs)):
 
             def whole(own: Interruption, number: int, phase: int = phase) -> _Ways:
                 return [([], self.stopping(section, phase, own, number))]
 
-            for inside in self.in_strands(section, phase, event):
+            for inside in self.in_regions(section, phase, event):
                 if inside.put is not None:
                     yield inside
                     continue
@@ -107,12 +107,12 @@ class Interrupting(Level):
                     if self.possible(both := inside.together_with(outer)):
                         yield both
 
-    def in_strands(self, section: ParallelSection, phase: int, event: str) -> list[Position]:
+    def in_regions(self, section: ParallelSection, phase: int, event: str) -> list[Position]:
         """Where those branches, or what runs while a block pauses, may be that handle an event somewhere."""
         handling = [
-            [*strand.level.every_position(event), *(Position((end,)) for end in strand.ended)]
-            for strand in self.strands(section, phase)
-            if any(e == event for inner in strand.level.graph.sections for e in events_of(inner))
+            [*region.level.every_position(event), *(Position((end,)) for end in region.ended)]
+            for region in self.regions(section, phase)
+            if any(e == event for inner in region.level.graph.sections for e in events_of(inner))
         ]
         positions_so_far = [Position(())]
         for number, positions in enumerate(handling, 1):
@@ -141,13 +141,13 @@ class Interrupting(Level):
 
     # --- what stops and goes on ---
 
-    def strands(self, section: ParallelSection, phase: int) -> list[Strand[Interrupting]]:
+    def regions(self, section: ParallelSection, phase: int) -> list[Region[Interrupting]]:
         """The branches of a block; of a later phase that alone which runs while the block pauses."""
         if phase:
-            return [Strand(self.meanwhile(section, phase), [], partial(self.of_phase, section, phase))]
+            return [Region(self.meanwhile(section, phase), [], partial(self.of_phase, section, phase))]
         leaving = Leaving(self.canvas, section)
         return [
-            Strand(self.inside(section, branch), leaving.ends(branch), partial(self.of_branch, branch))
+            Region(self.inside(section, branch), leaving.ends(branch), partial(self.of_branch, branch))
             for branch in section.branches
         ]
 
@@ -157,7 +157,7 @@ class Interrupting(Level):
 
     def tokens(self, section: ParallelSection, phase: int, word: str) -> list[str]:
         """The place of this name of each branch, or of what runs while the block pauses."""
-        return [strand.place(word) for strand in self.strands(section, phase)]
+        return [region.place(word) for region in self.regions(section, phase)]
 
     def stopping(self, section: ParallelSection, phase: int, own: Interruption, number: int) -> list[str]:
         """The places that an event marks which interrupts a block as a whole."""
@@ -186,7 +186,7 @@ class Interrupting(Level):
         if self.around.halted:
             place = pen.place("halting")
             pen.transition("halted", [place, *all_halted], [self.around.halted], rank=self.first)
-        if section.shelters or self.around.pauses:
+        if section.pause_graphs or self.around.pauses:
             Pausing(self, pen, section).draw()
 
     def timed_out(self, pen: Pen, section: ParallelSection, all_halted: list[str]) -> None:
@@ -197,7 +197,7 @@ class Interrupting(Level):
         self.onward(pen, "timed_out", [late, *all_halted], self.led(section, TIMED_OUT))
 
     def onward(
-        self, pen: Pen, part: str, halted: list[str], leading: Iterable[tuple[str, Way, list[str]]]
+        self, pen: Pen, part: str, halted: list[str], leading: Iterable[tuple[str, FactArcs, list[str]]]
     ) -> None:
         """Goes on to what has stopped a block leads to, once every branch has halted."""
         for case, way, entered in leading:
@@ -227,16 +227,16 @@ class Interrupting(Level):
     def each(self, pen: Pen, section: ParallelSection, phase: int, word: Word) -> None:
         """Draws how the branches, or what runs while the block pauses, are halted, resumed and so on."""
         number = 0
-        for strand in self.strands(section, phase):
-            token = pen.own(strand.place(word))
+        for region in self.regions(section, phase):
+            token = pen.own(region.place(word))
             if word == "halt":
-                pen.own(strand.place("halted"))
-            for taken, put, read in strand.level.shifts(word, strand):
+                pen.own(region.place("halted"))
+            for taken, put, read in region.level.arcs(word, region):
                 number += 1
                 part = f"{word}{number}" + (f"of{phase}" if phase else "")
                 pen.transition(part, [token, *taken], put, read=[*read], rank=self.first)
 
-    def shifts(self, word: Word, strand: Strand[Interrupting]) -> Iterator[Shift]:
+    def arcs(self, word: Word, region: Region[Interrupting]) -> Iterator[Arcs]:
         """What a branch does with its token ``word``, by where it is in this graph.
 
         To *pause* notes where the branch is; to *resume* and to *drop* ask what was noted::
@@ -247,51 +247,51 @@ class Interrupting(Level):
             resume                  enters it again      its branches resume     stays
             drop                    halted               its branches drop       halted
         """
-        halted = strand.place("halted")
+        halted = region.place("halted")
         for inner in self.graph.sections:
             if isinstance(inner, ElementarySection):
                 yield from self._in_objective(word, inner, halted)
                 continue
             if word == "halt" and self.gated(inner):
-                yield Shift([self.of(inner, "enter")], [halted])
-            for phase in range(len(inner.shelters) + 1):
+                yield Arcs([self.of(inner, "enter")], [halted])
+            for phase in range(len(inner.pause_graphs) + 1):
                 yield self._in_phase(word, inner, phase)
         if word in ("halt", "drop"):
-            yield from (Shift(list(end), [halted]) for end in strand.ends)
+            yield from (Arcs(list(end), [halted]) for end in region.ends)
         else:
             put = [halted] if word == "pause" else []
-            yield from (Shift([], put, [end]) for end in strand.ended)
-        if word == "halt" and self.graph.aborts and strand.ends:
-            yield Shift([strand.place("abort")], [halted])
+            yield from (Arcs([], put, [end]) for end in region.ended)
+        if word == "halt" and self.graph.aborts and region.ends:
+            yield Arcs([region.place("abort")], [halted])
 
-    def _in_objective(self, word: Word, section: ElementarySection, halted: str) -> Iterator[Shift]:
+    def _in_objective(self, word: Word, section: ElementarySection, halted: str) -> Iterator[Arcs]:
         paused = self.of(section, "paused")
         if word == "resume":
-            yield Shift([paused], self.enter(section.name))
+            yield Arcs([paused], self.enter(section.name))
         elif word == "drop":
-            yield Shift([paused], [halted])
+            yield Arcs([paused], [halted])
         else:
             left = [halted] if word == "halt" else [paused, halted]
             if self.gated(section):
-                yield Shift([self.of(section, "enter")], left)
+                yield Arcs([self.of(section, "enter")], left)
             if word == "halt" and section.setting("start"):
-                yield Shift([self.of(section, "starts")], left)
-            yield Shift([self.of(section)], [*self.stops(section), *left])
+                yield Arcs([self.of(section, "starts")], left)
+            yield Arcs([self.of(section)], [*self.stops(section), *left])
 
-    def _in_phase(self, word: Word, section: ParallelSection, phase: int) -> Shift:
+    def _in_phase(self, word: Word, section: ParallelSection, phase: int) -> Arcs:
         running, paused = self.active(section, phase), self.of_phase(section, phase, "paused")
         match word:
             case "halt":
                 halting = self.of_phase(section, phase, "halting")
-                return Shift([running], [halting, *self.tokens(section, phase, word)])
+                return Arcs([running], [halting, *self.tokens(section, phase, word)])
             case "pause":
                 pausing = self.of_phase(section, phase, "pausing")
-                return Shift([running], [pausing, *self.tokens(section, phase, word)])
+                return Arcs([running], [pausing, *self.tokens(section, phase, word)])
             case "resume":
-                return Shift([paused], self.going_on(section, phase))
+                return Arcs([paused], self.going_on(section, phase))
             case "drop":
                 then = self.of(section, "then_halted")
-                return Shift([paused], [*self.given_up(section, phase), then])
+                return Arcs([paused], [*self.given_up(section, phase), then])
 
     def going_on(self, section: ParallelSection, phase: int) -> list[str]:
         """Places to mark so that a phase of a block that paused goes on."""

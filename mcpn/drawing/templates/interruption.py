@@ -35,8 +35,8 @@ def draw_once(canvas: Canvas, mission: Pen, handler: str, begin: str) -> None:
 
 
 @dataclass(frozen=True)
-class Around:
-    """What stands around a graph of objectives.
+class Surroundings:
+    """The blocks around a graph of objectives.
 
     Args:
         in_branch: Whether it is that of a branch of a parallel block.
@@ -105,16 +105,16 @@ def may_halt(section: Section) -> bool:
     return section.early or section.stopped or any(map(may_halt, inside))
 
 
-class Shift(NamedTuple):
-    """What a transition does beside taking the token that halts, pauses, resumes or drops a branch."""
+class Arcs(NamedTuple):
+    """Arcs of a transition that halts, pauses, resumes or drops a branch, besides the token that says so."""
 
     taken: list[str]
     put: list[str]
     read: Sequence[str] = ()
 
 
-class Strand(NamedTuple, Generic[L]):
-    """A branch of a block, or what runs while the block pauses.
+class Region(NamedTuple, Generic[L]):
+    """A region of a block, as in a state machine: a branch, or what runs while the block pauses.
 
     Args:
         level: Its graph.
@@ -147,7 +147,7 @@ class Pausing:
         self.section = section
         self.waiting = [
             (phase, pauses + 1)
-            for phase, interrupted in enumerate((section, *section.shelters))
+            for phase, interrupted in enumerate((section, *section.pause_graphs))
             for pauses in dict.fromkeys(i.pauses for i in interrupted.interruptions if i.pauses is not None)
         ]
         """Phases that pause, each with the phase that runs meanwhile."""
@@ -156,7 +156,7 @@ class Pausing:
         """Draws all."""
         level, pen, section = self.level, self.pen, self.section
         dropped = pen.place("dropped")
-        for phase in range(len(section.shelters) + 1):
+        for phase in range(len(section.pause_graphs) + 1):
             if phase:
                 level.each(pen, section, phase, "halt")
             if level.around.pauses or any(phase == before for before, _ in self.waiting):
@@ -168,7 +168,7 @@ class Pausing:
         if level.around.halted:
             taken = [pen.place("then_halted"), dropped]
             pen.transition("gone_halted", taken, [level.around.halted], rank=level.first)
-        for exit_, _ in section.away:
+        for exit_, _ in section.pause_exits:
             place, left = pen.place(self.then(exit_)), f"gone_{exit_.replace(' ', '')}"
             for number, way, entered in level.led(section, exit_):
                 part = f"{left}_{number}" if number else left
@@ -183,7 +183,7 @@ class Pausing:
         """What follows when a phase has been stopped, or given up."""
         level, pen, section, rank = self.level, self.pen, self.section, self.level.first
         all_halted = level.tokens(section, phase, "halted")
-        inside = (inner for strand in level.strands(section, phase) for inner in strand.level.graph.sections)
+        inside = (inner for region in level.regions(section, phase) for inner in region.level.graph.sections)
         for inner in inside:
             if isinstance(inner, ElementarySection):
                 pen.own(level.of(inner, "paused"))
@@ -224,15 +224,15 @@ class Pausing:
     def meanwhile(self, phase: int) -> None:
         """What runs while the block pauses, and how it ends."""
         level, pen, section = self.level, self.pen, self.section
-        shelter, then = section.shelters[phase - 1], partial(level.of, section)
+        pause_graph, then = section.pause_graphs[phase - 1], partial(level.of, section)
         running = pen.place(f"meanwhile{phase}")
         halted = level.tokens(section, phase, "halted")
         self.back(f"over{phase}", phase, [pen.place(f"over{phase}"), running], level.going_on)
-        for exit_, _ in section.away:
+        for exit_, _ in section.pause_exits:
             (place,) = level.meanwhile(section, phase).exits[exit_]
             taken, put = [pen.own(place), running], [then(self.then(exit_))]
             self.back(f"{exit_.replace(' ', '')}of{phase}", phase, taken, level.given_up, put)
-        for number, i in shelter.numbered:
+        for number, i in pause_graph.numbered:
             if i.pauses is None:
                 place = pen.place(called(i.event, number, f"meanwhile{phase}"))
                 what = f"parallel {section.name}"

@@ -14,14 +14,14 @@ from math import comb
 from typing import TypeAlias
 
 from mcpn.drawing.templates.canvas import MAX_COMBINED, Canvas, Pen
-from mcpn.drawing.templates.facts import Way
+from mcpn.drawing.templates.facts import FactArcs
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import Branch, ParallelSection
 
-Lead: TypeAlias = tuple[str, Way, list[str]]
+Continuation: TypeAlias = tuple[str, FactArcs, list[str]]
 """A way that an outcome may lead: its number, empty if there is one alone, facts, places to mark."""
 
-Led: TypeAlias = Callable[[str], Iterable[Lead]]
+Continuations: TypeAlias = Callable[[str], Iterable[Continuation]]
 """Says where an outcome leads."""
 
 MAX_DECIDING = 10_000
@@ -65,18 +65,18 @@ class Leaving:
         more = () if self.combined else (self.of_branch(branch, "ended"),)
         return [(self.done(branch, ok), *more) for ok in (True, False)]
 
-    def all_ended(self, pen: Pen, running: list[str], led: Led, halted: bool) -> None:
+    def all_ended(self, pen: Pen, running: list[str], continuations: Continuations, halted: bool) -> None:
         """Draws what follows when all branches have ended.
 
         Args:
             pen: The block's.
             running: The place that says that the block runs, where there is one.
-            led: Says where an outcome leads.
+            continuations: Says where an outcome leads.
             halted: Whether the block may be halted.
         """
         section = self.section
         if self.combined:
-            self._combined(pen, running, led)
+            self._combined(pen, running, continuations)
             return
         # A block that may be halted, or has few children, counts no outcome before all have ended: until
         # then each child's outcome stays marked in a place of its own.
@@ -84,28 +84,30 @@ class Leaving:
         begin = 0 if late else len(section.branches) - 1
         ended = [*(self.of_branch(b, "ended") for b in section.branches), *running]
         if section.needed is not None:
-            self._counted(pen, led, begin, ended, (True, section.needed))
+            self._counted(pen, continuations, begin, ended, (True, section.needed))
         elif section.failing is not None:
-            self._counted(pen, led, begin, ended, (False, section.failing))
+            self._counted(pen, continuations, begin, ended, (False, section.failing))
         else:
-            self._one_by_one(pen, led, begin, ended)
+            self._one_by_one(pen, continuations, begin, ended)
 
-    def _combined(self, pen: Pen, running: list[str], led: Led) -> None:
+    def _combined(self, pen: Pen, running: list[str], continuations: Continuations) -> None:
         """One transition per combination of outcomes; success if every mandatory child succeeded (4.2)."""
         section = self.section
         for outcome in product((True, False), repeat=len(section.branches)):
             done = [self.done(branch, ok) for branch, ok in zip(section.branches, outcome, strict=True)]
             succeeded = section.succeeds(compress(section.branches, outcome))
             digits = "".join("0" if ok else "1" for ok in outcome)
-            self._leave(pen, f"exit_{digits}", [*done, *running], led("success" if succeeded else "failure"))
+            self._leave(
+                pen, f"exit_{digits}", [*done, *running], continuations("success" if succeeded else "failure")
+            )
 
-    def _leave(self, pen: Pen, part: str, taken: list[str], led: Iterable[Lead]) -> None:
+    def _leave(self, pen: Pen, part: str, taken: list[str], continuations: Iterable[Continuation]) -> None:
         """Takes some places and goes on, as facts decide."""
-        for number, way, entered in led:
+        for number, way, entered in continuations:
             name = f"{part}_{number}" if number else part
             pen.transition(name, taken, entered, read=way.read, rank=self._rank)
 
-    def _one_by_one(self, pen: Pen, led: Led, begin: int, all_ended: list[str]) -> None:
+    def _one_by_one(self, pen: Pen, continuations: Continuations, begin: int, all_ended: list[str]) -> None:
         """The outcome of a wide block by a net of linear size, which counts children in document order."""
         well, lost = [], []
         for number in range(1, len(self.section.branches)):
@@ -125,9 +127,11 @@ class Leaving:
                     pen.transition(f"{name}_{number}", taken, after, rank=self._rank)
                 else:
                     outcome = "success" if after is well[-1] else "failure"
-                    self._leave(pen, f"{name}_{number}", taken, led(outcome))
+                    self._leave(pen, f"{name}_{number}", taken, continuations(outcome))
 
-    def _counted(self, pen: Pen, led: Led, begin: int, all_ended: list[str], goal: tuple[bool, int]) -> None:
+    def _counted(
+        self, pen: Pen, continuations: Continuations, begin: int, all_ended: list[str], goal: tuple[bool, int]
+    ) -> None:
         """The outcome of a block that so many successes, or failures, decide: they are counted up to that.
 
         Where failures are counted the failure of a mandatory child stands for as many as fail the block.
@@ -150,7 +154,7 @@ class Leaving:
                     pen.transition(part, taken, after[i, counted], rank=self._rank)
                 else:
                     reaches = "success" if (counted == most) is well else "failure"
-                    self._leave(pen, part, taken, led(reaches))
+                    self._leave(pen, part, taken, continuations(reaches))
             counts = reached
 
     @property
@@ -159,13 +163,13 @@ class Leaving:
 
     # --- before all have ended ---
 
-    def decided(self, pen: Pen, running: str, led: Led, all_halted: list[str]) -> None:
+    def decided(self, pen: Pen, running: str, continuations: Continuations, all_halted: list[str]) -> None:
         """Draws how branches that have ended decide the block's end, and what follows it.
 
         Args:
             pen: The block's.
             running: The place that says that the block runs.
-            led: Says where an outcome leads.
+            continuations: Says where an outcome leads.
             all_halted: The places that say of each branch that it is halted.
         """
         for outcome, _ in self.section.outcomes:
@@ -174,7 +178,7 @@ class Leaving:
                 deciding, decides, follows = _DECIDED[outcome]
                 self._deciding(pen, running, outcome, last, (pen.place(deciding), decides))
                 taken = [self.canvas.place_of(*pen.called, deciding), *all_halted]
-                self._leave(pen, follows, taken, led(outcome))
+                self._leave(pen, follows, taken, continuations(outcome))
 
     def _deciding(
         self, pen: Pen, running: str, outcome: str, last: Iterable[Branch], drawn: tuple[str, str]

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import Self
 
 from mcpn.drawing.templates.canvas import Canvas
-from mcpn.drawing.templates.facts import Way, ways
-from mcpn.drawing.templates.interruption import Around, events_of, may_halt
+from mcpn.drawing.templates.facts import FactArcs, ways
+from mcpn.drawing.templates.interruption import Surroundings, events_of, may_halt
 from mcpn.drawing.templates.leaving import Leaving
 from mcpn.mission.expansion.routes import GO_ON, FactCase
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
@@ -30,12 +30,12 @@ class Level:
         canvas: Canvas,
         graph: ObjectivesGraph,
         exits: Mapping[str, list[str]],
-        around: Around | None = None,
+        around: Surroundings | None = None,
     ) -> None:
         self.canvas = canvas
         self.graph = graph
         self.exits = exits
-        self.around = around or Around()
+        self.around = around or Surroundings()
         self._inside: dict[tuple[str, str], Self] = {}
         self._meanwhile: dict[tuple[str, int], Self] = {}
         self._entered: dict[str, list[str]] = {}
@@ -56,17 +56,19 @@ class Level:
         """
         known = section.name, number
         if known not in self._meanwhile:
-            shelter, running = section.shelters[number - 1], self.active(section, number)
-            exits = {exit_: [self.of(section, *exit_.split(), f"{number}")] for exit_, _ in section.away}
+            pause_graph, running = section.pause_graphs[number - 1], self.active(section, number)
+            exits = {
+                exit_: [self.of(section, *exit_.split(), f"{number}")] for exit_, _ in section.pause_exits
+            }
             exits[GO_ON] = [self.of(section, f"over{number}")]
-            around = Around(
+            around = Surroundings(
                 in_branch=True,
                 eventful=True,
                 running=(*self.around.running, running),
                 halted=self.of(section, f"halted_meanwhile{number}"),
-                pauses=self.around.pauses or any(i.pauses is not None for i in shelter.interruptions),
+                pauses=self.around.pauses or any(i.pauses is not None for i in pause_graph.interruptions),
             )
-            self._meanwhile[known] = type(self)(self.canvas, shelter.graph, exits, around)
+            self._meanwhile[known] = type(self)(self.canvas, pause_graph.graph, exits, around)
         return self._meanwhile[known]
 
     def active(self, section: ParallelSection, phase: int) -> str:
@@ -74,10 +76,10 @@ class Level:
         return self.of(section, f"meanwhile{phase}" if phase else "running")
 
     def _inside_of(self, section: ParallelSection, branch: Branch) -> Self:
-        around = Around(in_branch=True, eventful=self.eventful(section))
+        around = Surroundings(in_branch=True, eventful=self.eventful(section))
         if self.halted(section):
             running = (*self.around.running, self.of(section, "running"))
-            pauses = self.around.pauses or bool(section.shelters)
+            pauses = self.around.pauses or bool(section.pause_graphs)
             halted = self.of_branch(branch, "halted")
             around = replace(around, running=running, halted=halted, pauses=pauses)
         well, badly = map(list, Leaving(self.canvas, section).ends(branch))
@@ -125,14 +127,14 @@ class Level:
 
     def led(
         self, section: Section, outcome: str, changes: Mapping[str, str] | None = None
-    ) -> Iterator[tuple[str, Way, list[str]]]:
+    ) -> Iterator[tuple[str, FactArcs, list[str]]]:
         """Where an outcome leads: a number, empty if there is one way alone, the way, places to mark."""
         (route,) = (route for said, route in section.outcomes if said == outcome)
         yield from self.ways(section, route, section.cases_of(outcome), changes or {})
 
     def ways(
         self, section: Section, route: str, cases: Sequence[FactCase], changes: Mapping[str, str]
-    ) -> Iterator[tuple[str, Way, list[str]]]:
+    ) -> Iterator[tuple[str, FactArcs, list[str]]]:
         """Where a route of a section leads by facts, after some have changed."""
         leads = ways(self.canvas, route, cases, changes, f"{element_of(section)[0]} {section.name}")
         for number, way in enumerate(leads, 1):

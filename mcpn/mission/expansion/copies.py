@@ -2,8 +2,8 @@
 
 A block is written once and stands in the mission many times: its rounds, tries, runs and values, its copies
 that are run while others pause or recover, and all of these in each use of its protocol. Flattening notes
-where every objective stands (:class:`Standing`), and :class:`Copies` answers from that alone which of them a
-name means, and by which name all copies of one are told together.
+where every objective stands (:class:`BlockPosition`), and :class:`Copies` answers from that alone which of
+them a name means, and by which name all copies of one are told together.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ K = TypeVar("K")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Standing:
+class BlockPosition:
     """A block in its place, or one copy of it.
 
     Args:
@@ -44,7 +44,7 @@ class Standing:
     prefix: str
     block: str
     suffixes: tuple[str, ...] = ()
-    around: Standing | None = None
+    around: BlockPosition | None = None
     protocol: str = ""
     nominal: str = "entered"
 
@@ -54,9 +54,9 @@ class Standing:
         return accumulate(self.suffixes, "{}_{}".format, initial=self.block)
 
     @property
-    def chain(self) -> Iterator[Standing]:
+    def chain(self) -> Iterator[BlockPosition]:
         """Itself, then the blocks around it."""
-        here: Standing | None = self
+        here: BlockPosition | None = self
         while here is not None:
             yield here
             here = here.around
@@ -104,7 +104,7 @@ class Copies:
     """
 
     def __init__(self) -> None:
-        self.objectives: dict[str, Standing] = {}
+        self.objectives: dict[str, BlockPosition] = {}
 
     # --- what a name means ---
 
@@ -121,7 +121,7 @@ class Copies:
         Returns:
             Their names; none where the name says no objective, or several.
         """
-        leaves = {id(standing): name for name, standing in self.objectives.items()}
+        leaves = {id(position): name for name, position in self.objectives.items()}
         return [leaves[id(each)] for each in self._said(name, within, leaves)]
 
     def blocks(self, name: str, within: str = "") -> list[str]:
@@ -135,11 +135,11 @@ class Copies:
             leaf for leaf, copy in self.objectives.items() if any(id(each) in blocks for each in copy.chain)
         ]
 
-    def _said(self, name: str, within: str, among: Collection[int] | None = None) -> list[Standing]:
+    def _said(self, name: str, within: str, among: Collection[int] | None = None) -> list[BlockPosition]:
         """What a name says, in the use of a protocol that it is written in, else in the whole mission."""
         parts = name.split(".")
         for text in dict.fromkeys((within, "")):
-            full, loose = dict[Path, list[Standing]](), dict[Path, list[Standing]]()
+            full, loose = dict[Path, list[BlockPosition]](), dict[Path, list[BlockPosition]]()
             for each in self._by_last.get(parts[-1], ()):
                 omitted = None if among is not None and id(each) not in among else each.says(parts, text)
                 if omitted is not None:
@@ -185,8 +185,8 @@ class Copies:
         An objective holds itself. A block with copies stands beside them, and holds what they hold.
         """
         found: dict[str, list[str]] = {}
-        for objective, standing in self.objectives.items():
-            for each in standing.chain:
+        for objective, position in self.objectives.items():
+            for each in position.chain:
                 for name in each.names:
                     found.setdefault(f"{each.prefix}{name}", []).append(objective)
         return {name: tuple(objectives) for name, objectives in found.items()}
@@ -198,7 +198,7 @@ class Copies:
             nominal: What is said, as the attribute of this name says it.
         """
         every = self.objectives.items()
-        return {name for name, standing in every if any(each.nominal == nominal for each in standing.chain)}
+        return {name for name, position in every if any(each.nominal == nominal for each in position.chain)}
 
     # --- sentences ---
 
@@ -242,8 +242,8 @@ class Copies:
 
     def _shorter(self, name: str) -> Iterator[str]:
         """The names of a copy without some or all of its own suffixes, the shortest first."""
-        standing = self._blocks.get(name)
-        return iter(()) if standing is None else (f"{standing.prefix}{own}" for own in standing.names)
+        position = self._blocks.get(name)
+        return iter(()) if position is None else (f"{position.prefix}{own}" for own in position.names)
 
     def subject(self, kind: str, names: Collection[str], every: Iterable[str]) -> tuple[str, bool]:
         """What a sentence speaks of ("objectives north.fly, south.fly"), and whether that is plural.
@@ -259,26 +259,26 @@ class Copies:
     # --- what is known of all ---
 
     @cached_property
-    def _by_last(self) -> dict[str, list[Standing]]:
+    def _by_last(self) -> dict[str, list[BlockPosition]]:
         """By each unqualified name, with some or all suffixes, what it may say."""
-        found: dict[str, list[Standing]] = {}
-        for standing in self._standings:
-            for name in standing.names:
-                found.setdefault(name, []).append(standing)
+        found: dict[str, list[BlockPosition]] = {}
+        for position in self._positions:
+            for name in position.names:
+                found.setdefault(name, []).append(position)
         return found
 
     @cached_property
-    def _blocks(self) -> dict[str, Standing]:
+    def _blocks(self) -> dict[str, BlockPosition]:
         """By name every block and copy of one, those that stand for several copies too."""
-        found: dict[str, Standing] = {}
-        for standing in self._standings:
-            for name in standing.names:
-                found.setdefault(f"{standing.prefix}{name}", standing)
+        found: dict[str, BlockPosition] = {}
+        for position in self._positions:
+            for name in position.names:
+                found.setdefault(f"{position.prefix}{name}", position)
         return found
 
     @cached_property
-    def _standings(self) -> list[Standing]:
-        found: dict[int, Standing] = {}
+    def _positions(self) -> list[BlockPosition]:
+        found: dict[int, BlockPosition] = {}
         for objective in self.objectives.values():
             for each in objective.chain:
                 if id(each) in found:
@@ -289,17 +289,17 @@ class Copies:
     @cached_property
     def wholes(self) -> set[str]:
         """Names of blocks that stand for several copies, and of no copy by itself."""
-        copies = {f"{each.prefix}{[*each.names][-1]}" for each in self._standings}
+        copies = {f"{each.prefix}{[*each.names][-1]}" for each in self._positions}
         return self._blocks.keys() - copies
 
     @cached_property
     def _plain(self) -> dict[Path, str]:
         """By block the name that means all of its copies: qualified by what qualifies each of them."""
         shown: dict[Path, list[str]] = {}
-        for standing in self._standings:
-            _, *around = standing.chain
+        for position in self._positions:
+            _, *around = position.chain
             own = [each.block for each in reversed(around) if each.protocol or each.suffixes]
-            shown[standing.path] = [name for name in shown.get(standing.path, own) if name in own]
+            shown[position.path] = [name for name in shown.get(position.path, own) if name in own]
         return {path: ".".join((*around, path[-1])) for path, around in shown.items()}
 
 

@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from mcpn.errors import InputError, Problem, Source
 from mcpn.mission.conditions import resolved
-from mcpn.mission.expansion.leads import Lead, by_facts
+from mcpn.mission.expansion.leads import Destination, by_facts
 from mcpn.mission.expansion.recovery import helping
 from mcpn.mission.graph import ObjectivesGraph, Section
 from mcpn.mission.language.repeats import cycles
@@ -27,9 +27,9 @@ from mcpn.mission.robot import Fact
 def guarded(
     siblings: Sequence[Block],
     entry: Callable[[Block], str],
-    exits: Mapping[str, Lead],
+    exits: Mapping[str, Destination],
     facts: Mapping[str, Fact],
-) -> dict[str, Lead]:
+) -> dict[str, Destination]:
     """Where routes to siblings lead, by name, and the exits around them.
 
     Args:
@@ -38,12 +38,12 @@ def guarded(
         exits: By the name of an exit, where it leads.
         facts: The facts of the mission.
     """
-    found = {block.name: Lead(entry(block)) for block in siblings if not block.guards} | dict(exits)
+    found = {block.name: Destination(entry(block)) for block in siblings if not block.guards} | dict(exits)
     waiting = [block for block in siblings if block.guards]
     while waiting:  # what they lead to else comes first; in a valid series that ends
         ready = [block for block in waiting if all(guard.otherwise in found for guard in block.guards)]
         for block in ready:
-            lead = Lead(entry(block))
+            lead = Destination(entry(block))
             for guard in reversed(block.guards):
                 lead = by_facts([(resolved(guard.when, facts), lead)], found[guard.otherwise])
             found[block.name] = lead

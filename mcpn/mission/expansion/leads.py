@@ -13,7 +13,7 @@ from mcpn.mission.graph import TIMED_OUT, failed_for
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 
 
-class Lead(NamedTuple):
+class Destination(NamedTuple):
     """Where an outcome or a handler leads: to the target of the first case whose facts hold, else ``target``.
 
     Args:
@@ -25,7 +25,7 @@ class Lead(NamedTuple):
     cases: tuple[FactCase, ...] = ()
 
 
-def by_facts(cases: Iterable[tuple[Condition, Lead]], default: Lead) -> Lead:
+def by_facts(cases: Iterable[tuple[Condition, Destination]], default: Destination) -> Destination:
     """One lead that chooses by facts: the lead of the first condition that holds, else the default.
 
     A condition that asks for nothing always holds.
@@ -39,7 +39,7 @@ def by_facts(cases: Iterable[tuple[Condition, Lead]], default: Lead) -> Lead:
         inner = ((_both(when, case.when), case.target) for case in lead.cases)
         flat += (FactCase(both, target) for both, target in inner if both is not None)
         flat.append(FactCase(when, lead.target))
-    return Lead(default.target, (*flat, *default.cases)) if flat else default
+    return Destination(default.target, (*flat, *default.cases)) if flat else default
 
 
 def _both(one: Condition, other: Condition) -> Condition | None:
@@ -58,11 +58,11 @@ class Named(NamedTuple):
         otherwise: Where it leads where none of these fits.
     """
 
-    own: tuple[tuple[Condition, Lead], ...]
-    otherwise: Lead
+    own: tuple[tuple[Condition, Destination], ...]
+    otherwise: Destination
 
     @property
-    def lead(self) -> Lead:
+    def lead(self) -> Destination:
         """Both in one."""
         return by_facts(self.own, self.otherwise)
 
@@ -77,7 +77,7 @@ def reasons_led(exits: Iterable[str]) -> list[str]:
     return [exit_.removeprefix(f"{FAIL} ") for exit_ in exits if exit_.startswith(f"{FAIL} ")]
 
 
-class Leads(NamedTuple):
+class Destinations(NamedTuple):
     """Where the outcomes of a block lead.
 
     Args:
@@ -89,19 +89,19 @@ class Leads(NamedTuple):
         becoming: By what facts become it is left, each with where that leads.
     """
 
-    success: Lead
-    failure: Lead
-    abort: Lead
-    timed_out: Lead
+    success: Destination
+    failure: Destination
+    abort: Destination
+    timed_out: Destination
     named: Mapping[str, Named] = {}
-    becoming: tuple[tuple[Becoming, Lead], ...] = ()
+    becoming: tuple[tuple[Becoming, Destination], ...] = ()
 
-    def failing(self, lead: Lead) -> Leads:
+    def failing(self, lead: Destination) -> Destinations:
         """The same of a copy of the block whose failure leads to the next, whatever routes name no reason."""
         named = {reason: each._replace(otherwise=lead) for reason, each in self.named.items()}
         return self._replace(failure=lead, named=named)
 
-    def of_reasons(self, reasons: Iterable[str]) -> Leads:
+    def of_reasons(self, reasons: Iterable[str]) -> Destinations:
         """The same of an objective that fails for these: where nobody asks, as it fails for none."""
         plain = Named((), self.failure)
         return self._replace(named={reason: self.named.get(reason, plain) for reason in reasons})
@@ -125,7 +125,7 @@ class Leads(NamedTuple):
         return tuple((outcome, case) for outcome, lead in leads.items() for case in lead.cases)
 
     @property
-    def exits(self) -> dict[str, Lead]:
+    def exits(self) -> dict[str, Destination]:
         """For the blocks inside: by the name of an exit as their routes say it, where that exit leads."""
         exits = {SUCCEED: self.success, FAIL: self.failure, ABORT: self.abort}
         exits |= {failing_for(reason): each.lead for reason, each in self.named.items()}

@@ -17,7 +17,7 @@ from mcpn.errors import Problem
 from mcpn.mission.expansion.recovery import pausing
 from mcpn.mission.expansion.routes import GO_ON, Interruption
 from mcpn.mission.expansion.scope import Scope
-from mcpn.mission.graph import ObjectivesGraph, ParallelSection, Shelter, rerouted
+from mcpn.mission.graph import ObjectivesGraph, ParallelSection, PauseGraph, rerouted
 from mcpn.mission.model import Block, Handler, walk
 
 PAUSE = "pause "
@@ -68,36 +68,38 @@ def _pause(block: Block, handler: Handler, named: Mapping[str, Block]) -> Iterat
         yield Problem(handler.source, f"{what} runs {by.name}, which itself {does}: only one of them can")
 
 
-def sheltered(section: ParallelSection, shelter: Shelter, marks: Collection[str]) -> ParallelSection:
+def with_pause_graph(
+    section: ParallelSection, pause_graph: PauseGraph, marks: Collection[str]
+) -> ParallelSection:
     """A parallel block that pauses, with one more copy of a sibling that runs meanwhile.
 
     Args:
         section: The block.
-        shelter: The copy; it leads out of the block by the names of sections and exits there.
+        pause_graph: The copy; it leads out of the block by the names of sections and exits there.
         marks: Targets that stand for the copy, of handlers of the block and of what runs in other pauses.
     """
-    inside = {inner.name for inner in shelter.graph.sections} | {GO_ON}
-    led = (route for inner in shelter.graph.sections for route in inner.routes)
-    left = (route for i in shelter.interruptions for route in i.routes if not route.startswith(PAUSE))
-    away = {target: exit_ for exit_, target in section.away}
+    inside = {inner.name for inner in pause_graph.graph.sections} | {GO_ON}
+    led = (route for inner in pause_graph.graph.sections for route in inner.routes)
+    left = (route for i in pause_graph.interruptions for route in i.routes if not route.startswith(PAUSE))
+    pause_exits = {target: exit_ for exit_, target in section.pause_exits}
     for target in chain(led, left):
         if target not in inside:
-            away.setdefault(target, f"away {len(away) + 1}")
+            pause_exits.setdefault(target, f"away {len(pause_exits) + 1}")
 
     def out(target: str) -> str:
-        return away.get(target, target) if target not in inside else target
+        return pause_exits.get(target, target) if target not in inside else target
 
     def pausing(interruptions: tuple[Interruption, ...]) -> tuple[Interruption, ...]:
-        paused = partial(replace, target=GO_ON, pauses=len(section.shelters))
+        paused = partial(replace, target=GO_ON, pauses=len(section.pause_graphs))
         return tuple(paused(i) if i.target in marks else i for i in interruptions)
 
-    graph = shelter.graph
+    graph = pause_graph.graph
     inner = ObjectivesGraph(tuple(rerouted(s, out) for s in graph.sections), graph.entry, graph.unreached)
-    here = Shelter(inner, tuple(i.led(out) for i in shelter.interruptions))
-    shelters = (replace(s, interruptions=pausing(s.interruptions)) for s in section.shelters)
+    here = PauseGraph(inner, tuple(i.led(out) for i in pause_graph.interruptions))
+    pause_graphs = (replace(s, interruptions=pausing(s.interruptions)) for s in section.pause_graphs)
     return replace(
         section,
         interruptions=pausing(section.interruptions),
-        shelters=(*shelters, here),
-        away=tuple((exit_, target) for target, exit_ in away.items()),
+        pause_graphs=(*pause_graphs, here),
+        pause_exits=tuple((exit_, target) for target, exit_ in pause_exits.items()),
     )

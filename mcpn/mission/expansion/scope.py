@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from itertools import islice, product
 
 from mcpn.errors import LimitError, Problem, Source
-from mcpn.mission.expansion.copies import Standing
+from mcpn.mission.expansion.copies import BlockPosition
 from mcpn.mission.expansion.recovery import recovering, suffixes
 from mcpn.mission.expansion.routes import Interruption
 from mcpn.mission.graph import TIMED_OUT
@@ -37,7 +37,7 @@ class Scope:
 
     prefix: str = ""
     suffixes: tuple[str, ...] = ()
-    around: Standing | None = None
+    around: BlockPosition | None = None
     depth: int = 0
     parameters: Mapping[str, Parameter] = field(default_factory=dict)
     defaults: Mapping[str, Parameter] = field(default_factory=dict)
@@ -48,10 +48,10 @@ class Scope:
         """The qualified name of a block that stands here."""
         return f"{self.prefix}{'_'.join((block.name, *self.suffixes))}"
 
-    def standing(self, block: Block) -> Standing:
+    def position(self, block: Block) -> BlockPosition:
         """Where a block stands here."""
         protocol = block.protocol if isinstance(block, Use) else ""
-        return Standing(self.prefix, block.name, self.suffixes, self.around, protocol, block.nominal)
+        return BlockPosition(self.prefix, block.name, self.suffixes, self.around, protocol, block.nominal)
 
     def written_at(self, block: str, event: str) -> str:
         """Where a handler is written in this text, whichever copy of its block happens to run."""
@@ -80,7 +80,7 @@ class Scope:
             self,
             prefix=prefix,
             suffixes=(),
-            around=self.standing(block),
+            around=self.position(block),
             depth=self.deeper(block),
             parameters=_overridden(self.parameters, parameters),
         )
@@ -91,7 +91,7 @@ class Scope:
             self,
             prefix=f"{self.name(use)}.",
             suffixes=(),
-            around=self.standing(use),
+            around=self.position(use),
             depth=self.deeper(use),
             parameters=_overridden(self.parameters, use.parameters),
             defaults=_overridden(self.defaults, protocol.parameters),

@@ -116,8 +116,8 @@ def _onward(graph: ObjectivesGraph, beside: Running) -> Iterator[tuple[frozenset
             stopping = [running, *(beside.get(event, frozenset()) for event in events)]
             yield from ((ending, target) for ending in stopping for target in graph.aborted(section))
             yield from _pausing(section)
-            for shelter in section.shelters:
-                yield from _onward(shelter.graph, beside)
+            for pause_graph in section.pause_graphs:
+                yield from _onward(pause_graph.graph, beside)
         for event, stopped in beside.items():
             yield from ((stopped, target) for target in graph.interrupted(section, event))
         branches = section.branches if isinstance(section, ParallelSection) else ()
@@ -128,13 +128,13 @@ def _onward(graph: ObjectivesGraph, beside: Running) -> Iterator[tuple[frozenset
 
 def _pausing(block: ParallelSection) -> Iterator[tuple[frozenset[str], Section]]:
     """What runs while a block pauses, and what goes on after it, each with activities that stop before it."""
-    for shelter in block.shelters:
-        others = [graph for graph in block.graphs if graph is not shelter.graph]
+    for pause_graph in block.pause_graphs:
+        others = [graph for graph in block.graphs if graph is not pause_graph.graph]
         yield (
             _activities(o for graph in others for o in graph.walk()),
-            shelter.graph.section(shelter.graph.entry),
+            pause_graph.graph.section(pause_graph.graph.entry),
         )
-        ending = _activities(shelter.graph.walk())
+        ending = _activities(pause_graph.graph.walk())
         yield from ((ending, objective) for graph in others for objective in graph.walk())
 
 
@@ -151,7 +151,7 @@ def _interrupted(graph: ObjectivesGraph) -> Running:
             if section.early:  # an event that ends a branch may so end the block, and stop all its branches
                 inside = dict.fromkeys(inside, running)
             found = _joined(found, inside)
-        found = _joined(found, *(_interrupted(shelter.graph) for shelter in section.shelters))
+        found = _joined(found, *(_interrupted(pause_graph.graph) for pause_graph in section.pause_graphs))
     return found
 
 
@@ -182,7 +182,7 @@ def _endings(section: Section) -> tuple[ElementarySection, ...]:
 
     Where the end of a block, or its time, may stop branches that still run, they are all of its objectives.
     """
-    if isinstance(section, ElementarySection) or section.early or section.shelters or section.stopped:
+    if isinstance(section, ElementarySection) or section.early or section.pause_graphs or section.stopped:
         return tuple(section.walk())
     return tuple(
         last

@@ -95,7 +95,7 @@ class _Building:
         self.keys: dict[str, int] = {}
 
     def mission(self, mission: Mission) -> Box:
-        children = tuple(self.box(*standing) for standing in self.standing(mission.blocks, [Scope()]))
+        children = tuple(self.box(*each) for each in self.in_scopes(mission.blocks, [Scope()]))
         return Box(
             -1, "mission", mission.name, mission.description, handlers=mission.handlers, children=children
         )
@@ -130,10 +130,12 @@ class _Building:
             block.timeout_goto,
             block.routes,
             block.handlers,
-            tuple(self.box(*standing, kind) for standing in self.standing(children, scopes)),
+            tuple(self.box(*each, kind) for each in self.in_scopes(children, scopes)),
         )
 
-    def standing(self, siblings: Sequence[Block], scopes: list[Scope]) -> Iterator[tuple[Block, list[Scope]]]:
+    def in_scopes(
+        self, siblings: Sequence[Block], scopes: list[Scope]
+    ) -> Iterator[tuple[Block, list[Scope]]]:
         """Siblings with their scopes, those of the copies that recover or shelter other siblings included."""
         recovers, shelters = recovering(siblings), pausing(siblings)
         for block in siblings:
@@ -157,7 +159,7 @@ class _Building:
                 children, inside = protocol.blocks, inner.into_protocol(block, protocol)
             else:
                 children, inside = block.blocks, inner if isinstance(block, Each) else inner.into(block)
-            for child, within in self.standing(children, [inside]):
+            for child, within in self.in_scopes(children, [inside]):
                 for each in within:
                     yield from self.leaves(child, each)
 

@@ -124,22 +124,22 @@ class _Drawn:
     def _meanwhile(self, section: ParallelSection, graph: ObjectivesGraph, exits: Mapping[str, str]) -> None:
         """What runs while a parallel block pauses, in its frame; it leads back to where the block begins."""
         inside, last = f"block {section.name}", self.last(section)
-        leading = {exit_: self._target(graph, exits, to) for exit_, to in section.away}
+        leading = {exit_: self._target(graph, exits, to) for exit_, to in section.pause_exits}
         self.reached.update(leading.values())
-        first = [self.first(shelter.graph) for shelter in section.shelters]
-        for interrupted, begin in zip((section, *section.shelters), (last, *first), strict=True):
+        first = [self.first(pause_graph.graph) for pause_graph in section.pause_graphs]
+        for interrupted, begin in zip((section, *section.pause_graphs), (last, *first), strict=True):
             for i in interrupted.interruptions:
                 word, to = _on(i), None if i.pauses is None else first[i.pauses]
                 if to is not None:
                     title = f"{section.name}: {word} runs {to}, then goes on"
                     self.edges.append(Arrow(begin, to, "event", (word,), title))
-        for shelter, begin in zip(section.shelters, first, strict=True):
-            for i in shelter.interruptions:
+        for pause_graph, begin in zip(section.pause_graphs, first, strict=True):
+            for i in pause_graph.interruptions:
                 for route, lines, kind in _by_facts(i.target, i.cases, (_on(i),), "event"):
                     if i.pauses is None:
                         title = f"{begin}: {', '.join(lines)} leads to {leading[route]}"
                         self.edges.append(Arrow(begin, leading[route], kind, lines, title))
-            self.level(shelter.graph, {GO_ON: f"fork {section.name}", **leading}, inside)
+            self.level(pause_graph.graph, {GO_ON: f"fork {section.name}", **leading}, inside)
 
     def _target(self, graph: ObjectivesGraph, exits: Mapping[str, str], route: str) -> str:
         """The node that a route of a graph leads to."""
@@ -158,7 +158,7 @@ class _Drawn:
 
 def _routes(section: Section) -> Iterator[tuple[str, tuple[str, ...], str]]:
     """Where a section may lead, with what stands beside the arrow, and of which kind that is."""
-    meanwhile = dict(section.away) if isinstance(section, ParallelSection) else {}
+    meanwhile = dict(section.pause_exits) if isinstance(section, ParallelSection) else {}
     named = {to: why for why, to in section.failures if why} if isinstance(section, ElementarySection) else {}
     becoming = dict(section.becoming)
     for outcome, route in section.outcomes:

@@ -156,15 +156,17 @@ def as_goal(formula: Formula, net: PetriNet, wanted: bool = True) -> Goal | None
         case Fires(transitions) if net.priorities:
             ranks = sorted({net.ranks[t] for t in transitions})
             ways = {rank: [fireable(net, t) for t in transitions if net.ranks[t] == rank] for rank in ranks}
-            return as_goal(Or(*(And(Or(*ways[rank]), calm(net, rank)) for rank in ranks)), net, wanted)
+            return as_goal(
+                Or(*(And(Or(*ways[rank]), none_more_urgent(net, rank)) for rank in ranks)), net, wanted
+            )
         case Fires(transitions):
             return as_goal(Or(*(fireable(net, t) for t in transitions)), net, wanted)
         case Stable():
-            return as_goal(calm(net, EVENTS), net, wanted)
+            return as_goal(none_more_urgent(net, EVENTS), net, wanted)
     return None
 
 
-def calm(net: PetriNet, rank: int) -> Formula:
+def none_more_urgent(net: PetriNet, rank: int) -> Formula:
     """No transition of a lower rank has the tokens that it needs; true everywhere without priorities."""
     lower = [t for t, own in enumerate(net.ranks) if net.priorities and own < rank]
     return And(*(Not(fireable(net, t)) for t in lower))

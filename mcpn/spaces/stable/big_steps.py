@@ -32,7 +32,7 @@ Steps: TypeAlias = Mapping[int, bytes | None]
 """By transition its big steps, on the levels of a store; ``None`` where its firing is all that happens."""
 
 FUNCTION = b"\xff\xff\xff\xff"
-"""The prefix of big steps that are encoded as one function of states."""
+"""The first number of big steps that are one function of states: no list of them has so many entries."""
 MOST_STEPS = 200_000
 """Big steps of all events together."""
 MOST_SINGLY = 20_000

@@ -118,7 +118,7 @@ class Interpreter:
         self.branches = {branch.name: branch for branch in _branches(self.root)}
         self.left_by_facts = [node for node in _nodes(self.root) if any(h.when for h in node.handlers)]
         self.timed = {node.name: node for node in _nodes(self.root) if node.timeout is not None}
-        self.shelters = {shelter.name: shelter for shelter in _shelters(self.root)}
+        self.pause_graphs = {pause_graph.name: pause_graph for pause_graph in _shelters(self.root)}
         values = {fact.name: fact.initial or fact.values[0] for fact in mission.facts}
         values |= dict.fromkeys(_read_of_objectives(mission), "false")
         hardware = [h for robot in mission.robots for h in robot.hardware]
@@ -236,9 +236,9 @@ class Interpreter:
                 if handler.pause is None:
                     routes.append((node, handler.goto or ABORT))
                 else:
-                    shelter, at = self.paused(node, handler, state), self.within(node, state)
-                    state = replace(state, paused=state.paused | {(shelter.name, at)})
-                    routes.append((node, shelter))
+                    pause_graph, at = self.paused(node, handler, state), self.within(node, state)
+                    state = replace(state, paused=state.paused | {(pause_graph.name, at)})
+                    routes.append((node, pause_graph))
         else:
             node = self.timed[element] if what == TIMEOUT else self.objectives[element]
             occasion = SUCCESS if what == SUCCESS else FAILURE
@@ -297,8 +297,8 @@ class Interpreter:
         """What is run while a block pauses, made for the objective that runs in it."""
         whole = block = self.objectives[next(iter(self.within(node, state)))]
         while block is not node:
-            shelter = self.shelters.get(block.name) is block
-            if shelter and isinstance(block.success, WrittenBlock) and block.success.whole:
+            pause_graph = self.pause_graphs.get(block.name) is block
+            if pause_graph and isinstance(block.success, WrittenBlock) and block.success.whole:
                 whole = block = block.success
                 continue
             assert block.parent is not None
@@ -324,7 +324,7 @@ class Interpreter:
     def left(self, state: State, node: WrittenBlock) -> State:
         """Nothing in a block runs any more, nor goes on later."""
         state = self.stopped(state, node)
-        inner = {name for name, by in self.shelters.items() if by is not node and by.within(node)}
+        inner = {name for name, by in self.pause_graphs.items() if by is not node and by.within(node)}
         return replace(
             state,
             ended=frozenset(e for e in state.ended if not self.branches[e[0]].within(node)),
@@ -351,7 +351,7 @@ class Interpreter:
         gone = {block for block in state.under_way if block.within(node)}
         state = replace(state, under_way=state.under_way - gone)
         route = self.admitted(state, node, route)
-        if self.shelters.get(node.name) is node:
+        if self.pause_graphs.get(node.name) is node:
             if route is node.success:
                 return self.resumed(state, node)
             state = self.given_up(state, node)
