@@ -125,9 +125,8 @@ class Glued:
     @cached_property
     def initial(self) -> CompositeSet:
         """The state before the mission: all hardware is in service that is so at the start."""
-        out = [h.name for h in self.mission_net.mission.hardware if h.initial == "oos"]
-        slots = [self.layout.slots["hardware", name][0] for name in out]
-        slots += self.layout.slots_of([("known", name) for name in out if name in self.layout.late])
+        true = chain.from_iterable(status.values[status.initial] for status in self.mission_net.statuses)
+        slots = self.layout.slots_of(true)
         return CompositeSet(self, {BEGIN: self.stages[BEGIN].entered(self.layout.store.singleton(slots))})
 
     @cached_property

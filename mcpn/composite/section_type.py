@@ -18,7 +18,8 @@ from mcpn._kernel import Zdd
 from mcpn.composite.layout import Layout, idle_places
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.mortal import Guard, forgetful
-from mcpn.drawing.sections import Element, LocalPart
+from mcpn.drawing.sections import LocalPart
+from mcpn.drawing.status import Element
 from mcpn.errors import LimitError, PremiseError
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.algebra import Edge
@@ -216,7 +217,7 @@ class SectionType:
         self.part = part
         self.net = net
         self.layout = layout
-        self.carried = part.carried
+        self.carried = layout.carried(part)
         self.steps = explored.steps
         space = explored.space
         self.encoding = Encoding(net.net, space.places, space.encoding.memory_limit, layout.store)
@@ -351,15 +352,11 @@ class SectionType:
 
         What is said of one resource comes together: where half of it is handed on, sets have large diagrams.
         """
-        slots = ((e, number) for e in self.carried for number in range(len(self.layout.slots[e])))
-        changes = {slot: (set[int](), set[int]()) for slot in slots}
-        for place, (element, number, reverse) in idle_places(self.net).items():
+        changes = {flag: (set[int](), set[int]()) for flag in self.carried}
+        for place, (flag, reverse) in idle_places(self.net).items():
             level, opposite = self.encoding.bit(place)
-            changes[element, number][reverse == opposite].add(level)
-        first = {name: i for i, ((kind, name), _) in enumerate(changes) if kind == "hardware"}
-        at = [first[name] if kind == "known" else i for i, ((kind, name), _) in enumerate(changes)]
-        found = [(i, sorted(lost), sorted(gained)) for i, (lost, gained) in enumerate(changes.values())]
-        return sorted(found, key=lambda each: at[each[0]])
+            changes[flag][reverse == opposite].add(level)
+        return [(i, sorted(lost), sorted(gained)) for i, (lost, gained) in enumerate(changes.values())]
 
     def check_premise(self, section: str, explored: Explored) -> None:
         """Checks on its local markings that a section hands on the status of its elements and nothing else.

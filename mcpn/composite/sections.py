@@ -8,11 +8,12 @@ from functools import cache, cached_property
 from typing import Literal, TypeVar, get_args
 
 from mcpn._kernel import Zdd
-from mcpn.composite.layout import Layout, Renaming, Toggle, renamed_sections
+from mcpn.composite.layout import Layout, Renaming, Toggle, renamed_sections, renamed_statuses
 from mcpn.composite.section_type import ALL, Allowed, Exit, SectionType, explore_local
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.mortal import mortal
-from mcpn.drawing.sections import Element, LocalPart, Used
+from mcpn.drawing.sections import LocalPart, Used
+from mcpn.drawing.status import Element
 from mcpn.drawing.templates import TemplateSet
 from mcpn.mission.expansion.routes import routes_of
 from mcpn.mission.flatten import ObjectivesGraph, Section
@@ -60,14 +61,14 @@ class Stage(Levels):
     def __post_init__(self) -> None:
         self.layout = self.type.layout
         self.store = self.layout.store
-        self.carried = self.part.carried  # in the order of the type's
+        self.carried = self.layout.carried(self.part)  # in the order of the type's
         self.slots = self.layout.slots_of(self.carried)  # which sets of its states leave open
 
     @cached_property
     def alike(self) -> Hashable:
         """Equal for stages that differ in the names of objectives alone: exits to itself count, too."""
         again = (exit_ for exit_, route in self.routes.items() if route == self.name)
-        return self.type, self.part.used, self.part.once, self.part.flags, *again
+        return self.type, self.part.used, self.carried, *again
 
     @cached_property
     def objectives(self) -> tuple[str, ...]:
@@ -84,15 +85,12 @@ class Stage(Levels):
     @cached_property
     def _own(self) -> Mapping[int, tuple[int, bool]]:
         """By own slot, the level of the local net that holds its status, and whether it is negated."""
-        by_role, encoding = self.type.net.by_role, self.type.encoding
-        # A section has all places of facts that it carries.
-        saying = {
-            slot: by_role[role, name][0]
-            for own, (kind, name) in zip(self.carried, self.type.carried, strict=True)
-            for slot, role in zip(self.layout.slots[own], self.layout.said[kind], strict=True)
-            if kind != "fact"
-        }
-        return {slot: encoding.bit(place) for slot, place in saying.items()}
+        found, both = dict[int, tuple[int, bool]](), zip(self.carried, self.type.carried, strict=True)
+        for own, theirs in both:
+            place, reverse = self.type.net.flag_bits[theirs]
+            level, opposite = self.type.encoding.bit(place)
+            found[self.layout.slots[own]] = level, reverse != opposite
+        return found
 
     def bit(self, place: int) -> Bit:
         """Where a set of its states says whether a place of the whole net is marked."""
@@ -185,13 +183,7 @@ class WholeNet:
     @staticmethod
     def _control(part: LocalPart, type_: SectionType) -> Mapping[Element, Element]:
         """The section's control, which no other section has, by the corresponding element of its type."""
-        once = zip(type_.part.once, part.once, strict=True)
-        facts = zip(type_.part.facts, part.facts, strict=True)
-        return (
-            renamed_sections(type_.part, part)
-            | {("once", its): ("once", mine) for its, mine in once}
-            | {("fact", its.name): ("fact", mine.name) for its, mine in facts}
-        )
+        return renamed_sections(type_.part, part) | renamed_statuses(type_.part, part)
 
     def _located(
         self, kind: Kind, part: LocalPart, type_: SectionType, own: Mapping[Element, Element]
@@ -236,7 +228,7 @@ class WholeNet:
     def _drawn(self, part: LocalPart, type_: SectionType) -> MissionNet:
         """A section's local net: place by place that of its type, but for names."""
         net = part.net(self.templates)
-        return mortal(net) if "dead" in type_.layout.said["hardware"] else net
+        return mortal(net) if type_.layout.mission_net.saying("dead") else net
 
     @memoized
     def _elements(self, kind: Kind, type_: SectionType | None) -> Mapping[Element, list[int]]:

@@ -18,8 +18,9 @@ keeps the hardware out of service; guards of moves ask for them. In the flat con
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import compress
 from typing import Literal
 
 import numpy as np
@@ -33,12 +34,11 @@ from mcpn.controller.sizes import refuse_entries
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.mortal import ALWAYS, Guard
 from mcpn.drawing.sections import LocalPart
-from mcpn.mission.conditions import all_flags, flags
-from mcpn.mission.expansion.faults import noticed
+from mcpn.drawing.status import kind_by_kind
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
-from mcpn.mission.robot import Fact
 from mcpn.nets.events import START, Event, What
 from mcpn.notebook import Drawn
+from mcpn.spaces.memoized import memoized
 from mcpn.spaces.stable.alternatives import AlternativesGraph
 
 KINDS = ("hardware", "objectives", "activities", "alternatives")
@@ -239,9 +239,7 @@ def flat_controller(mission_net: MissionNet, alternatives: AlternativesGraph) ->
     """
     hardware = tuple(h.name for h in mission_net.mission.hardware if h.faulty)
     refuse_entries(hardware)
-    facts = mission_net.usage.world.facts
-    late = [h.name for h in mission_net.mission.late]
-    machine = cut(controller(mission_net, alternatives), hardware, facts=facts, late=late)
+    machine = cut(controller(mission_net, alternatives), hardware, flags_told(mission_net))
     name = mission_net.mission.name
     leads = {"success": SUCCEED, "failure": FAIL, "abort": ABORT}
     routes = {outcome: leads[outcome] for outcome in mission_net.ends}
@@ -264,20 +262,25 @@ def section_machine(
         LimitError: It has more than :data:`MOST_ENTRIES` states of its hardware.
     """
     refuse_entries(part.faulty, part.entry_flags)
-    facts = {fact.name: fact for fact in part.facts}
-    machine = controller(local, alternatives)
-    return replace(cut(machine, part.faulty, guards, facts, part.used.late), once=part.once)
+    machine = cut(controller(local, alternatives), part.faulty, flags_told(local), guards)
+    return replace(machine, once=part.once)
 
 
 def cut(
     machine: Machine,
     hardware: tuple[str, ...],
+    flags: Mapping[str, tuple[int, bool]],
     guards: Mapping[int, Guard] | None = None,
-    facts: Mapping[str, Fact] | None = None,
-    late: Collection[str] = (),
 ) -> SectionMachine:
-    """The inside of a machine: what is before the start and after the end becomes entries and outcomes."""
-    flags_of = _Flags(machine, facts or {}, late)
+    """The inside of a machine: what is before the start and after the end becomes entries and outcomes.
+
+    Args:
+        machine: The machine.
+        hardware: Its hardware that can fail.
+        flags: As of :func:`flags_told`.
+        guards: Of the transitions of its net.
+    """
+    flags_of = _Flags(machine, flags)
     at_entries = (*hardware, *flags_of.at_entries)
     refuse_entries(hardware, flags_of.at_entries)
     graph, transitions = machine.graph, machine.graph.net.transitions
@@ -330,43 +333,53 @@ def cut(
     return SectionMachine(hardware, events, within_states, tuple(entries), moves, (), names, entering)
 
 
+def flags_told(mission_net: MissionNet) -> dict[str, tuple[int, bool]]:
+    """What controllers say of statuses beside hardware and handlers, by its text.
+
+    Each with a place that says so, and whether it does so while it is empty.
+    """
+    told = (flag for flag in kind_by_kind(mission_net.statuses) if flag.told == "facts")
+    return {flag.text: mission_net.flag_bit(flag) for flag in told}
+
+
 class _Flags:
-    """What is true of facts (:func:`mcpn.mission.conditions.flags`) and of late hardware in states.
+    """What is true of statuses (:func:`flags_told`) in states.
 
     Args:
         machine: The machine.
-        facts: Its facts, by name.
-        late: Its hardware that is detected late.
+        flags: Its flags, each with a place that says it, and whether it does so while it is empty.
 
     Attributes:
         at_entries: Flags that are true in some state before the start.
         names: All flags, those at entries first.
     """
 
-    def __init__(self, machine: Machine, facts: Mapping[str, Fact], late: Collection[str]) -> None:
-        self._states = machine.states
-        self._flags = {name: flags(fact) for name, fact in facts.items()}
-        self._late, self._any = frozenset(late), bool(facts or late)
-        every = [flag for fact in facts.values() for flag in all_flags(fact)] + [noticed(h) for h in late]
-        before = {flag for number in machine.waiting for flag in self.of(number)} if every else set[str]()
-        self.at_entries = tuple(flag for flag in every if flag in before)
-        self.names = (*self.at_entries, *(flag for flag in every if flag not in before))
+    def __init__(self, machine: Machine, flags: Mapping[str, tuple[int, bool]]) -> None:
+        marked, before = machine.graph.marked, list(machine.waiting)
+        true = {flag: marked(place) != reverse for flag, (place, reverse) in flags.items()}
+        self.at_entries = tuple(flag for flag, states in true.items() if states[before].any())
+        self.names = (*self.at_entries, *(flag for flag in flags if flag not in self.at_entries))
+        # Many states have the same flags, of which there are few.
+        states = machine.graph.states
+        if true:
+            each, numbers = np.unique(np.array([*true.values()]), axis=1, return_inverse=True)
+            self._sets = [frozenset(compress(true, column)) for column in each.T.tolist()]
+            self._set_of: list[int] = numbers.reshape(-1).tolist()
+        else:
+            self._sets, self._set_of = [frozenset()], [0] * states
 
     def of(self, number: int) -> frozenset[str]:
         """The flags that are true in a state."""
-        if not self._any:
-            return frozenset()
-        state, known = self._states[number], self._flags
-        said = {flag for name, value in state.facts.items() if name in known for flag in known[name][value]}
-        known_out = self._late.intersection(state.out_of_service).difference(state.unnoticed)
-        return frozenset(said.union(map(noticed, known_out)))
+        return self._sets[self._set_of[number]]
 
     def changes(self, before: int, after: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """The flags that become true from one state to another, and those that become false."""
-        if not self._any:
-            return (), ()
-        was, now = self.of(before), self.of(after)
-        return tuple(sorted(now - was)), tuple(sorted(was - now))
+        return self._changed(self._set_of[before], self._set_of[after])
+
+    @memoized
+    def _changed(self, was: int, now: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        before, after = self._sets[was], self._sets[now]
+        return tuple(sorted(after - before)), tuple(sorted(before - after))
 
 
 def _outcome(state: Situation) -> str:

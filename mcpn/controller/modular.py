@@ -61,7 +61,7 @@ class Rule:
 
 
 @dataclass(frozen=True, slots=True)
-class Status:
+class StatusBits:
     """The bits of an element whose status sections hand on: hardware, a handler, a flag of a fact.
 
     Args:
@@ -113,7 +113,7 @@ class Rules:
     events: tuple[Event, ...]
     bits: int
     idle: tuple[int, ...]
-    status: tuple[Status, ...]
+    status: tuple[StatusBits, ...]
     shown: tuple[Shown, ...]
     entries: tuple[Rule, ...]
     rules: tuple[Rule, ...]

@@ -16,11 +16,11 @@ from mcpn.composite.layout import idle_places
 from mcpn.composite.section_type import SectionType
 from mcpn.controller.hierarchy import placed_machines
 from mcpn.controller.machine import Ordered, situations
-from mcpn.controller.modular import Effect, ModularController, Rule, Rules, Shown, Status
+from mcpn.controller.modular import Effect, ModularController, Rule, Rules, Shown, StatusBits
 from mcpn.controller.reduce import Cube, levels_of, reduced
 from mcpn.controller.run import Left, Runner
 from mcpn.controller.sizes import each_step, standing
-from mcpn.drawing.sections import Element
+from mcpn.drawing.status import Element
 from mcpn.errors import LimitError
 from mcpn.nets.events import Event
 from mcpn.spaces.diagrams.encoding import Encoding
@@ -174,13 +174,8 @@ class _Maker:
             for place, (role, name) in self.net.roles.items()
             if (kind := said_as(role)) is not None and kind not in ("out_of_service", "facts")
         ]
-        reverse = dict[str, bool]()
-        saying = {("hardware", name): place for place, name in self.net.saying("oos").items()}
-        saying |= {("once", name): place for place, name in self.net.saying("happened").items()}
-        saying |= {("known", name): place for place, name in self.net.saying("known").items()}
-        for flag in part.flags:
-            saying["fact", flag], reverse[flag] = self.net.true_of_fact(flag)
-        carried = [literal(saying[element]) ^ reverse.get(element[1], False) for element in part.carried]
+        places = (self.net.flag_bits[flag] for flag in part.carried)
+        carried = [literal(place) ^ reverse for place, reverse in places]
         spoken = {said >> 1 for said in (*(said for *_, said in shown), *carried)}
         shorter, bits = reduced(cubes, spoken)
         number = {level: bit for bit, level in enumerate(sorted(bits))}
@@ -198,8 +193,8 @@ class _Maker:
             rules.append(Rule(event, tuple(map(renumbered, literals)), effect))
         rules.sort(key=lambda rule: rule.event)  # stable
         flips: dict[Element, int] = dict.fromkeys(part.carried, 0)
-        for place, (element, _, _) in idle_places(self.net).items():
-            flips[element] |= self._mask([place])
+        for place, (flag, _) in idle_places(self.net).items():
+            flips[flag] |= self._mask([place])
         return Rules(
             part.faulty,
             part.once,
@@ -208,7 +203,7 @@ class _Maker:
             len(number),
             bits_of(sum(1 << level for level in self.encoding.marked_levels(self.net.net.initial))),
             tuple(
-                Status(bits_of(levels), renumbered(said))
+                StatusBits(bits_of(levels), renumbered(said))
                 for levels, said in zip(flips.values(), carried, strict=True)
             ),
             tuple(Shown(kind, name, renumbered(said)) for kind, name, said in shown),

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
+from mcpn.drawing.status import Element, Flag, Status, statuses
 from mcpn.drawing.templates import Canvas, PaperTemplates, Role, TemplateSet
 from mcpn.drawing.templates.interface import Meeting
 from mcpn.mission.flatten import ObjectivesGraph, flatten
@@ -106,10 +107,33 @@ class MissionNet(Drawn):
         """Names of elements by the place that says ``kind`` of them (see :data:`Role`)."""
         return {place: name for place, (said, name) in self.roles.items() if said == kind}
 
-    def true_of_fact(self, flag: str) -> tuple[int, bool]:
-        """The place that encodes a truth value of a fact, and whether a token there means *false*."""
-        places = self.by_role.get(("fact", flag))
-        return (places[0], False) if places else (self.by_role["fact", flag.replace("!=", "=")][0], True)
+    @cached_property
+    def statuses(self) -> tuple[Status, ...]:
+        """The status of all that the places of the net give one, in the order in which it is drawn."""
+        usage = self.usage
+        hardware, once, facts = (
+            dict.fromkeys(self.saying(role).values()) for role in ("oos", "open", "fact")
+        )
+        named = dict.fromkeys(fact.partition("=")[0] for fact in facts)
+        values = (usage.world.facts[name] for name in named)
+        return tuple(statuses((usage.hardware[name] for name in hardware), once, values))
+
+    def flag_places(self, flag: Flag) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """The places that are marked where a flag is true, and those that are marked where it is false."""
+        known = self.by_role
+        so = () if flag.so is None else known.get(flag.so, ())
+        return so, () if flag.otherwise is None else known.get(flag.otherwise, ())
+
+    def flag_bit(self, flag: Flag) -> tuple[int, bool]:
+        """A place that says whether a flag is true, and whether a token there means *false*."""
+        so, otherwise = self.flag_places(flag)
+        return (so[0], False) if so else (otherwise[0], True)
+
+    @cached_property
+    def flag_bits(self) -> Mapping[Element, tuple[int, bool]]:
+        """By flag that some place tells, its :meth:`flag_bit`."""
+        every = (flag for status in self.statuses for flag in status.flags)
+        return {flag.element: self.flag_bit(flag) for flag in every if any(self.flag_places(flag))}
 
     def not_idle(self, marking: Sequence[int]) -> list[str]:
         """Names of places that differ from the initial marking, but for status places and the mission's own.

@@ -12,23 +12,20 @@ from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, S
 from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import itemgetter
-from typing import TypeAlias
 
 from mcpn.drawing.compose import MissionNet, Parts, compose_parts
 from mcpn.drawing.mortal import crashed_before, noticed_before
+from mcpn.drawing.status import Element, Flag, Status, kind_by_kind, statuses
 from mcpn.drawing.templates import TemplateSet
 from mcpn.errors import InputError, LimitError, Problem
-from mcpn.mission.conditions import all_flags, touched_by
-from mcpn.mission.expansion.faults import Crash, noticed
+from mcpn.mission.conditions import touched_by
+from mcpn.mission.expansion.faults import Crash
 from mcpn.mission.expansion.routes import FactCase, Interrupted, exits_by_facts, exits_on
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.graph import TIMED_OUT, failed_for
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Activity, Fact, Hardware, Software
 from mcpn.mission.static.usage import Usage
-
-Element: TypeAlias = tuple[str, str]
-"""The kind and the name that the provenances of an element's places have."""
 
 MOST_NAMED = 12
 """Sections that an error lists at most."""
@@ -203,29 +200,25 @@ class LocalPart:
         return world.closed((*required, *touched_by(self.graph)))
 
     @cached_property
-    def flags(self) -> tuple[str, ...]:
-        """What may be true of these facts (:func:`mcpn.mission.conditions.flags`), fact by fact."""
-        return tuple(flag for fact in self.facts for flag in all_flags(fact))
+    def statuses(self) -> tuple[Status, ...]:
+        """What has a status that the sections are entered with, may change, and hand on."""
+        hardware = (h for h in self.used.hardware if h.faulty)
+        return tuple(statuses(hardware, self.once, self.facts))
+
+    @cached_property
+    def flags(self) -> tuple[Flag, ...]:
+        """What may be true of these, while no hardware dies, kind by kind."""
+        return kind_by_kind(self.statuses)
 
     @property
     def entry_flags(self) -> tuple[str, ...]:
-        """What may be true at its entry of facts, and of hardware that is detected late."""
-        return (*self.flags, *map(noticed, self.used.late))
+        """What may be true at its entry that controllers tell beside hardware and handlers."""
+        return tuple(flag.text for flag in self.flags if flag.told == "facts")
 
     @cached_property
     def carried(self) -> tuple[Element, ...]:
-        """What has a status that sections hand on.
-
-        Hardware that can fail, what happens once, facts, and for hardware that is detected late whether it is
-        known to be out of service.
-        """
-        kinds = (
-            ("hardware", self.faulty),
-            ("once", self.once),
-            ("fact", self.flags),
-            ("known", self.used.late),
-        )
-        return tuple((kind, name) for kind, names in kinds for name in names)
+        """Its flags by kind and name."""
+        return tuple(flag.element for flag in self.flags)
 
     def net(self, templates: TemplateSet | None = None) -> MissionNet:
         """The local net, before which software may have crashed and losses may have been noticed."""

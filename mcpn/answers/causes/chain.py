@@ -18,8 +18,7 @@ import numpy.typing as npt
 from mcpn.answers.causes.demands import entered_again, split_edges
 from mcpn.answers.causes.linear_systems import Floats, StepSystem, csc_array, csr_array
 from mcpn.answers.causes.prospects import Goal, Prospects
-from mcpn.drawing.sections import Element
-from mcpn.drawing.templates import Role
+from mcpn.drawing.status import Element
 from mcpn.nets.events import What
 from mcpn.spaces.arrays import ArraySet, ArraySpace
 from mcpn.spaces.markings.graph import Ints, Mask, StateGraph
@@ -172,8 +171,8 @@ class ListedChain:
         exit_of, status = np.full(states, -1, np.int64), np.zeros(states, np.int64)
         for number, place in enumerate(prospects.mission_net.exits.values()):
             exit_of[self.graph.marked(place)] = number
-        for kind, name in carried:
-            status = 2 * status + self._so(kind, name)
+        for flag in carried:
+            status = 2 * status + self._so(flag)
         self.columns = len(self.exits) * self.statuses
         self.column = exit_of * self.statuses + status
         self.ended: Mask = np.asarray(exit_of >= 0, np.bool_)
@@ -215,14 +214,10 @@ class ListedChain:
             self.returning = np.asarray(returning, np.bool_)
             self.graph = replace(self.graph, targets=np.where(returning, first, targets))
 
-    def _so(self, kind: str, name: str) -> Mask:
+    def _so(self, flag: Element) -> Mask:
         """States in which something carried is so: out of service, known to be, has happened, or is true."""
-        net, marked = self.prospects.mission_net, self.graph.marked
-        if kind == "fact":
-            place, reverse = net.true_of_fact(name)
-            return np.asarray(marked(place) != reverse, np.bool_)
-        known: Role = ("known", name) if kind == "known" else ("happened", name)
-        return marked(net.by_role[("oos", name) if kind == "hardware" else known][0])
+        place, reverse = self.prospects.mission_net.flag_bits[flag]
+        return np.asarray(self.graph.marked(place) != reverse, np.bool_)
 
     def misusing(self, objective: str) -> Mask:
         """States in which an objective would succeed but that somebody uses hardware which is lost.

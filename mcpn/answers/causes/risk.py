@@ -39,7 +39,8 @@ from mcpn.composite.composite import CompositeSpace
 from mcpn.composite.section_type import SectionType
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.mortal import crashed_before
-from mcpn.drawing.sections import Element, LocalPart
+from mcpn.drawing.sections import LocalPart
+from mcpn.drawing.status import Element
 from mcpn.errors import InputError, LimitError
 from mcpn.mission.conditions import all_flags
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
@@ -199,11 +200,8 @@ def refuse_unknown(prospects: Prospects[Any]) -> None:
 def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
     """The sections of a composite; of any other space the whole mission as one, listed."""
     space, net = prospects.space, prospects.mission_net
-    late = {h.name for h in net.mission.late}
-    kinds = ((("hardware", "known") if name in late else ("hardware",), name) for name in prospects.hardware)
-    hardware = tuple((kind, name) for said, name in kinds for kind in said)
-    out = [("hardware", h.name) for h in net.mission.hardware if h.initial == "oos"]
-    out += [("known", h.name) for h in net.mission.late if h.initial == "oos"]
+    every = tuple(flag.element for status in net.statuses for flag in status.flags if flag.kind != "dead")
+    out = [flag for status in net.statuses for flag in status.values[status.initial]]
     demands = _demands(net)
 
     def demanded(*each: Sequence[Element]) -> tuple[int, ...]:
@@ -218,9 +216,8 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
         if (size := space.everything.count()) > max_states:
             raise LimitError(f"{size:,} states, the limit is {max_states:,} (--max-chain)")
         # Before the start events may change facts, as hardware may fail: what is so at the start has a
-        # status.
-        flags = (flag for fact in net.usage.world.facts.values() for flag in all_flags(fact))
-        status = (*hardware, *(("fact", flag) for flag in flags))
+        # status. What happens once has not happened then.
+        status = tuple(flag for flag in every if flag[0] != "once")
         if net.mission.crashes:  # importance asks what it means that they had crashed before the start
             net = crashed_before(net)
             prospects = Prospects(net, spaces_of(net).unproved(max_states))
@@ -228,7 +225,7 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
             prospects = Prospects(net, ArraySpace(written_out(space, "risk", max_states)))
         routes = {"success": SUCCEED, "failure": FAIL, "abort": ABORT}
         whole = ChainSection(
-            ListedChain(prospects, status, (), demanded(hardware)),
+            ListedChain(prospects, status, (), demanded(status)),
             status,
             tuple(prospects.sections.values()),
             routes,
@@ -263,7 +260,5 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
             objectives,
             placed.routes,
         )
-    once = tuple(("once", name) for name in space.layout.once)
-    facts = tuple(("fact", flag) for flag in space.layout.flags)
     idle = [("hardware", crash.name) for crash in net.mission.crashes]
-    return Sections(sections, net.graph.entry, (*hardware, *once, *facts), out, idle)
+    return Sections(sections, net.graph.entry, every, out, idle)

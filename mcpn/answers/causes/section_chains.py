@@ -28,7 +28,7 @@ import numpy as np
 from mcpn.answers.causes.chain import Chain, ListedChain, totals
 from mcpn.answers.causes.linear_systems import Floats
 from mcpn.answers.causes.passages import Beside, LoopSection, SectionLoop, WayThrough
-from mcpn.drawing.sections import Element
+from mcpn.drawing.status import Element
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import ElementarySection
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
