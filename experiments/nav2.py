@@ -23,8 +23,7 @@ from lxml import etree
 
 from mcpn.errors import InputError
 from mcpn.files import write_folder
-from mcpn.opening import open_study
-from mcpn.study import Study
+from mcpn.study import Study, open_study
 from mcpn.trees.importing import Imported, files_of, translate
 from mcpn.trees.ledger import SURVIVES, WORDS
 from mcpn.trees.reading import read_forest

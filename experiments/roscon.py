@@ -36,11 +36,10 @@ from mcpn.drivers.mapping import check_plan
 from mcpn.drivers.reading import read_drivers
 from mcpn.drivers.running import RobotRun
 from mcpn.nets.events import Event
-from mcpn.opening import open_study
 from mcpn.runtime.controller import Controller
 from mcpn.runtime.monitors import Monitors
 from mcpn.runtime.tables import Tables
-from mcpn.study import Study
+from mcpn.study import Study, open_study
 
 HERE = Path(__file__).parent / "roscon"
 PAGE = Path(__file__).parents[1] / "papers" / "roscon.md"

@@ -39,13 +39,13 @@ from mcpn.controller.targets.json import document
 from mcpn.drivers.functions import Call
 from mcpn.drivers.reading import read_drivers
 from mcpn.drivers.running import RobotRun
-from mcpn.opening import open_study
 from mcpn.runtime import Controller, Journal, Monitors
 from mcpn.runtime.controller import Step
 from mcpn.runtime.journal import read_journal
 from mcpn.runtime.monitors import watch
 from mcpn.runtime.restoring import Saved, read_snapshot
 from mcpn.runtime.tables import Tables
+from mcpn.study import open_study
 
 MISSION = """<mission name="soak" xmlns="urn:mcpn:mission:1">
   <robot name="r">

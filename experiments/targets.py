@@ -13,7 +13,7 @@ from typing import Literal
 
 from mcpn.controller.targets import TARGETS, files
 from mcpn.errors import McpnError
-from mcpn.opening import open_study
+from mcpn.study import open_study
 
 FORMS: tuple[Literal["hierarchical", "modular", "flat"], ...] = ("hierarchical", "modular", "flat")
 MOST_STATES = 50_000

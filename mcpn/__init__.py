@@ -19,15 +19,15 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from mcpn.mission.xml import read_mission
-    from mcpn.opening import open_study as open
     from mcpn.study import Study
+    from mcpn.study import open_study as open
 
 __all__ = ["Study", "open", "read_mission"]
 __version__ = "0.1.0"
 
 _FROM = {
     "Study": ("mcpn.study", "Study"),
-    "open": ("mcpn.opening", "open_study"),
+    "open": ("mcpn.study", "open_study"),
     "read_mission": ("mcpn.mission.xml", "read_mission"),
 }
 """By name the module that defines it, and its name there."""

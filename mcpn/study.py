@@ -12,6 +12,8 @@ True
 [['thruster_actuator'], ['GPS_sensor', 'IMU_sensor']]
 
 Each space is built once (:mod:`mcpn.spaces.kept`): these questions share a list of stable states.
+
+:func:`open_study`, which users call as ``mcpn.open``, makes a study of a file.
 """
 
 from __future__ import annotations
@@ -46,6 +48,7 @@ if TYPE_CHECKING:
     from mcpn.spaces.kept import Spaces
     from mcpn.spaces.markings.graph import StateGraph
     from mcpn.spaces.sizes import Counting, SpaceSummary
+
 
 # Methods import the modules that they need, so that each question loads no more than it needs.
 
@@ -446,3 +449,50 @@ class Study:
         from mcpn.report.page import page
 
         write_atomically(Path(path), page(self.findings()))
+
+
+def open_study(
+    subject: str | Path | Mission | MissionNet | PetriNet,
+    *,
+    import_root: str | Path | None = None,
+    templates: TemplateSet | None = None,
+) -> Study:
+    """Opens a mission or a net to ask questions about it; ``mcpn.open`` is its name for users.
+
+    Args:
+        subject: The file of a mission or a net (``.net``, ``.pnml``, ``.json``), or what is read already.
+        import_root: The directory that imports of a mission must stay in; by default the mission's own.
+        templates: What draws the net of a mission; the paper's by default.
+
+    Raises:
+        InputError: No valid mission, or no net, with every problem and its line; or templates for a net.
+
+    Examples:
+        >>> study = open_study("experiments/ulysse/mission.xml")
+        >>> study
+        <study of the mission ulysse>
+        >>> study.states().states, study.check().stable_sizes
+        (44299, (260, 1332))
+    """
+    file = Path(subject) if isinstance(subject, (str, Path)) else None
+    root = None if import_root is None else Path(import_root)
+    found = _read(Path(subject), root) if isinstance(subject, (str, Path)) else subject
+    if isinstance(found, PetriNet) and templates is not None:
+        source = None if file is None else Source(str(file))
+        raise InputError.at(source, "found a net, expected a mission: templates draw missions")
+    return Study(found, templates=templates, file=file)
+
+
+def _read(file: Path, root: Path | None) -> Mission | PetriNet:
+    from mcpn.nets.formats import READABLE, read_net
+
+    if file.suffix.lower() in READABLE:
+        return read_net(file)
+    from mcpn.mission.xml import read_mission  # which a question about a net does not load
+
+    try:
+        return read_mission(file, import_root=root)
+    except InputError as error:
+        from mcpn.answers.drafts import with_formulas
+
+        raise with_formulas(error) from None

@@ -31,7 +31,7 @@ from tests.conftest import ROOT, ULYSSE
 from tests.nets.nets import graph_of, pt_nets
 
 
-@pytest.mark.parametrize("name", ["mcpn", "mcpn.opening", "mcpn.study"])
+@pytest.mark.parametrize("name", ["mcpn", "mcpn.study"])
 def test_the_examples_are_true(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
     found = doctest.testmod(import_module(name))

@@ -249,6 +249,6 @@ def test_what_the_system_refuses_is_told(
     def refused(*_: object, **__: object) -> None:
         raise error
 
-    monkeypatch.setattr("mcpn.opening.open_study", refused)
+    monkeypatch.setattr("mcpn.study.open_study", refused)
     assert run_command(["check", str(ULYSSE)]) == 2
     assert capsys.readouterr().err.startswith(f"error: {told}")

@@ -1,18 +1,20 @@
-"""Beginning a mission: files to start from, and the schema for an editor."""
+"""Beginning a mission: files to start from, the schema and the server for an editor."""
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, BinaryIO, cast
 
 import click
 
 from mcpn.cli.shared import FILE, emit_json, json_option
-from mcpn.errors import InputError, Source
+from mcpn.errors import InputError, LimitError, Source
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from importlib.abc import Traversable
+
 
 FILES = ("mission.xml", "robot.xml", "protocols.xml")
 PLAYED = ("drivers.toml", "played.py")
@@ -157,3 +159,15 @@ def schema(format_: str, as_json: bool) -> None:
     else:
         click.echo(text, nl=False)
         click.echo('in an editor: <?xml-model href="mission.rng"?> as the second line of a file', err=True)
+
+
+@click.command()
+def lsp() -> None:
+    """Serve an editor: the Language Server Protocol on standard input and output (needs mcpn[editor])."""
+    try:
+        from mcpn.editor.server import Heard, server
+    except ModuleNotFoundError as error:
+        raise LimitError(f"{error.name} is not installed: pip install 'mcpn[editor]'") from error
+    # Of its own, for the server closes them; the command line flushes its own when it ends.
+    with os.fdopen(os.dup(0), "rb") as heard, os.fdopen(os.dup(1), "wb") as told:
+        server().start_io(cast(BinaryIO, Heard(heard)), told)

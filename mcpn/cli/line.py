@@ -33,7 +33,7 @@ COMMANDS = {
     "controller": "outputs",
     "convert": "outputs",
     "init": "begin",
-    "lsp": "editor",
+    "lsp": "begin",
     "monitor": "robot.monitor",
     "report": "report",
     "run": "robot.run",

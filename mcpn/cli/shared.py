@@ -133,7 +133,7 @@ class Question:
 
     def study(self, file: Path) -> Study:
         """The study of a file, which is read as the options say."""
-        from mcpn.opening import open_study
+        from mcpn.study import open_study
 
         return open_study(file, import_root=self.import_root, templates=self.templates)
 

@@ -18,8 +18,8 @@ from mcpn.errors import McpnError
 def findings(file: Path) -> dict[str, Any]:
     """Modes and cut sets by objective, what each hardware resource can make fail, and problems."""
     from mcpn.mission.expansion.copies import grouped
-    from mcpn.opening import open_study
     from mcpn.report.words import modes_in_words
+    from mcpn.study import open_study
 
     study = open_study(file)
     checked = study.verdicts()

@@ -25,13 +25,11 @@ from typing import TYPE_CHECKING, Any
 
 from mcpn.editor.supposing import compared
 from mcpn.errors import InputError, LimitError, McpnError, Problem
-from mcpn.opening import open_study
-from mcpn.report.page import failed_page, page
-from mcpn.report.pages.identity import files_of
+from mcpn.report.page import failed_page, files_of, page
 from mcpn.report.words import in_words
 from mcpn.runtime.controller import Step
 from mcpn.runtime.journal import step_object
-from mcpn.study import Study
+from mcpn.study import Study, open_study
 
 if TYPE_CHECKING:
     from mcpn.logic.questions import Answer

@@ -22,7 +22,7 @@ from mcpn.mission.expansion.scope import clashes
 from mcpn.mission.fact_errors import fact_errors
 from mcpn.mission.language.datatypes import NAME
 from mcpn.mission.language.forms import Field, form_of
-from mcpn.mission.language.repeats import cycles, duplicates, repeats, unseen
+from mcpn.mission.language.references import cycles, duplicates, repeats, unseen
 from mcpn.mission.model import (
     ABORT,
     FAIL,

@@ -14,8 +14,8 @@ from mcpn.spaces.run import Run
 
 if TYPE_CHECKING:
     from mcpn.answers.requirements import AskedRequirement
-    from mcpn.answers.verdicts.ignored import Ignored
     from mcpn.answers.verdicts.mission import MissionCheck
+    from mcpn.answers.verdicts.never import Ignored
     from mcpn.drawing.compose import MissionNet
     from mcpn.runtime.tables import Inside
 

@@ -29,9 +29,8 @@ from mcpn.mission.model import (
 )
 from mcpn.mission.reasons import ReasonChecks, is_whole, reason
 from mcpn.mission.robot import DeclaredEvent, Robot
-from mcpn.testing.drawing import TEXTS
 from mcpn.testing.robots import Island, RobotDrawing
-from mcpn.testing.shape import PARAMETERS, Shape
+from mcpn.testing.shape import PARAMETERS, TEXTS, Shape
 
 Route = TypeVar("Route", str, str | None)
 

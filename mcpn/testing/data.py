@@ -21,8 +21,7 @@ from mcpn.mission.robot import (
     Robot,
     Software,
 )
-from mcpn.testing.drawing import MissionDrawer
-from mcpn.testing.shape import Shape
+from mcpn.testing.shape import MissionDrawer, Shape
 
 EVENT = "event"
 

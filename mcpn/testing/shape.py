@@ -1,4 +1,4 @@
-"""How large generated missions are, and what is drawn in them."""
+"""What missions are drawn from: how large they are and what is in them; numbers, names, texts, parameters."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.vendor.pretty import for_type_by_name
 
 from mcpn.mission.model import Block, Mission, Objective
-from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware, Robot, Software
+from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware, Parameter, Robot, Software
 from mcpn.mission.writer import written
 
 PARAMETERS = ("speed", "depth", "round")
@@ -236,3 +236,56 @@ def register() -> None:
     """Tells hypothesis to print missions and nets so."""
     for_type_by_name("mcpn.mission.model", "Mission", print_mission)
     for_type_by_name("mcpn.nets.petri", "PetriNet", print_whole)
+
+
+TEXTS = st.text(
+    st.characters(codec="utf-8", exclude_categories=("Cc", "Cs", "Cn", "Co")) | st.sampled_from("\t\n\r"),
+    max_size=12,
+)
+
+
+class MissionDrawer:
+    """Draws one mission, part by part; names are numbered.
+
+    Args:
+        draw: Given by hypothesis.
+        shape: Bounds on the mission.
+    """
+
+    def __init__(self, draw: st.DrawFn, shape: Shape) -> None:
+        self.draw = draw
+        self.shape = shape
+        self.count = 0
+
+    def number(self, low: int, high: int) -> int:
+        """A whole number."""
+        return self.draw(st.integers(low, high))
+
+    def chance(self) -> bool:
+        """Yes or no."""
+        return self.draw(st.booleans())
+
+    def name(self, prefix: str) -> str:
+        """A name that no other element has."""
+        self.count += 1
+        return f"{prefix}{self.count}"
+
+    def description(self) -> str | None:
+        """A text or none."""
+        return self.draw(st.none() | TEXTS) if self.shape.text else None
+
+    def parameters(self) -> tuple[Parameter, ...]:
+        """A parameter or none."""
+        if not self.shape.text or not self.chance():
+            return ()
+        unit = self.draw(st.none() | TEXTS)
+        name = self.draw(st.sampled_from(PARAMETERS))
+        return (Parameter(name=name, value=self.draw(TEXTS), unit=unit),)
+
+    def rarely(self, of_ten: int) -> bool:
+        """Whether something is to be that is so some times of ten; nothing is drawn where it never is."""
+        return of_ten > 0 and self.number(0, 9) >= 10 - of_ten
+
+    def value(self, least: float, most: float) -> float | None:
+        """A number for numbers of risk, or none."""
+        return self.draw(st.none() | st.floats(least, most)) if self.shape.numbers else None

@@ -17,10 +17,10 @@ from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.writer import written
 from mcpn.mission.xml import read_mission
 from mcpn.nets.events import Event
-from mcpn.opening import open_study
 from mcpn.report.failures.openpsa import structured
 from mcpn.report.pictures.objectives import mission_drawing
 from mcpn.spaces.engines import Engine
+from mcpn.study import open_study
 from tests.logic.asked import ENGINES, Asked
 from tests.logic.oracle import minimal
 

@@ -44,10 +44,10 @@ from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.language.datatypes import RATE, Interval
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, DeclaredEvent, Fault, Hardware, Robot
-from mcpn.opening import open_study
 from mcpn.report.failures.drn import drn, objective_labels
 from mcpn.report.failures.terminal import print_slopes
 from mcpn.spaces.engines import Engine
+from mcpn.study import open_study
 from mcpn.testing import Shape, missions
 from tests import small
 from tests.answers.dense import any_missions, interrupted_missions, with_numbers

@@ -18,8 +18,8 @@ from mcpn.controller.monitors import monitors_of
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import MissionNet
-from mcpn.opening import open_study
 from mcpn.runtime.tables import Tables
+from mcpn.study import open_study
 from tests.controller.small import WATCH, composed
 from tests.controller.traces import canonical
 from tests.controller.treed import FORMS, Modelled

@@ -14,10 +14,10 @@ from hypothesis import event, example, given
 from hypothesis import strategies as st
 
 from mcpn.controller.monitors import files, merged, monitors_of
-from mcpn.opening import open_study
 from mcpn.runtime import Controller, ControllerFileError, Decision, Journal, Monitors, Refused
 from mcpn.runtime.__main__ import main
 from mcpn.runtime.file_schema import digest_of
+from mcpn.study import open_study
 from tests.commands import mcpn, output
 from tests.conftest import ROOT
 from tests.controller import ltl3

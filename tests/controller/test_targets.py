@@ -12,7 +12,7 @@ import pytest
 from mcpn.controller.modular import ModularController
 from mcpn.controller.targets import TARGETS, files
 from mcpn.errors import InputError
-from mcpn.opening import open_study
+from mcpn.study import open_study
 from tests.conftest import ROOT, ULYSSE
 
 PROGRAM = """

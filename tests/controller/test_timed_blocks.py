@@ -15,7 +15,7 @@ from mcpn.runtime import Controller
 from mcpn.testing import elements as drawn
 from mcpn.testing.judge.blocks import WrittenBlock
 from mcpn.testing.judge.interpreter import Interpreter, State, Undetermined
-from mcpn.testing.judge.players import happening
+from mcpn.testing.judge.lockstep import happening
 from tests.controller.test_timers import BLOCKS, FORMS, Clock
 from tests.draws import composed, fewer
 

@@ -23,11 +23,11 @@ from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.mission.model import Mission
 from mcpn.mission.requirement import Requirement
 from mcpn.nets.petri import Marking, PetriNet
-from mcpn.opening import open_study
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.names import Names
 from mcpn.spaces.stable.alternatives import by_reduction
+from mcpn.study import open_study
 from mcpn.testing import missions
 from tests.commands import mcpn, output
 from tests.controller.test_monitors import COME, LOST, SEE, START, SURVEY

@@ -25,13 +25,13 @@ from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
 from mcpn.files import write_atomically, write_folder
 from mcpn.mission.xml import read_mission
-from mcpn.opening import open_study
 from mcpn.runtime import Controller, DamagedFile, Journal, Monitors
 from mcpn.runtime.file_schema import parsed, signed_line
 from mcpn.runtime.journal import read_journal
 from mcpn.runtime.monitors import watch
 from mcpn.runtime.restoring import read_snapshot
 from mcpn.runtime.tables import Tables, read
+from mcpn.study import open_study
 from tests.commands import mcpn, output
 from tests.conftest import interruptible
 from tests.drivers.robots import numbers, until

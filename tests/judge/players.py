@@ -21,8 +21,8 @@ from mcpn.runtime.restoring import Saved
 from mcpn.spaces.engines import Engine
 from mcpn.spaces.stable.alternatives import AlternativesGraph, written_out
 from mcpn.testing.judge.interpreter import Happening, Seen
-from mcpn.testing.judge.players import OfGraph as OfStates
-from mcpn.testing.judge.players import Order, Player, happening, seen_of
+from mcpn.testing.judge.lockstep import OfGraph as OfStates
+from mcpn.testing.judge.lockstep import Order, Player, happening, seen_of
 
 ENGINES: tuple[Engine, ...] = ("explicit", "symbolic", "local")
 FORMS: tuple[Literal["flat", "hierarchical"], ...] = ("flat", "hierarchical")

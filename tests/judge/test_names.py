@@ -22,9 +22,8 @@ from mcpn.logic.questions import Questions
 from mcpn.mission.model import Handler, Mission, Objective, Protocol, Recursive, Use
 from mcpn.mission.requirement import Requirement, RestrictedAvoidance
 from mcpn.nets.events import ENDING, Event
-from mcpn.opening import open_study
 from mcpn.spaces.search.goal import Fires, Formula, marked
-from mcpn.study import Study
+from mcpn.study import Study, open_study
 from mcpn.testing.elements import LED, MISSIONS
 from tests.draws import composed
 from tests.judge.named import ambiguous, in_all_uses, meant

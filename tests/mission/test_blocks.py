@@ -13,8 +13,8 @@ from mcpn.errors import InputError, LimitError
 from mcpn.logic.syntax import parse
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import Mission
-from mcpn.opening import open_study
 from mcpn.spaces.search.goal import FALSE, marked
+from mcpn.study import open_study
 from mcpn.testing import missions
 from mcpn.testing.judge.blocks import WrittenBlock, written_out
 from tests.shares import returns_early

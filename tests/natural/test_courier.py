@@ -15,7 +15,7 @@ from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.testing.judge import lockstep
 from mcpn.testing.judge.interpreter import Seen
-from mcpn.testing.judge.players import happening
+from mcpn.testing.judge.lockstep import happening
 from tests.conftest import ROOT
 from tests.judge.lockstep import Judge
 from tests.judge.players import graphs

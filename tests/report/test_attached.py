@@ -17,8 +17,8 @@ from urllib.parse import urlsplit
 import pytest
 
 from mcpn.controller.targets.json import document
-from mcpn.opening import open_study
 from mcpn.runtime import Controller
+from mcpn.study import open_study
 from tests.commands import mcpn
 from tests.drivers.robots import MISSION, until
 from tests.report.tabs import boxes_of, compare, steps, visited

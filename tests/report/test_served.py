@@ -20,7 +20,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.editor.served import MOST_ASKED, PageServer, ServedMission
-from mcpn.opening import open_study
+from mcpn.study import open_study
 from tests.commands import mcpn
 from tests.conftest import ULYSSE
 from tests.report.tabs import state, steps, visited

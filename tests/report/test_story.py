@@ -15,8 +15,7 @@ from mcpn.errors import InputError
 from mcpn.findings import Findings, findings
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.xml import read_mission
-from mcpn.report.page import page
-from mcpn.report.pages.identity import EPOCH, digest_of, identity
+from mcpn.report.page import EPOCH, digest_of, identity, page
 from mcpn.report.pages.live import nominal_run
 from mcpn.report.pages.preflight import preflight
 from mcpn.report.pages.story import headline, story, verdict_of_all

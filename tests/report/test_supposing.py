@@ -13,7 +13,7 @@ from mcpn.editor.supposing import compared, supposed
 from mcpn.errors import InputError
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
-from mcpn.opening import open_study
+from mcpn.study import open_study
 from mcpn.testing import missions
 from tests.conftest import ULYSSE
 from tests.report.tabs import visited

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 
 from mcpn.bench.mocks import document, mocks
-from mcpn.opening import open_study
+from mcpn.study import open_study
 from mcpn.trees.importing import translate
 from mcpn.trees.ledger import Kind
 from mcpn.trees.nodes import Forest, TreeNode

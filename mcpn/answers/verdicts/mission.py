@@ -14,9 +14,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.spaces import MissionSpaces, MissionSubject, spaces_of
-from mcpn.answers.verdicts.ignored import Ignored, changing_nothing
 from mcpn.answers.verdicts.modes import Mode, functioning_modes
-from mcpn.answers.verdicts.never import Never, never_happens
+from mcpn.answers.verdicts.never import Ignored, Never, changing_nothing, never_happens
 from mcpn.answers.verdicts.nominal import NominalRuns
 from mcpn.answers.verdicts.unsafe_abort import abort_by_failure
 from mcpn.drawing.compose import MissionNet

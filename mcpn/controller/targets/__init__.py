@@ -39,7 +39,7 @@ def files(controller: AnyController, mission_net: MissionNet, target: str) -> di
 
         return write_btcpp(controller, mission_net)
     if target == "ros2":
-        from mcpn.controller.targets.ros2 import write_ros2
+        from mcpn.controller.targets.python import write_ros2
 
         return write_ros2(controller, mission_net)
     if isinstance(controller, ModularController):

@@ -19,7 +19,7 @@ from mcpn.mission.conditions import resolved
 from mcpn.mission.expansion.leads import Destination, by_facts
 from mcpn.mission.expansion.recovery import helping
 from mcpn.mission.graph import ObjectivesGraph, Section
-from mcpn.mission.language.repeats import cycles
+from mcpn.mission.language.references import cycles
 from mcpn.mission.model import Block, Mission, Parallel
 from mcpn.mission.robot import Fact
 

@@ -12,8 +12,7 @@ from mcpn.errors import ConfluenceError, DivergenceError
 from mcpn.nets.game import TokenGame
 from mcpn.nets.petri import PetriNet
 from mcpn.testing.judge.interpreter import Happening
-from mcpn.testing.judge.lockstep import Judge, Mismatch, TooLargeError
-from mcpn.testing.judge.players import OfGraph, happening
+from mcpn.testing.judge.lockstep import Judge, Mismatch, OfGraph, TooLargeError, happening
 from mcpn.testing.kit.properties import event_deterministic
 from mcpn.testing.kit.subject import Subject, Violation
 

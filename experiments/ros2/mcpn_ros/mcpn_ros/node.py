@@ -26,10 +26,10 @@ from mcpn.drivers.mapping import check_plan
 from mcpn.drivers.reading import read_drivers
 from mcpn.drivers.running import RobotRun
 from mcpn.errors import McpnError
-from mcpn.opening import open_study
 from mcpn.runtime import Controller
 from mcpn.runtime.journal import step_object
 from mcpn.runtime.tables import Tables
+from mcpn.study import open_study
 from mcpn_ros import bridge
 
 DEPTH = 100
