@@ -424,15 +424,23 @@ class BigSteps:
         They are ``most`` at most; ``None`` where it has no outcome, or may have two, or a firing is unsafe.
         """
 
-    def after(self, markings: Zdd, event: int) -> tuple[Zdd, Zdd, bytes | None] | None:
+    def after(self, markings: Zdd, event: int) -> tuple[Zdd, Zdd, Firings] | None:
         """The stable markings behind an event from some that enable it, run from all of them at once.
 
         Returns:
             The stable markings; those of the given ones that are left, for in some marking behind them no
-            transition may fire alone; and what the event makes of each of the others, as one function of
-            these, ``None`` where that is too large. ``None`` where a firing is unsafe, or evolution does not
-            end.
+            transition may fire alone; and what fired. ``None`` where a firing is unsafe, or evolution does
+            not end.
         """
+
+    def function(self, markings: Zdd, firings: Firings) -> bytes | None:
+        """What firings make of each of the markings in which they happened, as one function of these.
+
+        It is ``None`` where it is too large.
+        """
+
+class Firings:
+    """An event and the internal transitions that fired behind it, each in all markings in which it might."""
 
 def choices(store: Store, ways: bytes, as_: str, marked: Sequence[int]) -> list[int]:
     """Events of the store that together do what some big steps do, as few as that is quick.

@@ -316,6 +316,35 @@ Node Store::image(Node a, std::uint32_t event, Node within) {
   return result;
 }
 
+void Store::begin_walk() {
+  if (seen_.size() < nodes_.size()) {  // as many as nodes have room for: it grows as seldom as they do
+    require((nodes_.capacity() + seen_.capacity()) * sizeof(seen_[0]));
+    seen_.reserve(nodes_.capacity());
+    seen_.resize(nodes_.capacity(), walk_);
+  }
+  if (++walk_ == 0) {  // numbers of walks begin anew
+    std::fill(seen_.begin(), seen_.end(), 0);
+    walk_ = 1;
+  }
+}
+
+bool Store::meets(Node a, std::uint32_t literals) {
+  begin_walk();
+  return meets_from(a, literals);
+}
+
+// A node asks for the literals from its level on, however the walk comes to it: so once is enough.
+bool Store::meets_from(Node a, std::uint32_t literals) {
+  if (a == 0) return false;
+  for (; literals && level(a) > suffixes_[literals].level; literals = suffixes_[literals].next)  // skipped, so unmarked
+    if (suffixes_[literals].touch != Touch::zero) return false;
+  if (literals == 0) return true;
+  if (!visit(a)) return false;
+  const Suffix wanted = suffixes_[literals];
+  if (level(a) == wanted.level) return meets_from(wanted.touch == Touch::zero ? lo(a) : hi(a), wanted.next);
+  return meets_from(hi(a), literals) || meets_from(lo(a), literals);
+}
+
 Node Store::singleton(const std::vector<Level>& marked) {
   Node result = 1;
   for (auto at = marked.rbegin(); at != marked.rend(); ++at) result = make(*at, 0, result);

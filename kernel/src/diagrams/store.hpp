@@ -81,6 +81,7 @@ class Store {
   Node image(Node a, std::uint32_t event, Node within = kAnything);  // one firing, without closure
   Node images(Node a, const std::vector<std::uint32_t>& events, Node within = kAnything);
   Node beyond(Node a, Node from, const std::vector<std::uint32_t>& events);  // what no event makes of `from`
+  bool meets(Node a, std::uint32_t literals);  // whether some marking satisfies them: makes no node
   Node singleton(const std::vector<Level>& marked);
   Node weighing(Node a, const std::vector<Wide>& weights, Wide least, Wide most);
 
@@ -147,7 +148,14 @@ class Store {
   enum Op : std::uint32_t { op_join = 1, op_meet, op_minus, op_filter, op_onto, op_image,
     op_saturate, op_fire, op_meeting, op_images };  // from op_saturate on, results of declared lists
 
+  void begin_walk();
+  bool visit(Node n) {  // whether the walk comes to a node for the first time
+    const bool first = seen_[n] != walk_;
+    seen_[n] = walk_;
+    return first;
+  }
   template <class F> void walk(Node a, F body);
+  bool meets_from(Node a, std::uint32_t literals);
   friend class Levelled;
   Branches split(Node a, Level at) const {
     return level(a) == at ? Branches{lo(a), hi(a)} : Branches{a, 0};
@@ -258,21 +266,12 @@ class Scratch {
 
 // Calls a function on each node of a diagram, terminals aside, once.
 template <class F> void Store::walk(Node a, F body) {
-  if (seen_.size() < nodes_.size()) {
-    if (seen_.capacity() < nodes_.size()) require((nodes_.size() + seen_.capacity()) * sizeof(seen_[0]));
-    seen_.reserve(nodes_.size());
-    seen_.resize(nodes_.size(), walk_);
-  }
-  if (++walk_ == 0) {  // numbers of walks begin anew
-    std::fill(seen_.begin(), seen_.end(), 0);
-    walk_ = 1;
-  }
+  begin_walk();
   std::vector<Node> stack{a};
   while (!stack.empty()) {
     const Node n = stack.back();
     stack.pop_back();
-    if (n < 2 || seen_[n] == walk_) continue;
-    seen_[n] = walk_;
+    if (n < 2 || !visit(n)) continue;
     body(n);
     stack.push_back(lo(n));
     stack.push_back(hi(n));

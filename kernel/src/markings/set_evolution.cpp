@@ -1,7 +1,6 @@
 #include "markings/set_evolution.hpp"
 
 #include <algorithm>
-#include <unordered_set>
 
 #include "markings/bits.hpp"
 
@@ -46,28 +45,6 @@ bool meet_in_unit(const Stubborn& stubborn, const std::vector<std::uint32_t>& so
   });
 }
 
-// Whether some marking of a set is as a way asks: the first that is found ends the search, and nothing is made.
-class Asking {
- public:
-  Asking(const Store& store, const Relations::Way& way) : store_(store), way_(way) {}
-  bool operator()(Node at, std::size_t from = 0) {
-    if (at == 0 || from == way_.size()) return at != 0;
-    const Touched& wanted = way_[from];
-    if (store_.level(at) > wanted.level) return wanted.touch == Touch::zero && (*this)(at, from + 1);  // skipped, so unmarked
-    if (store_.level(at) == wanted.level) return (*this)(wanted.touch == Touch::zero ? store_.lo(at) : store_.hi(at), from + 1);
-    const std::uint64_t key = std::uint64_t(at) << 32 | from;
-    if (none_.contains(key)) return false;
-    if ((*this)(store_.hi(at), from) || (*this)(store_.lo(at), from)) return true;
-    none_.insert(key);
-    return false;
-  }
-
- private:
-  const Store& store_;
-  const Relations::Way& way_;
-  std::unordered_set<std::uint64_t> none_;
-};
-
 }  // namespace
 
 SetEvolution::SetEvolution(const SafeNet& net, const Places& initial, Levels levels, std::size_t few_cases)
@@ -78,20 +55,18 @@ std::optional<SetEvolution::Evolved> SetEvolution::after(Store& store, Node mark
   begin(store);
   Held at(store, markings), left(store, 0);
   if (!run(store, at, left, event)) return std::nullopt;
-  left = store.meet(left, markings);
-  const Held all(store, store.minus(markings, left));
-  return Evolved{at, left, function(store, all)};
+  return Evolved{at, store.meet(left, markings), std::move(fired_)};
 }
 
-// What the firings make of some markings in which they happened.
-std::optional<SetEvolution::Table> SetEvolution::function(Store& store, Node markings) {
+std::optional<SetEvolution::Table> SetEvolution::function(Store& store, Node markings, const std::vector<Fired>& fired) {
+  begin(store);
   relations_.clear();
   among_.clear();
   try {
     Id whole = among(store, markings, 0), some = Relations::kSame;
-    for (std::size_t i = 0; i < fired_.size(); ++i) {
-      some = relations_.then(some, fires(relations_, store, fired_[i], false));
-      if (i && i % kAtATime && i + 1 < fired_.size()) continue;
+    for (std::size_t i = 0; i < fired.size(); ++i) {
+      some = relations_.then(some, fires(relations_, store, fired[i], false));
+      if (i && i % kAtATime && i + 1 < fired.size()) continue;
       whole = relations_.then(whole, some);
       some = Relations::kSame;
     }
@@ -166,11 +141,12 @@ SetEvolution::Went SetEvolution::fire_first(Store& store, Held& markings, std::u
         }
         any = true;
         if (waits(t) != waiting) continue;
-        const Held enabled(store, store.filter(markings, step(store, t).enabled));
-        std::vector<Way> beside = not_alone(store, enabled, t);
+        std::vector<Way> beside = always ? std::vector<Way>() : others(store, markings, t);
+        const Held enabled(store, beside.empty() ? 0 : store.filter(markings, step(store, t).enabled));
+        if (!beside.empty()) not_alone(store, enabled, t, beside);
         if (beside.empty()) {
           forget(t);
-          return fire(store, markings, enabled, {t, {}}) ? Went::kOn : Went::kUnsafe;
+          return fire(store, markings, markings, {t, {}}) ? Went::kOn : Went::kUnsafe;
         }
         if (partly) continue;
         where = without(store, enabled, beside);
@@ -185,7 +161,7 @@ SetEvolution::Went SetEvolution::fire_first(Store& store, Held& markings, std::u
 bool SetEvolution::in_some(Store& store, Node markings, std::uint32_t t) {
   if (enabled_[t] == Enabled::kUnknown) {
     const Step& asks = step(store, t);
-    enabled_[t] = !asks.never && Asking(store, asks.asked)(markings) ? Enabled::kSome : Enabled::kNone;
+    enabled_[t] = !asks.never && store.meets(markings, asks.enabled) ? Enabled::kSome : Enabled::kNone;
   }
   return enabled_[t] == Enabled::kSome;
 }
@@ -280,12 +256,14 @@ void SetEvolution::see_ahead(Store& store, Node markings) {
   });
 }
 
-// Fires a transition in markings that enable it; false where that is unsafe in one, or leaves it enabled and it fires again.
+// Fires a transition in those of some markings that enable it, which are all that do but for those beside which it may not
+// fire; false where that is unsafe in one, or leaves it enabled and it fires again.
 bool SetEvolution::fire(Store& store, Held& markings, Node where, Fired fired) {
   const std::uint32_t t = fired.t;
   const Step& does = step(store, t);
   if (does.unsafe || (net_.firings_[t].take.empty() && !net_.is_event(t))) return false;
-  if (!does.safe_at_once && store.filter(where, does.safe) != where) return false;
+  for (const std::uint32_t crowded : does.crowded)
+    if (store.meets(where, crowded)) return false;
   std::uint32_t event = does.fires;
   if (!fired.beside.empty()) {
     Relations one(kMostParts);
@@ -339,22 +317,23 @@ Node SetEvolution::without(Store& store, Node markings, const std::vector<Way>& 
   return left;
 }
 
-// Conditions without which a transition may fire alone in markings that enable it; none if it may in all of them.
-std::vector<SetEvolution::Way> SetEvolution::not_alone(Store& store, Node enabled, std::uint32_t t) {
-  if (has_bit(stubborn_.always().data(), t)) return {};
-  std::vector<Way> others = this->others(store, enabled, t);
-  if (others.empty()) return others;
-  const std::optional<std::vector<Way>> clashing = this->clashing(store, enabled, t);
-  return clashing && (clashing->empty() || without(store, enabled, *clashing)) ? *clashing : others;
+// Fewer conditions than those of others under which a transition may not fire alone in markings that enable it, if there are.
+void SetEvolution::not_alone(Store& store, Node enabled, std::uint32_t t, std::vector<Way>& others) {
+  std::optional<std::vector<Way>> clashing = this->clashing(store, enabled, t);
+  if (clashing && (clashing->empty() || without(store, enabled, *clashing))) others = std::move(*clashing);
 }
 
-// What the others of its rank that some of the markings enable ask for, but for those that take and put the same.
-std::vector<SetEvolution::Way> SetEvolution::others(Store& store, Node enabled, std::uint32_t t) {
+// What the others of its rank ask for that some of the markings enable beside it, but for those that take and put the same.
+std::vector<SetEvolution::Way> SetEvolution::others(Store& store, Node markings, std::uint32_t t) {
   std::vector<Way> asked;
-  for (const std::uint32_t u : won_)
-    if (u != t && net_.rank_end_[u] == net_.rank_end_[t] && !stubborn_.alike(t, u) && enabled_[u] != Enabled::kNone &&
-        !step(store, u).never && !meet_in_unit(stubborn_, net_.firings_[t].need, net_.firings_[u].need) && Asking(store, step(store, u).asked)(enabled))
-      asked.push_back(step(store, u).asked);
+  for (const std::uint32_t u : won_) {
+    if (u == t || net_.rank_end_[u] != net_.rank_end_[t] || stubborn_.alike(t, u) || enabled_[u] == Enabled::kNone ||
+        step(store, u).never || meet_in_unit(stubborn_, net_.firings_[t].need, net_.firings_[u].need))
+      continue;
+    Way both = step(store, t).asked;
+    both.insert(both.end(), step(store, u).asked.begin(), step(store, u).asked.end());
+    if (sort(both) && store.meets(markings, suffix_of(store, both))) asked.push_back(step(store, u).asked);
+  }
   return asked;
 }
 
@@ -432,19 +411,19 @@ SetEvolution::Step& SetEvolution::step(Store& store, std::uint32_t t) {
     const bool taken = holds(firing.take, p) && !holds(firing.put, p);
     step.way.push_back({levels_[p].first, !taken ? literal(p, true).touch : levels_[p].second ? Touch::produce : Touch::consume});
   }
-  step.safe_at_once = true;
+  step.never = !sort(step.asked);
+  if (step.never) return step;
+  step.enabled = suffix_of(store, step.asked);
   for (const std::uint32_t p : firing.put) {
     if (holds(firing.take, p)) continue;
     step.way.push_back({levels_[p].first, levels_[p].second ? Touch::consume : Touch::produce});
-    step.safe_at_once &= std::any_of(firing.need.begin(), firing.need.end(), [&](std::uint32_t q) { return q != p && stubborn_.share_unit(p, q); });
+    if (std::any_of(firing.need.begin(), firing.need.end(), [&](std::uint32_t q) { return q != p && stubborn_.share_unit(p, q); })) continue;
+    Way crowded = step.asked;
+    crowded.push_back(literal(p, true));
+    if (sort(crowded)) step.crowded.push_back(suffix_of(store, crowded));
   }
-  step.never = !sort(step.asked);
   step.unsafe = firing.overflow || !sort(step.way);
-  if (step.never || step.unsafe) return step;
-  Way safe = step.way;
-  for (Touched& at : safe) at.touch = at.asked();
-  step.enabled = suffix_of(store, step.asked);
-  step.safe = suffix_of(store, safe);
+  if (step.unsafe) return step;
   Relations one(kMostParts);
   step.fires = one.suffix(store, one.either(one.way(step.way), one.unless(step.asked)));
   return step;

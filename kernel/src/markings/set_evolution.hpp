@@ -27,33 +27,36 @@ class SetEvolution {
   // Few cases tell where a transition may fire alone, before it is asked of all markings at once.
   SetEvolution(const SafeNet& net, const Places& initial, Levels levels, std::size_t few_cases);
 
-  // What an event makes of some markings that enable it: the stable ones behind them; those that are left, for in some
-  // marking behind them no transition may fire alone; a function of those that are not left, and of no others, as a table
-  // of Relations that leaves levels of no place alone, and nothing where it has too many parts.
-  struct Evolved {
-    Node after, left;
-    std::optional<Table> function;
-  };
-  // Nothing where a firing is unsafe, or where there is no end.
-  std::optional<Evolved> after(Store& store, Node markings, std::uint32_t event);
-
- private:
-  using Id = Relations::Id;
   using Way = Relations::Way;
-  // Of a transition, as suffixes of a store: that it is enabled, that it may fire safely; its firing, and nothing
-  // where it is not enabled. Safe at once: no place that it puts into is marked where it is enabled.
-  struct Step {
-    Way asked, way;
-    std::uint32_t enabled = 0, safe = 0, fires = 0;
-    bool known = false, never = false, unsafe = false, safe_at_once = false;
-    // Conditions under which it may fire alone, and under which it may not; the latter also as suffixes.
-    std::vector<std::uint32_t> alone;
-    std::vector<std::pair<std::uint32_t, Way>> beside;
-  };
+
   // A firing in all markings that enable a transition, but for those of some conditions.
   struct Fired {
     std::uint32_t t;
     std::vector<Way> beside;
+  };
+  // What an event makes of some markings that enable it: the stable ones behind them; those that are left, for in some
+  // marking behind them no transition may fire alone; the event and what has fired behind it, one after the other.
+  struct Evolved {
+    Node after, left;
+    std::vector<Fired> fired;
+  };
+  // Nothing where a firing is unsafe, or where there is no end.
+  std::optional<Evolved> after(Store& store, Node markings, std::uint32_t event);
+  // What firings make of some markings, and of no others, in which they happened: a table of Relations that leaves levels of
+  // no place alone; nothing where it has too many parts.
+  std::optional<Table> function(Store& store, Node markings, const std::vector<Fired>& fired);
+
+ private:
+  using Id = Relations::Id;
+  // Of a transition, as suffixes of a store: that it is enabled; its firing, and nothing where it is not enabled.
+  struct Step {
+    Way asked, way;
+    std::uint32_t enabled = 0, fires = 0;
+    std::vector<std::uint32_t> crowded;  // that it is enabled, and that a place that it puts into is marked
+    bool known = false, never = false, unsafe = false;
+    // Conditions under which it may fire alone, and under which it may not; the latter also as suffixes.
+    std::vector<std::uint32_t> alone;
+    std::vector<std::pair<std::uint32_t, Way>> beside;
   };
   // How it goes on: a transition has fired; none is enabled; some are, but none may fire alone; a firing is unsafe.
   enum class Went { kOn, kEnd, kStuck, kUnsafe };
@@ -61,7 +64,6 @@ class SetEvolution {
   enum class Enabled : std::uint8_t { kUnknown, kNone, kSome };
 
   bool run(Store& store, Held& markings, Held& left, std::uint32_t event);
-  std::optional<Table> function(Store& store, Node markings);
   Went fire_first(Store& store, Held& markings, std::uint32_t end);
   bool in_some(Store& store, Node markings, std::uint32_t t);
   void see_ahead(Store& store, Node markings);
@@ -69,8 +71,8 @@ class SetEvolution {
     return !ahead_.empty() && has_bit(ahead_.data() + t * ahead_words_, u);
   }
   bool fire(Store& store, Held& markings, Node where, Fired fired);
-  std::vector<Way> not_alone(Store& store, Node enabled, std::uint32_t t);
-  std::vector<Way> others(Store& store, Node enabled, std::uint32_t t);
+  void not_alone(Store& store, Node enabled, std::uint32_t t, std::vector<Way>& others);
+  std::vector<Way> others(Store& store, Node markings, std::uint32_t t);
   std::optional<std::vector<Way>> clashing(Store& store, Node enabled, std::uint32_t t);
   Node without(Store& store, Node markings, const std::vector<Way>& conditions);
   Id fires(Relations& relations, Store& store, const Fired& fired, bool back);

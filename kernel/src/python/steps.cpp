@@ -136,6 +136,8 @@ std::vector<std::uint64_t> choices(PyStore& s, const nb::bytes& data, const std:
   return made;
 }
 
+struct Firings { const SafeNet* net; std::vector<SetEvolution::Fired> fired; };
+
 class PyBigSteps {
  public:
   PyBigSteps(const SafeNet& net, const Numbers& initial, const std::vector<std::int64_t>& places,
@@ -164,7 +166,7 @@ class PyBigSteps {
     if (!open(found.has_value())) return std::nullopt;
     return std::tuple(packed(found->first), found->first.size(), found->second);
   }
-  std::optional<std::tuple<Handle, Handle, std::optional<nb::bytes>>> after(const Handle& markings, std::uint32_t event) {
+  std::optional<std::tuple<Handle, Handle, Firings>> after(const Handle& markings, std::uint32_t event) {
     check(*markings.owner);
     if (!net_.is_event(event)) throw std::invalid_argument("no such event");
     std::optional<SetEvolution::Evolved> found;
@@ -176,13 +178,19 @@ class PyBigSteps {
       return found ? found->after : 0;
     });
     if (!found) return std::nullopt;
-    std::optional<nb::bytes> function;
-    if (found->function) {
-      Numbers& table = *found->function;
-      table.insert(table.begin(), {kFunction, std::uint32_t(table.size())});
-      function = bytes_of(table);
-    }
-    return std::tuple(made, *left, function);
+    return std::tuple(made, *left, Firings{&net_, std::move(found->fired)});
+  }
+  std::optional<nb::bytes> function(const Handle& markings, const Firings& firings) {
+    check(*markings.owner);
+    if (firings.net != &net_) throw std::invalid_argument("firings of another net");
+    std::optional<Numbers> table;
+    markings.owner->run([&] {
+      evolved_ = markings.owner;
+      table = evolution_.function(markings.owner->store, markings.node, firings.fired);
+    });
+    if (!table) return std::nullopt;
+    table->insert(table->begin(), {kFunction, std::uint32_t(table->size())});
+    return bytes_of(*table);
   }
 
  private:
@@ -237,6 +245,7 @@ class PyBigSteps {
 }  // namespace
 
 void bind_steps(nb::module_& module) {
+  nb::class_<Firings>(module, "Firings");
   nb::class_<PyBigSteps>(module, "BigSteps")
       .def(nb::init<const SafeNet&, const Numbers&, const std::vector<std::int64_t>&, const std::vector<std::tuple<std::uint32_t, Level>>&,
                     std::uint64_t, std::uint64_t, std::size_t>(),
@@ -244,7 +253,8 @@ void bind_steps(nb::module_& module) {
            nb::arg("few_cases"), nb::keep_alive<1, 2>())
       .def("start", &PyBigSteps::start, nb::arg("store"))
       .def("cover", &PyBigSteps::cover, nb::arg("markings"), nb::arg("event"), nb::arg("most"))
-      .def("after", &PyBigSteps::after, nb::arg("markings"), nb::arg("event"));
+      .def("after", &PyBigSteps::after, nb::arg("markings"), nb::arg("event"))
+      .def("function", &PyBigSteps::function, nb::arg("markings"), nb::arg("firings"));
   module.def("choices", [](const std::shared_ptr<PyStore>& s, const nb::bytes& ways, const std::string& as,
                            const std::vector<std::int64_t>& marked) { return choices(*s, ways, as, marked); },
              nb::arg("store"), nb::arg("ways"), nb::arg("as_"), nb::arg("marked"));

@@ -21,7 +21,7 @@ from itertools import chain
 from typing import Literal, TypeAlias
 
 from mcpn._kernel import BigSteps as KernelSteps
-from mcpn._kernel import MemoryLimit, StateLimit, Zdd, choices
+from mcpn._kernel import Firings, MemoryLimit, StateLimit, Zdd, choices
 from mcpn.spaces.algebra import Guards
 from mcpn.spaces.diagrams.encoding import Encoding, distinct
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives, Step
@@ -144,6 +144,8 @@ class _Reaching:
         """By transition whose big steps are found one by one, the states of which they are found."""
         self._done: dict[int, Zdd] = {}
         """By transition that is run from whole sets of states, the last one."""
+        self._fired: dict[int, tuple[Zdd, Firings]] = {}
+        """By transition that is run so, those states that it was run from, and what fired."""
 
     def search(self) -> tuple[Zdd, dict[int, bytes]] | None:
         """All stable states and the big steps between them, as :func:`reach_in_big_steps` finds them.
@@ -165,7 +167,7 @@ class _Reaching:
                             return None
                         reached |= after
                 reached = self._closed(reached)
-        return reached, self._steps
+        return (reached, self._steps) if self._made_functions() else None
 
     def _after(self, label: int, t: int, states: Zdd) -> Zdd | None:
         """The states after an event from those not asked yet; ``None`` where it has no outcome.
@@ -253,17 +255,23 @@ class _Reaching:
         found = self._kernel.after(asked, label)
         if found is None:
             return None
-        after, left, function = found
-        if function is None:
-            left = asked
-        elif is_function(known := self._steps.get(t, b"")):
-            self._steps[t] = function + known[8 + 4 * memoryview(known).cast("I")[1] :]
-        else:
-            self._steps[t] = function + known
+        after, left, firings = found
         if left and not self._cover(label, t, left):
             return None
-        self._done[t] = states
+        self._done[t], self._fired[t] = states, (asked - left, firings)
         return after
+
+    def _made_functions(self) -> bool:
+        """Makes functions of what fired from whole sets; false where even big steps are too many."""
+        for label, t in self._events:
+            if t in self._fired:
+                asked, firings = self._fired[t]
+                function = self._kernel.function(asked, firings)
+                if function is not None:
+                    self._steps[t] = function + self._steps.get(t, b"")
+                elif not self._cover(label, t, asked):
+                    return False
+        return True
 
 
 class BigStepSpace(DiagramAlternatives):
