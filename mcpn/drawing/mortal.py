@@ -7,9 +7,8 @@ places *dead*.
 
 The resource that stands for a crash of an activity (:class:`mcpn.mission.expansion.faults.Crash`) fails only
 while the activity runs. Two analyses need it to fail at other moments: a part of a mission may be entered
-after the crash (:func:`crashed_before`), and what its loss leads to is asked of any moment, as of hardware
-(:func:`crashing_anytime`). In the same way a part may be entered after the robot has learned of a loss that
-is detected late (:func:`noticed_before`).
+after the crash, as with any other status (:func:`entered_otherwise`), and what its loss leads to is asked of
+any moment, as of hardware (:func:`crashing_anytime`).
 """
 
 from __future__ import annotations
@@ -18,6 +17,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from mcpn.drawing.compose import MissionNet
+from mcpn.drawing.templates.interface import CONTROL
 from mcpn.drawing.templates.names import names_of
 from mcpn.errors import SemanticsError
 from mcpn.nets.events import Event, What
@@ -61,55 +61,51 @@ def mortal(mission_net: MissionNet) -> MissionNet:
     return replace(mission_net, net=mortal_net, roles=roles)
 
 
-def crashed_before(mission_net: MissionNet) -> MissionNet:
-    """The net of a mission, or of a part of it, before which activities may have crashed.
+def entered_otherwise(mission_net: MissionNet, what: Collection[What] = tuple(What)) -> MissionNet:
+    """The net of a mission, or of a part of it, before which any status may have become another one.
 
     Args:
-        mission_net: The net.
+        mission_net: The net; it begins with hardware in service, and all else as at the start of the mission.
+        what: What of all that may have happened is to be there.
 
     Returns:
-        The net with a transition more for each crash, after all others; the net itself where it has none.
+        The net with a transition more for each such change (:class:`mcpn.drawing.status.Before`); the net
+        itself where nothing may have changed.
     """
-    mission = mission_net.mission
-    origin = Provenance("mission", mission.name, mission.source)
-    begin = ((mission_net.beginning, 1),)
-    earlier = [replace(t, read=begin, provenance=origin) for t in _crashes_while_idle(mission_net)]
-    return _with(mission_net, [*mission_net.net.transitions, *earlier]) if earlier else mission_net
-
-
-def noticed_before(mission_net: MissionNet) -> MissionNet:
-    """The net of a part of a mission, before which the robot may have learned of losses detected late.
-
-    Args:
-        mission_net: The net.
-
-    Returns:
-        The net with a transition more for each resource that is detected late, after all others; the net
-        itself where it has none.
-    """
-    known, mission = mission_net.saying("known"), mission_net.mission
-    if not known:
+    mission, names = mission_net.mission, names_of(mission_net.usage)
+    own, origin = ("mission", mission.name), Provenance("mission", mission.name, mission.source)
+    earlier: dict[bool, list[Transition]] = {True: [], False: []}  # of hardware, and of other elements
+    every = [(status, before) for status in mission_net.statuses for before in status.before]
+    for status, before in every:
+        taken, put, asked = (
+            tuple((place, 1) for role in roles for place in mission_net.by_role.get(role, ()))
+            for roles in ((before.taken,), (before.put,), before.asked)
+        )
+        if before.event.what in what and put:
+            hardware = status.kind == "hardware"
+            name = names.of(*(status.element if hardware else own), *before.part)
+            read = ((mission_net.beginning, 1), *asked)
+            transition = Transition(name, taken, put, read, before.event, provenance=origin)
+            earlier[hardware].append(transition)
+    if not every:
         return mission_net
-    names, begin = names_of(mission_net.usage), mission_net.beginning
-    origin = Provenance("mission", mission.name, mission.source)
-    earlier = []
-    for out, name in known.items():
-        consume = tuple((place, 1) for place in mission_net.by_role["presumed", name])
-        read = tuple((place, 1) for place in (begin, *mission_net.by_role["oos", name]))
-        noticed = Event(What.DETECTED, name)
-        transition_name = names.of("hardware", name, "noticed")
-        earlier.append(Transition(transition_name, consume, ((out, 1),), read, noticed, provenance=origin))
-    return _with(mission_net, [*mission_net.net.transitions, *earlier])
+    # The states of controllers are numbered in the order of transitions.
+    drawn = mission_net.net.transitions
+    control = (
+        t for t, one in enumerate(drawn) if one.provenance and one.provenance.kind in (*CONTROL, "fact")
+    )
+    first = next(control, len(drawn))
+    return _with(mission_net, [*drawn[:first], *earlier[False], *drawn[first:], *earlier[True]])
 
 
 def crashing_anytime(mission_net: MissionNet) -> MissionNet:
     """The net in which an activity that may crash does so at any moment, whether it runs or not.
 
     Args:
-        mission_net: The net of a mission, or of a part of it as :func:`crashed_before` gives it.
+        mission_net: The net of a mission, or of a part of it as :func:`entered_otherwise` gives it.
 
     Returns:
-        The net with a transition more for each crash, instead of those of :func:`crashed_before`.
+        The net with a transition more for each crash, instead of those of :func:`entered_otherwise`.
     """
     crashes = list(_crashes_while_idle(mission_net))
     if not crashes:

@@ -14,7 +14,7 @@ from functools import cached_property
 from operator import itemgetter
 
 from mcpn.drawing.compose import MissionNet, Parts, compose_parts
-from mcpn.drawing.mortal import crashed_before, noticed_before
+from mcpn.drawing.mortal import entered_otherwise
 from mcpn.drawing.status import Element, Flag, Status, kind_by_kind, statuses
 from mcpn.drawing.templates import TemplateSet
 from mcpn.errors import InputError, LimitError, Problem
@@ -221,8 +221,8 @@ class LocalPart:
         return tuple(flag.element for flag in self.flags)
 
     def net(self, templates: TemplateSet | None = None) -> MissionNet:
-        """The local net, before which software may have crashed and losses may have been noticed."""
-        return noticed_before(crashed_before(compose_parts(self.usage, self.parts, templates)))
+        """The local net, before which any status may have become another one."""
+        return entered_otherwise(compose_parts(self.usage, self.parts, templates))
 
     @cached_property
     def type(self) -> Hashable:

@@ -21,7 +21,7 @@ from mcpn.mission.conditions import all_flags
 from mcpn.mission.conditions import flags as flags_by_value
 from mcpn.mission.expansion.faults import Crash, noticed
 from mcpn.mission.robot import Fact, Hardware
-from mcpn.nets.events import What
+from mcpn.nets.events import Event, What
 
 Element: TypeAlias = tuple[str, str]
 """The kind and the name of an element, as provenances of places have them, or of a flag."""
@@ -74,6 +74,24 @@ class FlagChange(NamedTuple):
     absent: tuple[str, ...] = ()
 
 
+class Before(NamedTuple):
+    """How a status may have come to be another one before a part of the mission.
+
+    Args:
+        event: What may have happened.
+        part: What its transition is called, of the hardware or of the mission.
+        taken: What places say that are marked before, and not after.
+        put: What places say that are marked after, and not before.
+        asked: What places must say as well.
+    """
+
+    event: Event
+    part: tuple[str, ...]
+    taken: Role
+    put: Role
+    asked: tuple[Role, ...] = ()
+
+
 @dataclass(frozen=True)
 class Status:
     """The status of one element.
@@ -86,6 +104,8 @@ class Status:
         flags: All its flags.
         said: By what a place says, the value that the element then has. What declared events do to it while
             nobody uses it is read off transitions that change such places alone.
+        before: What may have happened to it before a part of the mission, which begins with the value of the
+            start, or with hardware in service; failures and repairs of hardware may happen there anyway.
     """
 
     kind: str
@@ -94,6 +114,7 @@ class Status:
     initial: str
     flags: tuple[Flag, ...]
     said: Mapping[Role, str] = field(default_factory=dict)
+    before: tuple[Before, ...] = ()
 
     @property
     def element(self) -> Element:
@@ -114,7 +135,17 @@ def of_hardware(hardware: Hardware) -> Status:
     known = Flag("known", name, noticed(name), ("known", name), ("presumed", name))
     every = (out, dead, known) if hardware.detected == "late" else (out, dead)
     told = frozenset(flag.element for flag in every if flag is not dead)
-    return Status("hardware", name, {"service": frozenset(), "oos": told}, hardware.initial, every)
+    before = []
+    if ready is not None:
+        fails = Event(What.OUT_OF_SERVICE, name)
+        before.append(Before(fails, ("earlier",), ready, ("oos", name)))
+    if hardware.detected == "late":
+        learnt = Before(
+            Event(What.DETECTED, name), ("noticed",), ("presumed", name), ("known", name), (("oos", name),)
+        )
+        before.append(learnt)
+    values = {"service": frozenset[Element](), "oos": told}
+    return Status("hardware", name, values, hardware.initial, every, before=tuple(before))
 
 
 HARDWARE: Mapping[What, FlagChange] = {
@@ -131,7 +162,8 @@ def of_handler(name: str) -> Status:
     flag = Flag("once", name, name, ("happened", name), ("open", name))
     values = {"open": frozenset[Element](), "happened": frozenset([flag.element])}
     said: dict[Role, str] = {("open", name): "open", ("happened", name): "happened"}
-    return Status("once", name, values, "open", (flag,), said)
+    before = Before(Event(What.EARLIER, name), ("earlier", name), ("open", name), ("happened", name))
+    return Status("once", name, values, "open", (flag,), said, (before,))
 
 
 def of_fact(fact: Fact) -> Status:
@@ -145,7 +177,12 @@ def of_fact(fact: Fact) -> Status:
     values = {
         value: frozenset(("fact", flag) for flag in true) for value, true in flags_by_value(fact).items()
     }
-    return Status("fact", fact.name, values, fact.start, tuple(every), said)
+    before = tuple(
+        Before(Event(What.EARLIER, to[1]), ("earlier", fact.name, value), at_start, to)
+        for to, value in said.items()
+        if value != fact.start
+    )
+    return Status("fact", fact.name, values, fact.start, tuple(every), said, before)
 
 
 def statuses(

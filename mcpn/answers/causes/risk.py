@@ -38,7 +38,7 @@ from mcpn.answers.spaces import spaces_of
 from mcpn.composite.composite import CompositeSpace
 from mcpn.composite.section_type import SectionType
 from mcpn.drawing.compose import MissionNet
-from mcpn.drawing.mortal import crashed_before
+from mcpn.drawing.mortal import entered_otherwise
 from mcpn.drawing.sections import LocalPart
 from mcpn.drawing.status import Element
 from mcpn.errors import InputError, LimitError
@@ -219,7 +219,7 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
         # status. What happens once has not happened then.
         status = tuple(flag for flag in every if flag[0] != "once")
         if net.mission.crashes:  # importance asks what it means that they had crashed before the start
-            net = crashed_before(net)
+            net = entered_otherwise(net, [What.OUT_OF_SERVICE])
             prospects = Prospects(net, spaces_of(net).unproved(max_states))
         elif not isinstance(space, ArraySpace):
             prospects = Prospects(net, ArraySpace(written_out(space, "risk", max_states)))

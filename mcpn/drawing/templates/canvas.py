@@ -184,8 +184,7 @@ class Canvas(NetBuilder):
         left_out: Activities and software resources, each as kind and name, that are not drawn: they are idle
             all the time.
         facts: Facts that are drawn.
-        part: Whether the net is of a part of the mission, before which handlers may have happened, and facts
-            may have changed.
+        part: Whether the net is of a part of the mission, which begins with all hardware in service.
     """
 
     def __init__(

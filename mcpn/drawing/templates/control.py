@@ -39,8 +39,8 @@ def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:
                 place = canvas.of("exit", target, section.source).place("left")
                 exits[target] = [canvas.role(place, ("exit", target))]
     for handler in graph.once():
-        draw_once(canvas, pen, handler, begin)
-    draw_facts(canvas, pen, begin)
+        draw_once(canvas, handler)
+    draw_facts(canvas)
     for resting in canvas.resting:
         pen.transition("rested", [pen.own(resting)], [], rank=canvas.ranks.rested)
     control = _Control(canvas, graph, exits)

@@ -17,7 +17,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from typing import NamedTuple
 
-from mcpn.drawing.templates.canvas import Canvas, Pen
+from mcpn.drawing.templates.canvas import Canvas
 from mcpn.errors import LimitError
 from mcpn.mission.expansion.routes import FactCase
 from mcpn.mission.robot import Fact
@@ -43,16 +43,10 @@ class FactArcs(NamedTuple):
     target: str
 
 
-def draw_facts(canvas: Canvas, mission: Pen, begin: str) -> None:
-    """Draws all facts of a canvas with the declared events that change them.
-
-    Args:
-        canvas: Where to draw.
-        mission: Draws for the mission.
-        begin: The place that is marked before the start.
-    """
+def draw_facts(canvas: Canvas) -> None:
+    """Draws all facts of a canvas with the declared events that change them."""
     for fact in canvas.facts:
-        _draw_fact(canvas, mission, fact, begin)
+        _draw_fact(canvas, fact)
     drawn = {fact.name: fact for fact in canvas.facts}
     for event, changes in canvas.usage.world.changing.items():
         first = drawn.get(next(iter(changes)))
@@ -65,8 +59,7 @@ def draw_facts(canvas: Canvas, mission: Pen, begin: str) -> None:
                     pen.transition(part, way.consume, way.produce, read=way.read, event=declared)
 
 
-def _draw_fact(canvas: Canvas, mission: Pen, fact: Fact, begin: str) -> None:
-    """Draws a fact; in a part of a mission it may have changed before."""
+def _draw_fact(canvas: Canvas, fact: Fact) -> None:
     pen = canvas.of("fact", fact.name, fact.source)
     places = {value: pen.place(value, initial=int(value == fact.start)) for value in fact.values}
     for value, place in places.items():
@@ -78,11 +71,6 @@ def _draw_fact(canvas: Canvas, mission: Pen, fact: Fact, begin: str) -> None:
             says = "the fact has come to this value in this reaction"
             canvas.meet(became, says, owner="tp", control="pr", event="p")
             pen.transition(f"forget:{value}", [became], [], rank=canvas.ranks.forgetting)
-    for value, place in places.items() if canvas.part else ():
-        if value != fact.start:
-            event = Event(What.EARLIER, f"{fact.name}={value}")
-            part = ("earlier", fact.name, value)
-            mission.transition(part, [places[fact.start]], [place], read=[begin], event=event)
 
 
 def changing(canvas: Canvas, changes: Mapping[str, str], what: str) -> Iterator[FactArcs]:

@@ -107,7 +107,7 @@ CONTROL = frozenset({"objective", "parallel", "mission", "once"})
 """Kinds of elements that the template of the objectives graph draws."""
 
 HAPPENING: Mapping[What, frozenset[str]] = {
-    **dict.fromkeys((What.START, What.SUCCESS, What.FAILURE, What.TIMEOUT, What.EARLIER), CONTROL),
+    **dict.fromkeys((What.START, What.SUCCESS, What.FAILURE, What.TIMEOUT), CONTROL),
     What.DECLARED: CONTROL | {"fact"},
     **dict.fromkeys((What.OUT_OF_SERVICE, What.REPAIRED, What.DETECTED), frozenset({"hardware"})),
 }

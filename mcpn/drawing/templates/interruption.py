@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 from mcpn.drawing.templates.canvas import Canvas, Pen
 from mcpn.drawing.templates.facts import ways
 from mcpn.mission.flatten import ElementarySection, ParallelSection, Section
-from mcpn.nets.events import Event, What
 
 if TYPE_CHECKING:
     from mcpn.drawing.templates.interrupting import Interrupting
@@ -23,15 +22,12 @@ if TYPE_CHECKING:
 L = TypeVar("L")
 
 
-def draw_once(canvas: Canvas, mission: Pen, handler: str, begin: str) -> None:
-    """Draws the status of a handler that happens once; before a part of a mission it may have happened."""
+def draw_once(canvas: Canvas, handler: str) -> None:
+    """Draws the status of a handler that happens once."""
     pen = canvas.of("once", handler, None)
     open_ = canvas.role(pen.place("open", initial=1), ("open", handler))
     happened = canvas.role(pen.place("happened"), ("happened", handler))
     canvas.unit([open_, happened])
-    if canvas.part:
-        event = Event(What.EARLIER, handler)
-        mission.transition(("earlier", handler), [open_], [happened], read=[begin], event=event)
 
 
 @dataclass(frozen=True)
