@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import gc
 import os
 import random
 import signal
@@ -73,6 +74,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int | None:
     """One named test runs in this process, where a debugger and prints reach it; others on all cores."""
     return 0 if any("::" in argument for argument in config.args) else None
+
+
+def pytest_collection_finish() -> None:
+    """What is imported and collected stays to the end: the collector of garbage need not look at it again."""
+    gc.freeze()
 
 
 @pytest.hookimpl(wrapper=True)

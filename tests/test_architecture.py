@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import networkx
@@ -51,15 +52,22 @@ SOURCES = sorted((PACKAGE.parent / "kernel" / "src").rglob("*.[ch]pp"))
 """Of the kernel."""
 
 
-def imported(path: Path) -> set[str]:
+@cache
+def nodes(path: Path) -> tuple[ast.AST, ...]:
+    """All that a module says, read once."""
+    return tuple(ast.walk(ast.parse(path.read_text())))
+
+
+@cache
+def imported(path: Path) -> frozenset[str]:
     names = set()
-    for node in ast.walk(ast.parse(path.read_text())):
+    for node in nodes(path):
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path}: relative imports hide the way"
             names.add(node.module or "")
-    return names
+    return frozenset(names)
 
 
 def test_imports_only_point_backwards() -> None:
@@ -130,7 +138,7 @@ SPACES = {"CompositeSpace", "DiagramAlternatives", "DiagramMarkings"}
 def builders(path: Path) -> set[str]:
     """What a module outside of where spaces are defined takes from there to build them."""
     found = set[str]()
-    for node in ast.walk(ast.parse(path.read_text())):
+    for node in nodes(path):
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(
             ("mcpn.spaces", "mcpn.composite")
         ):
@@ -161,7 +169,7 @@ def test_modules_are_of_a_size_to_be_read() -> None:
 def test_no_two_classes_have_one_name() -> None:
     places: dict[str, list[str]] = {}
     for path in MODULES:
-        for node in ast.walk(ast.parse(path.read_text())):
+        for node in nodes(path):
             if isinstance(node, ast.ClassDef):
                 places.setdefault(node.name, []).append(str(path.relative_to(PACKAGE)))
     assert {name: where for name, where in places.items() if len(where) > 1} == {}

@@ -61,7 +61,7 @@ def test_ulysse_survives_one_failure_at_most(ulysse_net: MissionNet, engine: Eng
 
 
 @pytest.mark.parametrize(
-    "engine", [pytest.param(e, marks=pytest.mark.slow) if e == "explicit" else e for e in ENGINES]
+    "engine", [e if e == "local" else pytest.param(e, marks=pytest.mark.slow) for e in ENGINES]
 )
 def test_the_glider_is_defeated_by_its_losses_and_by_no_leak(engine: Engine) -> None:
     """A leak aborts the mission by itself: a run to failure that it is on would explain no loss."""

@@ -272,7 +272,11 @@ def test_by_a_time_drawn_missions_are_as_the_exponential_says(mission: Mission, 
         assert (getattr(found, end) or 0.0) == pytest.approx(value, rel=0, abs=found.error + 1e-11)
 
 
-HOURS = [(RATED[0], 8), (RATED[1], 24), *((name, 2) for name in RATED[2:])]
+HOURS = [
+    pytest.param(RATED[0], 8, marks=pytest.mark.slow),
+    pytest.param(RATED[1], 24, marks=pytest.mark.slow),
+    *((name, 2) for name in RATED[2:]),
+]
 
 
 @needs_storm

@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from functools import cache
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import pytest
 from hypothesis import settings
@@ -22,6 +22,7 @@ from mcpn.mission.xml import read_mission
 from mcpn.nets.events import Event
 from mcpn.runtime import Controller as Runtime
 from mcpn.runtime import Refused
+from mcpn.runtime.tables import Tables
 from tests.conftest import ULYSSE
 from tests.controller.oracle import NetRobot
 from tests.controller.test_exits import WATCH
@@ -29,15 +30,12 @@ from tests.controller.test_lockstep import plain
 
 
 @cache
-def made(path: Path) -> tuple[MissionNet, list[tuple[AnyController, dict[str, Any]]]]:
-    """The controllers of a mission: flat and hierarchical, minimised and not; modular."""
+def made(path: Path) -> tuple[MissionNet, list[Tables]]:
+    """The tables of a mission's controllers: flat and hierarchical, minimised and not; modular."""
     net = compose(read_mission(path))
     tables = [generate(net, "flat"), generate(net, "hierarchical")]
     controllers: list[AnyController] = [*tables, *map(minimise, tables), generate(net, "modular")]
-    rows = []
-    for controller in controllers:
-        rows.append((controller, document(controller, net)))
-    return net, rows
+    return net, [Tables(document(controller, net)) for controller in controllers]
 
 
 class Beside(RuleBasedStateMachine):
@@ -47,11 +45,11 @@ class Beside(RuleBasedStateMachine):
 
     @initialize(seed=st.integers(0, 2**32))
     def begin(self, seed: int) -> None:
-        self.net, rows = made(self.mission)
+        self.net, tables = made(self.mission)
         self.seed = seed
         self.robot = NetRobot(self.net, random.Random(seed))
         self.simulation = Simulation(self.net)
-        self.runtimes = [Runtime.from_document(said) for _, said in rows]
+        self.runtimes = [Runtime(each) for each in tables]
         self.events: list[str] = []
 
     def take(self, event: str) -> None:
@@ -82,9 +80,9 @@ class Beside(RuleBasedStateMachine):
         """The simulator takes one back; the others are made anew and led there."""
         self.simulation.undo()
         events = self.events[:-1]
-        _, rows = made(self.mission)
+        _, tables = made(self.mission)
         self.robot = NetRobot(self.net, random.Random(self.seed))
-        self.runtimes = [Runtime.from_document(said) for _, said in rows]
+        self.runtimes = [Runtime(each) for each in tables]
         for event in events:
             self.robot.handle(event)
             for controller in self.runtimes:

@@ -74,10 +74,10 @@ def test_a_mission_that_passes_gets_every_target(path: str) -> None:
     """In the form that is taken by itself; the modular form has all but SCXML."""
     study = open_study(ROOT / path)
     net = study.mission_net
+    controller, modular = study.controller("auto"), study.controller("modular")
+    assert isinstance(modular, ModularController)
     for target in TARGETS:
-        assert all(files(study.controller("auto"), net, target).values())
-        modular = study.controller("modular")
-        assert isinstance(modular, ModularController)
+        assert all(files(controller, net, target).values())
         if target == "scxml":
             with pytest.raises(InputError, match="the target scxml of a modular controller"):
                 files(modular, net, target)

@@ -1121,9 +1121,9 @@ EXPANSIONS = {
         "128 deep",
     ),
     "rounds of rounds": (
-        "<objective name='a' repeat='1000'><objective name='b' repeat='1000'>"
+        "<each name='e' in='1 2 3'><objective name='a' repeat='1000'><objective name='b' repeat='1000'>"
         + OK.replace("/>", " retries='1000'/>")
-        + "</objective></objective>",
+        + "</objective></objective></each>",
         "20000 objectives",
     ),
     "tries of rounds": (OK.replace("/>", " retries='99999' repeat='99999'/>"), "20000 objectives"),
@@ -1178,6 +1178,7 @@ LARGE = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LARGE)
 def test_large_files_are_told_soon(name: str, tmp_path: Path) -> None:
     text, message = LARGE[name]

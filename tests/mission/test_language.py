@@ -401,16 +401,6 @@ def test_values_of_rounds_are_parameters_like_those_that_a_use_states(tmp_path: 
     }
 
 
-def test_too_many_rounds_hit_the_limit(tmp_path: Path) -> None:
-    found = mission(
-        tmp_path,
-        '<each name="site" in="1 2 3"><objective name="visit" repeat="1000" retries="50">'
-        '<objective name="x" activities="go"/></objective></each>',
-    )
-    with pytest.raises(LimitError, match=r"m.*\.xml:\d+: more than 20000 objectives"):
-        flatten(found)
-
-
 def test_handlers_are_ways_out_of_what_they_stand_around(tmp_path: Path) -> None:
     text = (
         '<robot name="q"><event name="leak"/><event name="recall"/><event name="storm"/></robot>'

@@ -13,7 +13,14 @@ from mcpn.findings import Findings, findings
 from mcpn.mission.xml import read_mission
 from tests.conftest import ULYSSE
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+CHROMIUM = next(
+    filter(
+        None,
+        # The first has no windows, and a page costs a third.
+        map(shutil.which, ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")),
+    ),
+    None,
+)
 
 
 @pytest.fixture(scope="module")

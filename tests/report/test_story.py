@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
@@ -184,7 +184,6 @@ def test_what_is_not_confluent_is_not_proved() -> None:
 
 
 @given(missions(max_objectives=4))
-@settings(max_examples=30)
 def test_the_run_without_failures_is_one(mission: Mission) -> None:
     """It ends in success; nothing in it fails; where there is none, some success leads away from success."""
     found = findings(compose(mission))

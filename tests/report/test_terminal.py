@@ -130,8 +130,8 @@ def test_colours_are_for_terminals_that_want_them() -> None:
 
 
 def test_progress_is_shown_on_a_terminal_and_wiped(tmp_path: Path) -> None:
-    # 2^23 states and 23 times as many firings take seconds.
-    lines = ["net big", *(f"pl a{i} (1)\ntr t{i} a{i} -> b{i}\ntr u{i} b{i} -> a{i}" for i in range(23))]
+    # 2^22 states and 22 times as many firings take seconds.
+    lines = ["net big", *(f"pl a{i} (1)\ntr t{i} a{i} -> b{i}\ntr u{i} b{i} -> a{i}" for i in range(22))]
     (tmp_path / "big.net").write_text("\n".join(lines) + "\n")
     told = on_a_terminal({}, "states", str(tmp_path / "big.net"), "--engine", "explicit")
     assert "states a second" in told
