@@ -179,7 +179,13 @@ def greenhouse(beds: int) -> str:
     </mission>"""
 
 
-@pytest.mark.parametrize("text", [convoy(4), greenhouse(3)], ids=["convoy", "greenhouse"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        pytest.param(convoy(4), id="convoy"),
+        pytest.param(greenhouse(3), id="greenhouse", marks=pytest.mark.slow),
+    ],
+)
 def test_of_a_large_mission_all_but_the_numbers_is_told(text: str, tmp_path: Path) -> None:
     path, page = tmp_path / "m.xml", tmp_path / "page.html"
     path.write_text(text)

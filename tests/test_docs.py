@@ -194,6 +194,7 @@ def test_links_lead_somewhere(page: Path) -> None:
             assert anchor in anchors(path), f"{page.name}: {target}#{anchor}"
 
 
+@pytest.mark.slow
 def test_the_site_builds_without_a_warning_and_loads_nothing_from_elsewhere(folder: Path) -> None:
     pytest.importorskip("mkdocs", reason="needs mcpn[docs]")
     built = subprocess.run(

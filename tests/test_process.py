@@ -217,7 +217,7 @@ main()
 def test_too_little_memory_is_told_in_a_sentence(arguments: list[str]) -> None:
     """OpenBLAS, which numpy and scipy load, ends a process with code 1 where it has no room."""
     codes = []
-    for megabytes in (60, 80, 90, 100, 105, 110, 120, 210, 220, 230, 1_000):
+    for megabytes in (60, 90, 105, 120, 220, 1_000):
         command = [sys.executable, "-c", LIMITED.replace("ROOM", str(megabytes << 20)), *arguments]
         run = subprocess.run(command, capture_output=True, text=True, check=False)
         codes.append(run.returncode)

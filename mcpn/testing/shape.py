@@ -242,6 +242,8 @@ TEXTS = st.text(
     st.characters(codec="utf-8", exclude_categories=("Cc", "Cs", "Cn", "Co")) | st.sampled_from("\t\n\r"),
     max_size=12,
 )
+MAYBE_TEXT = st.none() | TEXTS
+"""Made once: hypothesis takes longer to look at a new strategy than to draw from it."""
 
 
 class MissionDrawer:
@@ -272,13 +274,13 @@ class MissionDrawer:
 
     def description(self) -> str | None:
         """A text or none."""
-        return self.draw(st.none() | TEXTS) if self.shape.text else None
+        return self.draw(MAYBE_TEXT) if self.shape.text else None
 
     def parameters(self) -> tuple[Parameter, ...]:
         """A parameter or none."""
         if not self.shape.text or not self.chance():
             return ()
-        unit = self.draw(st.none() | TEXTS)
+        unit = self.draw(MAYBE_TEXT)
         name = self.draw(st.sampled_from(PARAMETERS))
         return (Parameter(name=name, value=self.draw(TEXTS), unit=unit),)
 

@@ -24,6 +24,8 @@ from mcpn.testing.kit.running import broken, first_broken
 from tests.commands import mcpn, output
 from tests.conftest import ULYSSE
 
+MOST_COMPARED = 3
+
 
 @cache
 def of_paper(name: str) -> MissionSpaces:
@@ -76,11 +78,16 @@ def behaviour(spaces: MissionSpaces) -> Behaviour:
 
 @pytest.mark.parametrize("name", [*FAULTS, *HARMLESS])
 def test_faults_are_told_apart_by_a_shortest_run(name: str) -> None:
+    """In the first missions of the corpus that have the fault; what changes nothing, in all."""
+    compared = 0
     for told, mission in MISSIONS.items():
+        if compared == MOST_COMPARED and name in FAULTS:
+            return
         templates = Faulty(*{**FAULTS, **HARMLESS}[name])
         faulty = MissionSpaces(compose(mission, templates), templates=templates)
         if faulty.net == of_paper(told).net:
             continue  # nothing in this mission has the fault
+        compared += 1
         try:
             found = likeness_of(of_paper(told), faulty, max_states=20_000)
         except SemanticsError:  # an event has several outcomes: that is how these are known to be wrong

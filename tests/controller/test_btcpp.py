@@ -94,19 +94,27 @@ def test_faults_crashes_facts_timers_and_aborts(
     lockstep(twice, form, tmp_path, against, 5_000)
 
 
-def played(
-    net: MissionNet, folder: Path, against: list[str], body: str, tree: str = "", main: str = ""
-) -> list[str]:
-    """What a program prints that plays the node; each action is a line, refused events and outcomes too."""
-    texts = files(generate(net, "hierarchical"), net, "btcpp")
+def compiled_to_play(
+    net: MissionNet, folder: Path, against: list[str], bodies: dict[str, str], **parts: str
+) -> Path:
+    """A program that plays the node as one of some bodies says; it is given its name and the tree.
+
+    Each action is a line, refused events and outcomes too.
+    """
+    played = "".join(f'if (asked == "{name}") {{ {body} }}\n' for name, body in bodies.items())
+    main = PROGRAM.replace("BODIES", played)
+    for part in ("MORE", "WATCHED"):
+        main = main.replace(part, parts.get(part, ""))
+    return compiled(files(generate(net, "hierarchical"), net, "btcpp"), folder, against, main=main)
+
+
+def played(program: Path, body: str, tree: str = "") -> list[str]:
+    """What a body prints."""
     tree = tree or (
         "<twice_mission events='{events}' mode='{mode}' outcome='{outcome}'"
         " fact_door='{door}' service_camera='{camera}' service_gps='{gps}'/>"
     )
-    tree = tree.replace("'", '\\"')
-    main = (main or PROGRAM.replace("MORE", "").replace("WATCHED", "")).replace("TREE", tree)
-    program = compiled(texts, folder, against, main=main.replace("BODY", body))
-    run = subprocess.run([program], capture_output=True, text=True)
+    run = subprocess.run([program, body, tree.replace("'", '"')], capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
     return run.stdout.splitlines()
 
@@ -119,8 +127,9 @@ static void line(const std::string &verb, const char *what)
 {
     std::cout << verb << what << '\\n';
 }
-int main()
+int main(int, char **arguments)
 {
+    const std::string asked = arguments[1], played = arguments[2];
     BT::BehaviorTreeFactory factory;
     auto robot = std::make_shared<twice_bt::Robot>();
     auto time = std::chrono::steady_clock::time_point();
@@ -135,19 +144,19 @@ int main()
     twice_bt::register_node(factory, robot);
     WATCHED
     BT::Tree tree = factory.createTreeFromText(
-        "<root BTCPP_format=\\"4\\"><BehaviorTree ID=\\"Main\\">TREE</BehaviorTree></root>");
+        "<root BTCPP_format=\\"4\\"><BehaviorTree ID=\\"Main\\">" + played + "</BehaviorTree></root>");
     const auto board = tree.rootBlackboard();
     const auto tick = [&] { std::cout << BT::toStr(tree.tickOnce()) << '\\n'; };
     const auto tell = [&](const char *events) { board->set("events", std::string(events)); tick(); };
     const auto text = [&](const char *key) { std::string found; (void)board->get(key, found); return found; };
     (void)tell; (void)text;
-    BODY
+    BODIES
 }
 """
 
 
-def test_ports_tell_events(twice: MissionNet, against: list[str], tmp_path: Path) -> None:
-    body = """
+BODIES = {
+    "ports": """
     board->set("door", std::string("open")); board->set("camera", false); tick();
     board->set("camera", true); tick();
     board->set("door", std::string("closed")); tick();
@@ -155,9 +164,40 @@ def test_ports_tell_events(twice: MissionNet, against: list[str], tmp_path: Path
     board->set("gps", false); tick(); board->set("gps", true); tick();
     tell("OBJ_watch_EV_SUCC ; nothing;; leak_EV");
     std::cout << text("outcome") << '[' << text("events") << ']' << text("mode") << '\\n';
-    """
+    """,
+    "time": """
+    const auto pass = [&](int microseconds) { time += std::chrono::microseconds(microseconds); tick(); };
+    tick();
+    pass(4999999); pass(1);
+    for (int i = 0; i < 9; i++) { pass(555555); }
+    pass(5);
+    """,
+    "at once": """
+    auto act = robot->act;
+    robot->act = [&](const twice_action &action) {
+        act(action);
+        if (action.verb == TWICE_START) { robot->tell("leak_EV"); }
+    };
+    for (int i = 0; i < 2; i++) { std::cout << BT::toStr(tree.tickExactlyOnce()) << '\\n'; }
+    """,
+    "halt": """
+    tick(); robot->tell("gps_EV_OOS"); std::cout << "halt\\n"; tree.haltTree();
+    std::cout << text("outcome") << '[' << text("mode") << "]\\n"; tree.haltTree(); tick();
+    """,
+    "no entry": """
+    try { tick(); } catch (const BT::RuntimeError &error) { std::cout << error.what() << '\\n'; }
+    """,
+}
+
+
+@pytest.fixture(scope="module")
+def player(twice: MissionNet, against: list[str], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return compiled_to_play(twice, tmp_path_factory.mktemp("player"), against, BODIES)
+
+
+def test_ports_tell_events(player: Path) -> None:
     camera = ["taken camera_EV_OOS", "taken MISSION_EV_START"]
-    found = played(twice, tmp_path, against, body)
+    found = played(player, "ports")
     assert found[:2] == camera
     assert "taken camera_EV_RD" in found
     assert [line for line in found if "fact" in line or "service" in line] == [
@@ -170,45 +210,24 @@ def test_ports_tell_events(twice: MissionNet, against: list[str], tmp_path: Path
     assert found[-2:] == ["FAILURE", "abort[]"]
 
 
-def test_time_passes_between_ticks(twice: MissionNet, against: list[str], tmp_path: Path) -> None:
+def test_time_passes_between_ticks(player: Path) -> None:
     """The timers are the controller's: 5 s for each of two tries, and a part of a millisecond is not lost."""
-    body = """
-    const auto pass = [&](int microseconds) { time += std::chrono::microseconds(microseconds); tick(); };
-    tick();
-    pass(4999999); pass(1);
-    for (int i = 0; i < 9; i++) { pass(555555); }
-    pass(5);
-    """
-    found = played(twice, tmp_path, against, body)
+    found = played(player, "time")
     late = [i for i, line in enumerate(found) if line.startswith("taken OBJ_watch")]
     assert [found[i] for i in late] == ["taken OBJ_watch_try1_EV_TIMEOUT", "taken OBJ_watch_try2_EV_TIMEOUT"]
     ticks = [sum(line in ("RUNNING", "FAILURE") for line in found[:i]) for i in late]
     assert ticks == [2, 12]
 
 
-def test_what_a_driver_tells_at_once_is_for_the_next_tick(
-    twice: MissionNet, against: list[str], tmp_path: Path
-) -> None:
-    body = """
-    auto act = robot->act;
-    robot->act = [&](const twice_action &action) {
-        act(action);
-        if (action.verb == TWICE_START) { robot->tell("leak_EV"); }
-    };
-    for (int i = 0; i < 2; i++) { std::cout << BT::toStr(tree.tickExactlyOnce()) << '\\n'; }
-    """
-    found = played(twice, tmp_path, against, body)
+def test_what_a_driver_tells_at_once_is_for_the_next_tick(player: Path) -> None:
+    found = played(player, "at once")
     assert found.index("RUNNING") < found.index("taken leak_EV")
     assert found[-1] == "FAILURE"
 
 
-def test_halt_gives_the_mission_up(twice: MissionNet, against: list[str], tmp_path: Path) -> None:
+def test_halt_gives_the_mission_up(player: Path) -> None:
     """What was started last is stopped first; hardware is released; the next start knows what is lost."""
-    body = """
-    tick(); robot->tell("gps_EV_OOS"); std::cout << "halt\\n"; tree.haltTree();
-    std::cout << text("outcome") << '[' << text("mode") << "]\\n"; tree.haltTree(); tick();
-    """
-    found = played(twice, tmp_path, against, body)
+    found = played(player, "halt")
     started = [line.removeprefix("start ") for line in found[: found.index("RUNNING")] if "start" in line]
     assert started
     after = found[found.index("halt") + 1 :]
@@ -218,9 +237,8 @@ def test_halt_gives_the_mission_up(twice: MissionNet, against: list[str], tmp_pa
     assert after[outcome + 1 : outcome + 3] == ["taken gps_EV_OOS", "taken MISSION_EV_START"]
 
 
-def test_a_port_of_no_entry_is_an_error(twice: MissionNet, against: list[str], tmp_path: Path) -> None:
-    body = 'try { tick(); } catch (const BT::RuntimeError &error) { std::cout << error.what() << "\\n"; }'
-    found = played(twice, tmp_path, against, body, "<twice_mission events='leak'/>")
+def test_a_port_of_no_entry_is_an_error(player: Path) -> None:
+    found = played(player, "no entry", "<twice_mission events='leak'/>")
     assert found[-1].endswith("port events must name an entry of the blackboard: {events}")
 
 
@@ -248,9 +266,10 @@ def test_monitors_are_conditions(twice: MissionNet, against: list[str], tmp_path
     """
     watching = "auto monitors = std::make_shared<twice_bt::Monitors>(); monitors->watch(*robot);"
     watching += " twice_bt::register_monitors(factory, monitors);"
-    main = PROGRAM.replace("MORE", '#include "twice_monitors_node.hpp"').replace("WATCHED", watching)
     options = [*against, "-I", str(tmp_path / "made"), str(tmp_path / "monitors.o")]
-    found = played(twice, tmp_path / "node", options, body, tree, main)
+    more = {"MORE": '#include "twice_monitors_node.hpp"', "WATCHED": watching}
+    program = compiled_to_play(twice, tmp_path / "node", options, {"all": body}, **more)
+    found = played(program, "all", tree)
     assert sorted(found[: found.index("RUNNING")][-2:]) == ["start go", "start look"]
     violated = found.index("taken closes_EV")
     assert found[violated + 1 : found.index("halts")] == ["stop go", "release gps", "RUNNING"]

@@ -71,6 +71,12 @@ def made(request: pytest.FixtureRequest, ulysse_net: MissionNet) -> tuple[dict[s
     return files(controller, ulysse_net, "c"), document(controller, ulysse_net)
 
 
+@pytest.fixture(scope="module")
+def sanitized(made: tuple[dict[str, str], dict[str, Any]], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The program under sanitizers."""
+    return build(made[0], tmp_path_factory.mktemp("sanitized"), *SANITIZE)
+
+
 @pytest.mark.parametrize("compiler", ["gcc", pytest.param("clang", marks=pytest.mark.long)])
 def test_every_edge_of_ulysse(
     made: tuple[dict[str, str], dict[str, Any]], compiler: str, tmp_path: Path
@@ -97,17 +103,15 @@ def check_edges(traced: Traced, said: dict[str, Any], edges: set[tuple[Place, st
     assert len(inside) == sum(len(row["edges"]) for row in said["types"])
 
 
-def test_random_events_under_sanitizers(made: tuple[dict[str, str], dict[str, Any]], tmp_path: Path) -> None:
+def test_random_events_under_sanitizers(made: tuple[dict[str, str], dict[str, Any]], sanitized: Path) -> None:
     traced = Traced(made[1])
-    program = build(made[0], tmp_path, *SANITIZE)
     events = random_events(traced, random.Random(1), 5000)
     traced.restart()
-    assert run_lines(program, events) == traced.lines(events)
+    assert run_lines(sanitized, events) == traced.lines(events)
 
 
-def test_any_bytes_under_sanitizers(made: tuple[dict[str, str], dict[str, Any]], tmp_path: Path) -> None:
+def test_any_bytes_under_sanitizers(made: tuple[dict[str, str], dict[str, Any]], sanitized: Path) -> None:
     rng = random.Random(2)
-    program = build(made[0], tmp_path, *SANITIZE)
     known = sorted(Traced(made[1]).tables.known)
     longest = max(map(len, known))
     lines: list[bytes] = []
@@ -128,7 +132,7 @@ def test_any_bytes_under_sanitizers(made: tuple[dict[str, str], dict[str, Any]],
             )
         )
     for end in (b"\n", b"", b"\0"):
-        run = subprocess.run([program], input=b"\n".join(lines) + end, capture_output=True)
+        run = subprocess.run([sanitized], input=b"\n".join(lines) + end, capture_output=True)
         assert (run.returncode, run.stderr) == (0, b"")
         statuses = [line.split(b":")[0] for line in run.stdout.splitlines()]
         expected = [line for line in [*lines[:-1], lines[-1] + end.strip()] if line]
@@ -183,7 +187,7 @@ def test_sizes_in_the_header_are_those_of_the_compiler(
     made: tuple[dict[str, str], dict[str, Any]], tmp_path: Path
 ) -> None:
     header = made[0]["ulysse.h"]
-    build(made[0], tmp_path)
+    (tmp_path / "ulysse.h").write_text(header)
     code = made[0]["ulysse.c"]
     source = tmp_path / "ulysse.c"
     names = [

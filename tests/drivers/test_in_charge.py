@@ -81,7 +81,14 @@ def known(runs: Runs, count: int) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["SIGHUP", "SIGQUIT", "SIGUSR1", "SIGUSR2", "SIGXCPU", "SIGTSTP", "SIGRTMIN"]
+    "name",
+    [
+        *("SIGHUP", "SIGTSTP", "SIGRTMIN"),
+        *(
+            pytest.param(name, marks=pytest.mark.slow)
+            for name in ("SIGQUIT", "SIGUSR1", "SIGUSR2", "SIGXCPU")
+        ),
+    ],
 )
 def test_every_signal_that_can_be_caught_stops_the_robot(name: str, made: Made) -> None:
     runs = made()

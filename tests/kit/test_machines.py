@@ -84,7 +84,12 @@ def test_each_fault_is_found(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("machine", "name"), [(machine, name) for machine, names in ONE_MACHINE.items() for name in names]
+    ("machine", "name"),
+    [
+        pytest.param(machine, name, marks=[pytest.mark.slow] * (machine == "control" and i >= 4))
+        for machine, names in ONE_MACHINE.items()
+        for i, name in enumerate(names)
+    ],
 )
 def test_faults_of_facts_losses_and_control_are_found(machine: str, name: str) -> None:
     faulty = Faulty(*FAULTS[name])

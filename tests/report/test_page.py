@@ -353,7 +353,10 @@ def test_the_command(tmp_path: Path) -> None:
     assert not (tmp_path / "u.pdf").exists()
 
 
-@pytest.mark.parametrize("name", ["rover", "drone", "glider", "courier"])
+@pytest.mark.parametrize(
+    "name",
+    ["rover", "drone", *(pytest.param(name, marks=pytest.mark.slow) for name in ("glider", "courier"))],
+)
 def test_other_missions(name: str, tmp_path: Path) -> None:
     path = ROOT / "experiments" / name / "mission.xml"
     told = output("report", path, "-o", tmp_path / "m.html")

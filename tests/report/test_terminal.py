@@ -53,7 +53,9 @@ def test_lines_keep_to_the_width_unless_a_word_is_longer(
     assert " ".join(lines).split() == plain(text).split()
 
 
-@pytest.mark.parametrize("arguments", [["check"], ["causes"], ["states"], ["compare"]])
+@pytest.mark.parametrize(
+    "arguments", [["check"], ["causes"], ["states"], pytest.param(["compare"], marks=pytest.mark.slow)]
+)
 def test_reports_fit_80_columns_and_break_no_name(
     arguments: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
