@@ -439,6 +439,7 @@ class BigSteps:
         It is ``None`` where it is too large.
         """
 
+@disjoint_base
 class Firings:
     """An event and the internal transitions that fired behind it, each in all markings in which it might."""
 
