@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 from dataclasses import replace
 from functools import reduce
+from itertools import pairwise
 from operator import or_
 from typing import Any
 
@@ -203,6 +204,20 @@ def test_branches_that_share_a_producer_are_a_sum() -> None:
     assert few == 260  # as `mcpn alternatives --engine explicit` lists them
     assert many == 90_524
     assert long < short * 10
+
+
+def test_objectives_of_branches_stand_apart() -> None:
+    """What looks at all branches does not draw the control of all of them together."""
+    branches = tuple(Objective(name=f"o{i}", activities=(f"work{i}",)) for i in range(5))
+    localise = activity("localise", ("gps",), ("imu",), produces=("position",))
+    works = (activity(f"work{i}", ("position", f"h{i}"), ("position",)) for i in range(5))
+    hardware = hw("gps", "imu", *(f"h{i}" for i in range(5)))
+    net = compose(mission(robot(hardware, localise, *works), Parallel(name="p", blocks=branches))).net
+    order = [net.places[p].name for p in clustered(net)]
+    assert sorted(order) == sorted(place.name for place in net.places)
+    control = [name.split("_")[1] for name in order if name.startswith("OBJ_o")]
+    assert len(control) > 10
+    assert len([a for a, b in pairwise(control) if a != b]) == 4
 
 
 def test_producers_that_crash_are_a_sum() -> None:

@@ -10,6 +10,7 @@ reverse differ.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain
 from pathlib import Path
@@ -208,11 +209,51 @@ def clustered(net: PetriNet) -> Order:
     Two places pull each other by each transition beside both, less the more places it is beside. The two
     clusters that pull most, divided by a power of their sizes, are made one, again and again. So branches of
     a mission that share a resource are one block each; FORCE mixes them, as it draws all of them to what they
-    share. It says in which order the two parts of each cluster stand, and hardware is below.
+    share. It says in which order the two parts of each cluster stand, and hardware is below. The control of
+    each objective stands beside its activity.
     """
-    start = force(net, tuple(range(len(net.places))))
-    order = tuple(kernel_clustered(_touched(net), list(start)))
-    return order if _stands_on_hardware(net, order) else order[::-1]
+    start, touched = force(net, tuple(range(len(net.places)))), _touched(net)
+    order = tuple(kernel_clustered(touched, list(start)))
+    return _beside_activities(net, touched, order if _stands_on_hardware(net, order) else order[::-1])
+
+
+def _beside_activities(net: PetriNet, touched: Sequence[Sequence[int]], order: Order) -> Order:
+    """Moves the control of objectives beside their activities.
+
+    What looks at all branches of a block draws the control of all of them together. It would say on top which
+    branches run, have succeeded and have failed: all combinations, down to where their activities say it
+    again. So an objective stands above the place of an activity that pulls it most, and below it what nothing
+    but objectives leads to, such as the outcome of their branch; of several objectives below the first.
+    """
+    kinds = [place.provenance and place.provenance.kind for place in net.places]
+    pulls: dict[int, Counter[int]] = {}
+    for places in touched:
+        for objective in (p for p in places if kinds[p] == "objective"):
+            drawn = {p: (len(places) - 1) ** -2 for p in places if kinds[p] == "activity"}
+            pulls.setdefault(objective, Counter()).update(drawn)
+    above, below = dict[int, list[int]](), dict[int, list[int]]()
+    leading: dict[int, list[list[int]]] = {}
+    level = {p: i for i, p in enumerate(order)}
+    for t in net.safe_transitions:
+        objectives = sorted((p for p in t.consume if kinds[p] == "objective"), key=level.__getitem__)
+        for place in t.produce:
+            leading.setdefault(place, []).append(objectives)
+    for place in order:
+        if pull := pulls.get(place):
+            strongest = max(pull, key=lambda p: (pull[p], -level[p]))
+            above.setdefault(strongest, []).append(place)
+        elif kinds[place] == "parallel" and all(ways := leading.get(place, [[]])):
+            first = min((way[0] for way in ways), key=level.__getitem__)
+            below.setdefault(first, []).append(place)
+    moved = {p for places in (*above.values(), *below.values()) for p in places}
+
+    def block(place: int) -> Iterator[int]:
+        for objective in above.get(place, ()):
+            yield from block(objective)
+        yield place
+        yield from below.get(place, ())
+
+    return tuple(p for place in order if place not in moved for p in block(place))
 
 
 def cuthill_mckee(net: PetriNet) -> Order:
