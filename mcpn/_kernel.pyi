@@ -345,6 +345,9 @@ class Exploration:
     def run(self, state: int) -> list[int]:
         """The transitions by which a state was found: a shortest run."""
 
+    def lists(self) -> tuple[list[int], list[int], list[int], list[int]]:
+        """The words of all markings, offsets, targets and labels, for small results: nothing is taken."""
+
     def take_markings(self) -> npt.NDArray[np.uint64]:
         """Rows of words, a bit for each place; may be taken once, as the other arrays."""
 

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.causes.find import Causes, find_causes
@@ -17,6 +18,7 @@ from mcpn.controller.targets.json import document
 from mcpn.drawing.sections import SectionParts
 from mcpn.errors import LimitError, McpnError, SemanticsError
 from mcpn.mission.static.intervals import at_their_means
+from mcpn.runtime.tables import Tables
 from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
@@ -82,6 +84,11 @@ class Findings:
     risk: Risk | None = None
     local: Sequence[LocalGraph] = ()
     unlisted: Sequence[str] = ()
+
+    @cached_property
+    def tables(self) -> Tables | None:
+        """Those of the controller, which whatever runs it shares."""
+        return None if self.controller is None else Tables(self.controller)
 
 
 def findings(

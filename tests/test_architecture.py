@@ -118,11 +118,12 @@ BUILDERS = {
     "count",
     "count_markings",
     "direct",
-    "direct_with_proof",
     "explore",
     "explore_markings",
     "explore_tokens",
+    "of_listing",
     "prove_confluent",
+    "proved",
     "pyeda_reference",
     "reaching",
     "reaching_markings",
@@ -131,7 +132,7 @@ BUILDERS = {
 """Names of ``mcpn.spaces`` that build a space, or count one."""
 COMPOSERS = {"composite_space", "local_graph"}
 """Names of ``mcpn.composite`` that do."""
-SPACES = {"CompositeSpace", "DiagramAlternatives", "DiagramMarkings"}
+SPACES = {"BitSpace", "CompositeSpace", "DiagramAlternatives", "DiagramMarkings"}
 """Classes of spaces over a whole net."""
 
 
@@ -227,7 +228,7 @@ LOADS: dict[str, set[str]] = {
     "states --engine local": set(),
     "states --engine symbolic": set(),
     "states --engine explicit": TOKENS,
-    "check": ARRAYS,
+    "check": set(),
     "check --engine symbolic": set(),
     "check --engine local": set(),
     "alternatives": ARRAYS,

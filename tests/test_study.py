@@ -21,14 +21,13 @@ from mcpn.errors import InputError, LimitError, McpnError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.report.notebook import show
 from mcpn.spaces.engines import Choice, Engine
-from mcpn.spaces.stable import alternatives
 from mcpn.testing import missions
 from tests.conftest import ROOT, ULYSSE
 from tests.draws import fewer
 
 BUILT = {
     "composite": "mcpn.composite.composing.composite_space",
-    "listing": "mcpn.spaces.stable.alternatives.direct_with_proof",
+    "listing": "mcpn.spaces.kept.proved",
     "diagram": "mcpn.spaces.kept.reaching",
     "markings": "mcpn.spaces.kept.explore",
 }
@@ -54,7 +53,7 @@ def built() -> Iterator[Counter[str]]:
     from mcpn.composite import composing
     from mcpn.spaces import kept as spaces
 
-    homes = {"composite": composing, "listing": alternatives, "diagram": spaces, "markings": spaces}
+    homes = {"composite": composing, "listing": spaces, "diagram": spaces, "markings": spaces}
     with ExitStack() as stack:
         for name, target in BUILT.items():
             original = getattr(homes[name], target.rpartition(".")[2])
@@ -76,24 +75,14 @@ def test_one_command_builds_the_composite_once(
 ) -> None:
     more = {"report": ["-o", str(tmp_path / "page.html")], "ask": ["EF success", "AG EF (success | failure)"]}
     assert run([command, str(ULYSSE), *more.get(command, []), "--engine", "local"]) == 0
-    assert built.pop("listing", 0) == (sections_listed() if command == "report" else 0)
     assert built == dict.fromkeys(once, 1)
 
 
 def test_a_report_lists_the_stable_states_once(built: Counter[str], tmp_path: Path) -> None:
     """Its verdicts and causes share them; its controller needs the composite besides."""
     assert run(["report", str(ULYSSE), "-o", str(tmp_path / "page.html")]) == 0
-    assert built["listing"] - sections_listed() == 1
+    assert built["listing"] == 1
     assert built["composite"] == 1
-
-
-def sections_listed() -> int:
-    """Local graphs that a report of Ulysse draws: one for each type of section."""
-    net = compose(mcpn.read_mission(ULYSSE))
-    from mcpn.drawing.sections import SectionParts
-
-    alone = SectionParts(net.usage).alone
-    return len({alone(section).type for section in net.graph.sections})
 
 
 @pytest.mark.parametrize(
@@ -118,6 +107,15 @@ def test_an_engine_that_gave_up_is_not_asked_again(built: Counter[str]) -> None:
         assert study.verdicts(max_states=100).choice.engine == "local"
         assert study.causes(max_states=100).choice.engine == "local"
     assert built == {"listing": 1, "composite": 1, "composite, may die": 1}
+
+
+def test_the_same_listing_gives_integers_and_arrays() -> None:
+    spaces = MissionSpaces(compose(mcpn.read_mission(ULYSSE)))
+    low, high = (Choice("explicit", max_states=most) for most in (1000, 2000))
+    few, _ = spaces.stable(low)
+    arrays = [spaces.space(by, "alternatives") for by in (high, low)]
+    assert [space.everything.count() for space in (few, *arrays)] == [260] * 3
+    assert arrays[0] is arrays[1]
 
 
 def test_what_was_listed_within_a_limit_serves_every_higher_one(built: Counter[str]) -> None:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 from mcpn.answers.names import MissionNames, progress
 from mcpn.drawing.compose import MissionNet
@@ -25,8 +24,7 @@ from mcpn.spaces.search.goal import Formula
 from mcpn.steps import Doing, step
 
 
-@dataclass(frozen=True)
-class AskedRequirement:
+class AskedRequirement(NamedTuple):
     """A requirement of a mission, or of one use of a protocol, as a formula.
 
     Args:
@@ -78,8 +76,7 @@ FAIR = (
 )
 
 
-@dataclass(frozen=True)
-class RequirementAnswer:
+class RequirementAnswer(NamedTuple):
     """Whether a requirement is met.
 
     Args:

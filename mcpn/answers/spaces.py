@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from mcpn.answers.names import MissionNames
     from mcpn.composite.composite import CompositeSpace
     from mcpn.drawing.templates import TemplateSet
-    from mcpn.spaces.arrays import ArraySpace
     from mcpn.spaces.diagrams.symbolic import SymbolicSpace
     from mcpn.spaces.search.goal import Formula
     from mcpn.spaces.stable.alternatives import AlternativesGraph
@@ -143,7 +142,7 @@ class MissionSpaces(Spaces):
         if by.engine == "symbolic":
             return self._mortal.reduced(by, proof=proof)[0]
         limit = by.second_limit(MORTAL)
-        return self._mortal._listed((limit, inf))[1] if proof else self._mortal.unproved(limit)
+        return self._mortal._listed((limit, inf)).space if proof else self._mortal.unproved(limit)
 
     @property
     @kept()
@@ -151,11 +150,11 @@ class MissionSpaces(Spaces):
         """The spaces of the same mission where hardware may die."""
         return MissionSpaces(mortal(self.mission))
 
-    def stable(self, by: Choice) -> tuple[ArraySpace, str]:
-        """The alternatives graph by listing, unless its hardware alone means too many states."""
+    def within(self, by: Choice) -> tuple[int, float]:
+        """How many stable states may be listed, unless hardware alone means more."""
         if reason := too_much_hardware(self.mission, by.limit):
             raise LimitError(f"{reason}, the limit on states is {by.limit}: use --engine local")
-        return super().stable(by)
+        return super().within(by)
 
     def symbolic(self, *, tokens: bool = True, edges: bool = False) -> SymbolicSpace:
         """All markings as a diagram; a mission whose net alone would be too large is refused."""

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from itertools import permutations, product
+from typing import NamedTuple
 
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.mortal import crashed_idle
@@ -21,8 +21,7 @@ from mcpn.nets.petri import Marking, Provenance, Transition
 from mcpn.sentences import enumeration
 
 
-@dataclass(frozen=True, slots=True)
-class Rival:
+class Rival(NamedTuple):
     """One who wants what another wants at the same moment.
 
     Args:
@@ -36,8 +35,7 @@ class Rival:
     objectives: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class Clash:
+class Clash(NamedTuple):
     """What two want at the same moment, so that the outcome depends on who comes first.
 
     Args:

@@ -8,7 +8,7 @@ exit and the status of all hardware.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from functools import cache, cached_property, partial
+from functools import cached_property, partial
 from heapq import heappop, heappush
 from itertools import chain
 from typing import TypeAlias
@@ -22,7 +22,7 @@ from mcpn.spaces.algebra import Edge, Guards, Piece, Without
 from mcpn.spaces.components import strongly_connected
 from mcpn.spaces.diagrams.base import layers_back
 from mcpn.spaces.images import ImageStore
-from mcpn.spaces.memoized import memoized
+from mcpn.spaces.memoized import ByKey, memoized
 
 Filter: TypeAlias = Callable[[str], Allowed]
 """By section, what its edges may carry."""
@@ -158,7 +158,7 @@ class Glued:
             guarded = ((i, limits[t].of(name)) for i, t in enumerate(own) if t in limits) if limits else ()
             return Allowed(local, beside, tuple(guarded))
 
-        return cache(of)
+        return ByKey(of).__getitem__
 
     @memoized
     def _beside(self, wanted: frozenset[int]) -> frozenset[int]:

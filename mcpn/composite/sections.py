@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Literal, TypeVar, get_args
 
 from mcpn._kernel import Zdd
@@ -212,14 +212,18 @@ class WholeNet:
         has the interfaces of its own activities alone: there names are compared.
         """
         net, theirs, ours = self.mission_net.net, self._elements(kind, type_), self._elements(kind, None)
-        drawn = cache(lambda: self._drawn(part, type_))
+        drawn: MissionNet | None = None
         for element, name in names.items():
             if element not in theirs:
                 continue
             here, there = theirs[element], ours[name]
             if len(there) != len(here):
                 same_names = part.used is type_.part.used and name == element
-                own = getattr((type_.net if same_names else drawn()).net, kind)
+                if same_names:
+                    own = getattr(type_.net.net, kind)
+                else:
+                    drawn = drawn or self._drawn(part, type_)
+                    own = getattr(drawn.net, kind)
                 index = net.place_index if kind == "places" else net.transition_index
                 there = [index.get(own[i].name, NOWHERE) for i in here]
             for i, where in zip(here, there, strict=True):

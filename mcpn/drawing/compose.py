@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 from mcpn.drawing.status import Element, Flag, Status, statuses
 from mcpn.drawing.templates import Canvas, PaperTemplates, Role, TemplateSet
@@ -185,8 +186,7 @@ def compose(mission: Mission, templates: TemplateSet | None = None) -> MissionNe
     return compose_parts(usage, parts, templates)
 
 
-@dataclass(frozen=True, slots=True)
-class Parts:
+class Parts(NamedTuple):
     """What a net is made of: elements of a mission in the order in which they are drawn.
 
     Args:

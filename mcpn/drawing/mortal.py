@@ -14,7 +14,8 @@ any moment, as of hardware (:func:`crashing_anytime`).
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.templates.interface import CONTROL
@@ -150,8 +151,7 @@ def _with(mission_net: MissionNet, transitions: list[Transition]) -> MissionNet:
 # transitions of an event side by side, each with its *guard*.
 
 
-@dataclass(frozen=True, slots=True)
-class Guard:
+class Guard(NamedTuple):
     """The condition of a transition on handlers that happen once, each named by where it is written.
 
     Args:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, S
 from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import itemgetter
+from typing import Any
 
 from mcpn.drawing.compose import MissionNet, Parts, compose_parts
 from mcpn.drawing.mortal import entered_otherwise
@@ -438,7 +439,7 @@ def _routed(section: Section, kept: set[str]) -> Section:
 
     def cased(exit_: str, cases: Sequence[FactCase]) -> tuple[FactCase, ...]:
         return tuple(
-            c if c.target in kept else replace(c, target=to) for to, c in exits_by_facts(exit_, cases)
+            c if c.target in kept else c._replace(target=to) for to, c in exits_by_facts(exit_, cases)
         )
 
     interruptions = tuple(
@@ -450,18 +451,23 @@ def _routed(section: Section, kept: set[str]) -> Section:
         for outcome, _ in section.outcomes
         for case in cased(outcome, section.cases_of(outcome))
     )
-    routed = replace(section, success=success, failure=failure, interruptions=interruptions, cases=cases)
     becomes = (
         each if each.target in kept else replace(each, target=outcome) for outcome, each in section.becoming
     )
-    routed = replace(routed, becomes=tuple(becomes))
-    if routed.timed_out is not None and routed.timed_out not in kept:
-        routed = replace(routed, timed_out=TIMED_OUT)
-    if isinstance(routed, ElementarySection):
-        named = tuple((why, to if to in kept else failed_for(why)) for why, to in routed.reasons)
-        return replace(routed, reasons=named) if named else routed
-    abort = routed.abort if routed.abort is None or routed.abort in kept else ABORT
+    routed: dict[str, Any] = {
+        "success": success,
+        "failure": failure,
+        "interruptions": interruptions,
+        "cases": cases,
+        "becomes": tuple(becomes),
+    }
+    if section.timed_out is not None and section.timed_out not in kept:
+        routed["timed_out"] = TIMED_OUT
+    if isinstance(section, ElementarySection):
+        named = ((why, to if to in kept else failed_for(why)) for why, to in section.reasons)
+        return replace(section, **routed, reasons=tuple(named))
+    abort = section.abort if section.abort is None or section.abort in kept else ABORT
     pause_exits = tuple(
-        (outcome, target if target in kept else outcome) for outcome, target in routed.pause_exits
+        (outcome, target if target in kept else outcome) for outcome, target in section.pause_exits
     )
-    return replace(routed, abort=abort, pause_exits=pause_exits)
+    return replace(section, **routed, abort=abort, pause_exits=pause_exits)

@@ -12,7 +12,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Generic, Protocol
+from typing import Any, Generic, NamedTuple, Protocol
 
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.formulas import EG, EU, EX, Justice, is_temporal
@@ -31,8 +31,7 @@ NEXT = "happens(e) holds in the state before e, of which e is the next event: X 
 """Says what a formula with events means, where a run shows it."""
 
 
-@dataclass(frozen=True)
-class Note:
+class Note(NamedTuple):
     """What a run shows at one of its states.
 
     Args:

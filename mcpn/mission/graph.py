@@ -83,10 +83,12 @@ class ElementarySection(Routes):
     @property
     def outcomes(self) -> tuple[tuple[str, str], ...]:
         """How it may end by itself, each with where that leads; timed out only where it has a timeout."""
+        ended = (("success", self.success), ("failure", self.failure))
+        if not self.reasons and self.timed_out is None and not self.becomes:  # as most objectives are
+            return ended
         named = ((failed_for(reason), target) for reason, target in self.reasons)
-        ended = (("success", self.success), ("failure", self.failure), *named)
         late = () if self.timed_out is None else ((TIMED_OUT, self.timed_out),)
-        return *ended, *late, *((outcome, each.target) for outcome, each in self.becoming)
+        return *ended, *named, *late, *((outcome, each.target) for outcome, each in self.becoming)
 
     @property
     def failures(self) -> Iterator[tuple[str, str]]:
@@ -258,7 +260,7 @@ def rerouted(section: Section, to: Callable[[str], str]) -> Section:
         success=to(section.success),
         failure=to(section.failure),
         timed_out=section.timed_out and to(section.timed_out),
-        cases=tuple((outcome, replace(case, target=to(case.target))) for outcome, case in section.cases),
+        cases=tuple((outcome, case._replace(target=to(case.target))) for outcome, case in section.cases),
         interruptions=tuple(i.led(to) for i in section.interruptions),
         becomes=tuple(replace(each, target=to(each.target)) for each in section.becomes),
     )

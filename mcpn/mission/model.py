@@ -14,8 +14,6 @@ knows to say.
 Source: the paper, section 4 (objective, parallel block, activity, alternative, resource).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Annotated, TypeAlias
@@ -71,7 +69,7 @@ ABORT = "abort"
 """The route to the abort exit of the enclosing block: it is given up, in a safe way."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Handler(Described):
     """What the block around it does when an event happens, or facts become so, while it runs.
 
@@ -99,7 +97,7 @@ class Handler(Described):
     ] = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class FactRoute(Described):
     """Where the block around it leads when facts are so as it ends, or as it fails for a reason.
 
@@ -117,7 +115,7 @@ class FactRoute(Described):
     ] = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class EntryGuard(Described):
     """A guard: facts that must hold for the block around it to be entered, and what is entered in its place.
 
@@ -136,7 +134,7 @@ class EntryGuard(Described):
     ]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class BlockElement(Element):
     """What every block carries, whatever its kind."""
 
@@ -187,7 +185,7 @@ class BlockElement(Element):
     handlers: tuple[Handler, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Objective(BlockElement):
     """With activities it is elementary: the activities run together until it succeeds or fails."""  # 4.1
 
@@ -206,16 +204,16 @@ class Objective(BlockElement):
     parameters: tuple[Parameter, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Recursive(BlockElement):
     """With blocks it is recursive: the blocks run one after the other."""  # paper, 4.1
 
     TAG = "objective"
     parameters: tuple[Parameter, ...] = ()
-    blocks: tuple[Block, ...]
+    blocks: "tuple[Block, ...]"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Parallel(BlockElement):
     """Blocks that run at the same time. When all have ended it succeeds if every mandatory one did."""  # 4.2
 
@@ -237,7 +235,7 @@ class Parallel(BlockElement):
         IMPOSSIBLE,
         "Once success_when can no longer be met. fails: it fails at once. waits: its other children run on.",
     ] = "waits"
-    blocks: Annotated[tuple[Block, ...], Children(without=("parallel",))]
+    blocks: 'Annotated[tuple[Block, ...], Children(without=("parallel",))]'
 
     @property
     def decided(self) -> tuple[int | None, bool, int | None]:
@@ -251,7 +249,7 @@ class Parallel(BlockElement):
         return needed, hasty, failing
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Use(BlockElement):
     """A protocol in this place.
 
@@ -263,7 +261,7 @@ class Use(BlockElement):
     parameters: tuple[Parameter, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Each(BlockElement):
     """Blocks run once for each value, one round after the other, up to the first that fails.
 
@@ -277,7 +275,7 @@ class Each(BlockElement):
         NAME,
         "The parameter that has the value inside, also in protocols used there. Default: its name.",
     ] = None
-    blocks: tuple[Block, ...]
+    blocks: "tuple[Block, ...]"
 
     @property
     def bound(self) -> str:
@@ -293,7 +291,7 @@ ROUND = "round"
 """The parameter that has the number of the round, from 1, in a block that is repeated."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Protocol(Element):
     """A reusable series of blocks, entered at the first."""
 
@@ -301,10 +299,10 @@ class Protocol(Element):
     NAMED = "protocol"
     parameters: tuple[Parameter, ...] = ()
     requirements: tuple[Requirement, ...] = ()
-    blocks: tuple[Block, ...]
+    blocks: "tuple[Block, ...]"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Import(Described):
     """Another file, a robot or protocols. It is read once, wherever it is imported."""
 
@@ -312,7 +310,7 @@ class Import(Described):
     href: Annotated[str, "The file, relative to this one and inside the directory of the mission."]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Protocols(Described):
     """What the protocols' author writes: reusable series of blocks."""
 
@@ -321,7 +319,7 @@ class Protocols(Described):
     protocols: tuple[Protocol, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Approximation(Described):
     """A node of a behaviour tree that the mission does not say exactly; its description says what differs."""
 
@@ -336,7 +334,7 @@ class Approximation(Described):
     line: Annotated[int | None, COUNT, "Its line in the file of the tree."] = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Translated(Described):
     """That the mission was made of a behaviour tree: how much of it is exact, and what is not.
 
@@ -349,7 +347,7 @@ class Translated(Described):
     approximations: tuple[Approximation, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Mission(Drawn, Element):
     """The mission itself, which the operator assembles.
 
@@ -362,7 +360,7 @@ class Mission(Drawn, Element):
     protocols: Annotated[tuple[Protocol, ...], Children(inside=Protocols)] = ()
     requirements: tuple[Requirement, ...] = ()
     handlers: tuple[Handler, ...] = ()
-    blocks: tuple[Block, ...]
+    blocks: "tuple[Block, ...]"
     # Whether it has been found valid, so that it is not checked again.
     checked: bool = field(default=False, init=False, repr=False, compare=False)
 

@@ -8,9 +8,10 @@ every element carries is declared here, because model imports this module and no
 Source: the paper, section 4.3.
 """
 
-from __future__ import annotations
-
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
+from functools import cache
+from operator import attrgetter
 from typing import Annotated
 
 from mcpn.errors import Source
@@ -31,7 +32,7 @@ from mcpn.mission.language.datatypes import (
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Described:
     """What every element of a mission file carries.
 
@@ -43,8 +44,27 @@ class Described:
     description: Annotated[str | None, "Shown in reports."] = None
     source: Source | None = field(default=None, compare=False)
 
+    @classmethod
+    @cache
+    def _said(cls) -> Callable[[object], object]:
+        """What an element says, without where it stands: to compare by.
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+        One for all classes: a method compiled for each takes longer than to read a small mission.
+        """
+        return attrgetter(*(each.name for each in fields(cls) if each.compare))
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and (said := self._said())(self) == said(other)
+
+    def __hash__(self) -> int:
+        return hash(self._said()(self))
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{each.name}={getattr(self, each.name)!r}" for each in fields(self))
+        return f"{type(self).__name__}({values})"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Element(Described):
     """What has a name."""
 
@@ -54,7 +74,7 @@ class Element(Described):
     name: Annotated[Name, "Letters, digits and _, no digit first; unique in its kind."]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Parameter(Element):
     """A value for the control laws.
 
@@ -66,7 +86,7 @@ class Parameter(Element):
     unit: Annotated[str | None, "The unit, as text."] = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Hardware(Element):
     """A sensor or an actuator. It may go out of service and come back at any moment."""  # paper, 4.3
 
@@ -89,7 +109,7 @@ class Hardware(Element):
     ] = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Fault(Element):
     """A common cause: one event takes all hardware that it affects out of service, its repair brings it back.
 
@@ -104,7 +124,7 @@ class Fault(Element):
     repair_rate: Annotated[Rate, "Risk: repairs per hour; without it, none."] = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Software(Element):
     """Data that one activity produces and others consume, any number at a time unless it is exclusive."""
 
@@ -117,7 +137,7 @@ BOOLEAN_VALUES = ("false", "true")
 """The values of a fact that is false or true."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Fact(Element):
     """Something about the world that has one of a few values: a door is open or closed."""
 
@@ -132,7 +152,7 @@ class Fact(Element):
         return self.values[0] if self.initial is None else self.initial
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class FactChange(Described):
     """A fact is given a value."""
 
@@ -152,7 +172,7 @@ class FactChange(Described):
         return "success" if self.on is None else self.on
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class DeclaredEvent(Element):
     """Something that may happen at any moment and that blocks may handle: a leak, a call back."""
 
@@ -163,7 +183,7 @@ class DeclaredEvent(Element):
     sets: tuple[FactChange, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Alternative(Element):
     """One way to perform the activity; the first in the document that is possible runs."""  # paper, 4.3
 
@@ -180,7 +200,7 @@ class Alternative(Element):
     parameters: tuple[Parameter, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Activity(Element):
     """A basic task of the robot.
 
@@ -215,7 +235,7 @@ class Activity(Element):
     ]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Robot(Element):
     """What the robot's engineer declares: resources, facts, activities and events."""
 

@@ -22,7 +22,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import chain
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from mcpn.errors import InputError, Source
 from mcpn.nets.events import Event
@@ -101,8 +101,7 @@ class Transition:
         return self.event is None
 
 
-@dataclass(frozen=True, slots=True)
-class SafeTransition:
+class SafeTransition(NamedTuple):
     """What a transition does to a 1-safe marking, seen as the set of its marked places.
 
     The four sets of places are disjoint but for ``overflow``.

@@ -8,9 +8,8 @@ checked it in whole numbers.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from math import inf, isinf, lcm
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
 if TYPE_CHECKING:
     from fractions import Fraction
@@ -19,8 +18,7 @@ Row: TypeAlias = tuple[Mapping[int, float], float, float]
 """Weights by variable, and the least and the most that their sum may be."""
 
 
-@dataclass(frozen=True)
-class Solved:
+class Solved(NamedTuple):
     """What the solver says of a program.
 
     Args:

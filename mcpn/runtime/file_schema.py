@@ -74,22 +74,25 @@ def signed_line(document: Mapping[str, Any]) -> str:
 def digest_of(document: Mapping[str, Any]) -> str:
     """The digest of a controller: SHA-256 of its JSON text without ``digest``, keys sorted, no spaces."""
     found = hashlib.sha256()
-    for piece in _pieces({key: value for key, value in document.items() if key != "digest"}, 3):
+    for piece in _pieces({key: value for key, value in document.items() if key != "digest"}, 2):
         found.update(piece.encode("utf-8", "surrogatepass"))
     return found.hexdigest()
+
+
+_CANONICAL = json.JSONEncoder(sort_keys=True, ensure_ascii=False, separators=(",", ":")).encode
 
 
 def _pieces(value: Any, depth: int) -> Iterator[str]:
     """The text piece by piece, so that the text of a large controller is never in memory as a whole."""
     if not depth or not isinstance(value, dict | list):
-        yield json.dumps(value, sort_keys=True, ensure_ascii=False, separators=(",", ":"))
+        yield _CANONICAL(value)
         return
     keyed = isinstance(value, dict)
     yield "{" if keyed else "["
     for number, item in enumerate(sorted(value) if keyed else value):
         yield "," if number else ""
         if keyed:
-            yield json.dumps(item, ensure_ascii=False) + ":"
+            yield _CANONICAL(item) + ":"
         yield from _pieces(value[item] if keyed else item, depth - 1)
     yield "}" if keyed else "]"
 

@@ -14,7 +14,7 @@ from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, 
 from dataclasses import dataclass
 from functools import reduce
 from operator import or_
-from typing import Any, Generic, Protocol, Self, TypeAlias, TypeVar
+from typing import Any, Generic, NamedTuple, Protocol, Self, TypeAlias, TypeVar
 
 from mcpn._kernel import Zdd
 from mcpn.nets.petri import Marking, PetriNet
@@ -46,8 +46,7 @@ Guards: TypeAlias = Mapping[int, S] | None
 """By transition, the states from which its edges may be taken."""
 
 
-@dataclass(frozen=True, slots=True)
-class Edge:
+class Edge(NamedTuple):
     """One edge of a run.
 
     Args:
@@ -63,8 +62,7 @@ class Edge:
     internal: tuple[int, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class Piece(Generic[S]):
+class Piece(NamedTuple, Generic[S]):
     """Some states of one part of a space.
 
     Args:

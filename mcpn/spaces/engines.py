@@ -8,8 +8,7 @@ missions is that of :mod:`mcpn.answers.spaces`.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
-from typing import Literal, TypeAlias, TypeVar, get_args
+from typing import Literal, NamedTuple, TypeAlias, TypeVar, get_args
 
 from mcpn.errors import InputError, LimitError, PremiseError
 from mcpn.spaces.markings.explicit import MAX_MARKINGS
@@ -35,8 +34,7 @@ States may be few and yet have many events that each concern all of the mission:
 Found = TypeVar("Found")
 
 
-@dataclass(frozen=True, slots=True)
-class Choice:
+class Choice(NamedTuple):
     """An engine that is asked, or that has answered.
 
     Args:
@@ -68,8 +66,7 @@ class Choice:
         return most if self.allowed is None else min(most, self.allowed)
 
 
-@dataclass(frozen=True, slots=True)
-class NoSpace:
+class NoSpace(NamedTuple):
     """An answer that needed no space.
 
     Args:
@@ -103,7 +100,7 @@ def answered(ask: Callable[[Choice], Found], choices: Iterator[Choice]) -> tuple
             other = next(choices, None)
             if other is None:
                 raise
-            choice = replace(other, why=other.why or f"{choice.engine} gives no answer: {error}")
+            choice = other._replace(why=other.why or f"{choice.engine} gives no answer: {error}")
 
 
 def refuse_unknown(engine: str = "auto", on: str | None = None) -> None:

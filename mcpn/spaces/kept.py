@@ -8,22 +8,25 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Hashable, Iterator, Sequence
-from functools import update_wrapper
+from functools import cached_property, update_wrapper
 from inspect import signature
 from math import inf
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
 
+from mcpn._kernel import Exploration
 from mcpn.errors import InputError, LimitError, SemanticsError
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.algebra import Space
+from mcpn.spaces.bits import BitSpace
 from mcpn.spaces.diagrams.bounded import reach_markings, reaching_markings
 from mcpn.spaces.diagrams.race import Resting
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import SymbolicSpace, reaching
 from mcpn.spaces.engines import FEW_FIRINGS, Asked, Choice, Engine, On, choices_of_net, refuse_unknown
-from mcpn.spaces.markings.explicit import MAX_MARKINGS, Counts, count, explore
+from mcpn.spaces.markings.explicit import MAX_MARKINGS, Counts, KernelNet, count, explore
 from mcpn.spaces.names import PROGRESS, Names
-from mcpn.spaces.stable.completion import MAX_STABLE_STATES
+from mcpn.spaces.stable.completion import MAX_STABLE_STATES, PROOF_BY_MARKINGS
+from mcpn.spaces.stable.falsification import proved
 from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
@@ -35,12 +38,43 @@ if TYPE_CHECKING:
 
 # Each engine is loaded when it is asked.
 
+FEW_STATES, FEW_EDGES = 1_000, 10_000
+"""States, and edges between them, up to which a graph is held in integers in place of arrays."""
+
 Owner = TypeVar("Owner", bound="Spaces")
 Given = ParamSpec("Given")
 Built = TypeVar("Built")
 Builder: TypeAlias = Callable[Concatenate[Owner, Given], Built]
 Subject: TypeAlias = "Spaces | PetriNet"
 """What questions are asked of: spaces that may be there already, or the net that they are to be built of."""
+
+
+class _Listing:
+    """The stable states of a net, listed and proved: in integers where they are few, in arrays when asked.
+
+    Args:
+        prepared: The net.
+        exploration: The states, whose arrays are taken from it once.
+    """
+
+    def __init__(self, prepared: KernelNet, exploration: Exploration) -> None:
+        self._prepared, self._exploration = prepared, exploration
+        few = exploration.states <= FEW_STATES and exploration.edges <= FEW_EDGES
+        self.few = BitSpace(prepared.net, *prepared.lists(exploration)) if few else None
+
+    @cached_property
+    def graph(self) -> AlternativesGraph:
+        """The graph in arrays."""
+        from mcpn.spaces.stable.alternatives import of_listing
+
+        return of_listing(self._prepared, self._exploration)
+
+    @cached_property
+    def space(self) -> ArraySpace:
+        """Its space."""
+        from mcpn.spaces.arrays import ArraySpace
+
+        return ArraySpace(self.graph)
 
 
 def kept(limit: str | None = None) -> Callable[[Builder[Owner, Given, Built]], Builder[Owner, Given, Built]]:
@@ -161,30 +195,38 @@ class Spaces:
             raise InputError.at(None, message)
         if on == "markings":
             return self.markings(by, tokens=tokens)
-        return self.stable(by)[0] if by.engine == "explicit" else self.reduced(by)[0]
+        return self._listed(self.within(by)).space if by.engine == "explicit" else self.reduced(by)[0]
 
     # --- the whole net ---
 
-    def stable(self, by: Choice) -> tuple[ArraySpace, str]:
-        """The alternatives graph by listing, and the proof of confluence used; see :meth:`space`."""
-        graph, space = self._listed((by.limit, FEW_FIRINGS if by.brief else inf))
-        return space, graph.proof or ""
+    def within(self, by: Choice) -> tuple[int, float]:
+        """How many stable states may be listed, and how many firings that may take.
+
+        Raises:
+            LimitError: There are too many in any case.
+        """
+        return by.limit, FEW_FIRINGS if by.brief else inf
+
+    def stable(self, by: Choice) -> tuple[Space[Any], str]:
+        """The alternatives graph by listing, and the proof of confluence used; see :meth:`space`.
+
+        Few states are not in arrays, for to load these takes longer than to answer.
+        """
+        listing = self._listed(self.within(by))
+        return listing.few or listing.space, PROOF_BY_MARKINGS
 
     def listed(self, max_states: int | None = None) -> AlternativesGraph:
         """The alternatives graph with its stable states listed, and proved; its errors are the net's own."""
-        return self._listed((MAX_STABLE_STATES if max_states is None else max_states, inf))[0]
+        return self._listed((MAX_STABLE_STATES if max_states is None else max_states, inf)).graph
 
     @kept("within")
-    def _listed(self, within: tuple[int, float]) -> tuple[AlternativesGraph, ArraySpace]:
-        """The graph and its space within limits on states and on firings."""
-        step(Doing.LISTING)  # before arrays are loaded, which takes its time
-        from mcpn.spaces.arrays import ArraySpace
-        from mcpn.spaces.stable.alternatives import direct_with_proof
-
+    def _listed(self, within: tuple[int, float]) -> _Listing:
+        """The stable states within limits on states and on firings."""
+        step(Doing.LISTING)
         max_states, firings = within
+        prepared = KernelNet(self.net)
         max_firings = None if firings == inf else int(firings)
-        graph = direct_with_proof(self.net, max_states=max_states, max_firings=max_firings)
-        return graph, ArraySpace(graph)
+        return _Listing(prepared, proved(prepared, max_states=max_states, max_firings=max_firings))
 
     @kept("max_states")
     def unproved(self, max_states: int) -> ArraySpace:

@@ -15,6 +15,7 @@ from itertools import takewhile
 from mcpn.nets.events import Event
 from mcpn.nets.petri import Arcs, Marking, PetriNet
 from mcpn.spaces.algebra import Edge, S, Space
+from mcpn.spaces.memoized import ByKey
 
 MOST_REPLAYS = 1_000
 MOST_BESIDE = 50
@@ -33,7 +34,8 @@ class Completion:
 
     def __init__(self, net: PetriNet) -> None:
         self.net = net
-        self.needs = _Needs(net)
+        # What each transition consumes or reads, put together when it is first asked for.
+        self.needs = ByKey[int, Arcs](lambda t: (*net.transitions[t].consume, *net.transitions[t].read))
         self._queue = {
             net.ranks[transitions[0]]: number for number, transitions in enumerate(net.internal_ranks)
         }
@@ -108,18 +110,6 @@ class Completion:
     def rarer(self) -> Set[int]:
         """The rarest places of all transitions that need a crowded one."""
         return {place for by_rarest in self.crowds.values() for place in by_rarest}
-
-
-class _Needs(dict[int, Arcs]):
-    """What each transition consumes or reads, put together when it is first asked for."""
-
-    def __init__(self, net: PetriNet) -> None:
-        super().__init__()
-        self._transitions = net.transitions
-
-    def __missing__(self, t: int) -> Arcs:
-        self[t] = needs = (*self._transitions[t].consume, *self._transitions[t].read)
-        return needs
 
 
 class Evolution:

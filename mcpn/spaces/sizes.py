@@ -229,7 +229,7 @@ def sizes(
         try:
             if choice.brief:
                 with suppress(LimitError):  # few stable states, but many markings
-                    return markings(replace(choice, max_states=choice.second_limit(SMALL)))
+                    return markings(choice._replace(max_states=choice.second_limit(SMALL)))
             return stable(choice)
         except (
             ConfluenceError,

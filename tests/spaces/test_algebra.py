@@ -18,10 +18,11 @@ from mcpn.nets.events import What
 from mcpn.nets.petri import Marking, PetriNet
 from mcpn.spaces.algebra import Space, partition
 from mcpn.spaces.arrays import ArraySpace
+from mcpn.spaces.bits import BitSpace
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import reach
 from mcpn.spaces.images import ImageStore
-from mcpn.spaces.markings.explicit import explore
+from mcpn.spaces.markings.explicit import explore, mask_of
 from mcpn.spaces.own import OwnSpace
 from mcpn.spaces.stable.alternatives import by_reduction
 from mcpn.spaces.stable.confluence import prove_confluent
@@ -68,6 +69,11 @@ def alternatives_spaces(mission_net: MissionNet) -> Spaces:
     graph = by_reduction(explore(mission_net.net))
     return {
         "arrays": ArraySpace(graph),
+        "bits": BitSpace(
+            graph.net,
+            [mask_of(graph.marking(state)) for state in range(graph.states)],
+            [list(graph.successors(state)) for state in range(graph.states)],
+        ),
         "diagrams": DiagramAlternatives(space),
         "composite": composite_space(mission_net),
     }

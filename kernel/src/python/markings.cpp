@@ -261,6 +261,14 @@ void bind_explorer(nb::module_& module) {
         for (; state != 0; state = e.parents[state]) fired.push_back(e.via[state]);
         return std::vector<std::uint32_t>(fired.rbegin(), fired.rend());
       }, nb::arg("state"))
+      .def("lists", [](const Exploration& e) {
+        const auto listed = [](const auto& of) {
+          std::vector<std::uint64_t> values(of.size());
+          for (std::size_t i = 0; i < values.size(); ++i) values[i] = of[i];
+          return values;
+        };
+        return std::tuple(listed(e.markings), listed(e.offsets), listed(e.targets), listed(e.labels));
+      })
       .def("take_markings", [](Exploration& e) { return array(std::move(e.markings), e.words); })
       .def("take_offsets", [](Exploration& e) { return array(std::move(e.offsets)); })
       .def("take_targets", [](Exploration& e) { return array(std::move(e.targets)); })

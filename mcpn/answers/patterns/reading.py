@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import partial
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 from mcpn.answers.patterns import catalogue as robots
 from mcpn.answers.patterns.catalogue import after_step, used
@@ -38,8 +37,7 @@ _TIMES = {1: "once", 2: "twice"}
 _ONE_WORD = re.compile(r"[\w.]+(\([\w.]+\)(=[\w.]+)?)?")
 
 
-@dataclass(frozen=True)
-class PatternText:
+class PatternText(NamedTuple):
     """What a pattern says.
 
     Args:

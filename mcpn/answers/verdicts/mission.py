@@ -304,7 +304,7 @@ def check(
                 proof = "each type of section, and each way from one to the next, proved on its own net"
             elif choice.engine == "symbolic" or not spaces.net.priorities:
                 # Without priorities no marking is stable.
-                every = replace(choice, max_states=choice.second_limit(SMALL))
+                every = choice._replace(max_states=choice.second_limit(SMALL))
                 markings = spaces.markings(every, tokens=False)
                 alternatives, proof = spaces.reduced(every)
             else:
@@ -333,7 +333,7 @@ def _markings_instead(
     Raises:
         LimitError: There are more markings than may be listed, and another engine may be asked.
     """
-    listed = replace(choice, max_states=choice.second_limit(SMALL))
+    listed = choice._replace(max_states=choice.second_limit(SMALL))
     try:
         markings = spaces.markings(listed, tokens=False)
     except UnsafeError as unsafe:

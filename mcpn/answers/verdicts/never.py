@@ -9,7 +9,6 @@ home is not called home. In all other states in which nothing handles it, it is 
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from mcpn.answers.verdicts.routing import Routing
@@ -146,8 +145,7 @@ MOST_TOLD = 12
 """Objectives that a sentence on an ignored event names; copies of one block count as one."""
 
 
-@dataclass(frozen=True)
-class Ignored:
+class Ignored(NamedTuple):
     """A declared event that changes nothing in some state in which an objective runs.
 
     Args:

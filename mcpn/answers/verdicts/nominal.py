@@ -10,8 +10,7 @@ but success is reached, and no cycle of them but in a block that is meant to be 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence, Set
-from dataclasses import dataclass
-from typing import Generic
+from typing import Generic, NamedTuple
 
 from mcpn.answers.verdicts.never import objectives_run
 from mcpn.drawing.compose import MissionNet
@@ -40,8 +39,7 @@ OPTIONAL = '; where that is meant, write nominal="optional" on the block'
 """What an author writes who means what a nominal run does."""
 
 
-@dataclass(frozen=True)
-class Nominal:
+class Nominal(NamedTuple):
     """What nominal runs do.
 
     Args:

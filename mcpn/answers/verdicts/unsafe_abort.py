@@ -6,9 +6,8 @@ Such an abort is no safe end. So neither the verdict nor the cut sets of safe en
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from itertools import product
-from typing import Generic
+from typing import Generic, NamedTuple
 
 from mcpn.answers.verdicts.nominal import nominal_transitions
 from mcpn.drawing.compose import MissionNet
@@ -18,8 +17,7 @@ from mcpn.spaces.algebra import S, Space
 from mcpn.spaces.run import Run, transitions_of
 
 
-@dataclass(frozen=True, eq=False)
-class Aborts(Generic[S]):
+class Aborts(NamedTuple, Generic[S]):
     """How a mission comes to its abort.
 
     Args:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import combinations, product
+from typing import NamedTuple
 
 from mcpn.drawing.templates.canvas import Canvas, Pen
 from mcpn.errors import LimitError
@@ -41,8 +42,7 @@ class _Ending:
     moment: str = ""
 
 
-@dataclass(frozen=True)
-class _Life:
+class _Life(NamedTuple):
     """How an activity begins and ends, whatever its alternatives.
 
     Args:

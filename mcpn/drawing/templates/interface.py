@@ -16,13 +16,12 @@ The contract of the kit (:mod:`mcpn.testing.kit.contract`) and its tables in the
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from mcpn.nets.events import What
 
 
-@dataclass(frozen=True, slots=True)
-class Meeting:
+class Meeting(NamedTuple):
     """What a place says that templates meet at, and who may touch it.
 
     Args:

@@ -8,7 +8,6 @@ the handler handles consumes *open* and produces *happened*; the transition of t
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
@@ -30,8 +29,7 @@ def draw_once(canvas: Canvas, handler: str) -> None:
     canvas.unit([open_, happened])
 
 
-@dataclass(frozen=True)
-class Surroundings:
+class Surroundings(NamedTuple):
     """The blocks around a graph of objectives.
 
     Args:
@@ -49,8 +47,7 @@ class Surroundings:
     pauses: bool = False
 
 
-@dataclass(frozen=True)
-class Position:
+class Position(NamedTuple):
     """Where the objectives of a section may be when an event happens, and what the event does there.
 
     Args:

@@ -8,10 +8,9 @@ that the block runs, as an event does that interrupts it (:mod:`mcpn.drawing.tem
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from itertools import combinations, compress, product
 from math import comb
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from mcpn.drawing.templates.canvas import MAX_COMBINED, Canvas, Pen
 from mcpn.drawing.templates.facts import FactArcs
@@ -35,8 +34,7 @@ _DECIDED = {
 """What is drawn for an outcome that is decided while branches run: a place, what marks it, what follows."""
 
 
-@dataclass(frozen=True)
-class Leaving:
+class Leaving(NamedTuple):
     """Draws what leaves a block.
 
     Args:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import Self
 
 from mcpn.drawing.templates.canvas import Canvas
@@ -81,7 +80,7 @@ class Level:
             running = (*self.around.running, self.of(section, "running"))
             pauses = self.around.pauses or bool(section.pause_graphs)
             halted = self.of_branch(branch, "halted")
-            around = replace(around, running=running, halted=halted, pauses=pauses)
+            around = around._replace(running=running, halted=halted, pauses=pauses)
         well, badly = map(list, Leaving(self.canvas, section).ends(branch))
         exits = {SUCCEED: well, FAIL: badly}
         if branch.graph.aborts:

@@ -18,8 +18,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from mcpn.errors import LimitError
 from mcpn.logic.ltl.formulas import Happens, Next, Release, Until, atom_of, is_of_paths
@@ -38,8 +37,7 @@ Literals: TypeAlias = frozenset[Formula]
 """Formulas on states, steps and their negations, all of which hold."""
 
 
-@dataclass(frozen=True)
-class AutomatonEdge:
+class AutomatonEdge(NamedTuple):
     """An edge of an automaton.
 
     Args:
@@ -80,8 +78,7 @@ class AutomatonEdge:
         return fired, rests
 
 
-@dataclass(frozen=True)
-class Automaton:
+class Automaton(NamedTuple):
     """A generalised Büchi automaton with marks on its edges; its initial state is number 0.
 
     Args:
@@ -115,8 +112,7 @@ class Automaton:
         )
 
 
-@dataclass(frozen=True)
-class _Cover:
+class _Cover(NamedTuple):
     """One way to satisfy some formulas: by this state, by the rest of the path, and what is put off."""
 
     literals: Literals

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Generic, Literal, TypeAlias, cast
+from typing import Any, Generic, Literal, NamedTuple, TypeAlias, cast
 
 from mcpn.logic.ltl.automaton import Automaton, AutomatonEdge
 from mcpn.logic.ltl.product import Product, ProductEdge, Sets
@@ -153,8 +152,7 @@ MOST_MARKS = 64
 Outcome: TypeAlias = Literal["found", "none", "steps", "bytes", "tokens"]
 
 
-@dataclass(frozen=True)
-class FoundPath:
+class FoundPath(NamedTuple):
     """How a search for an accepted path ended.
 
     Args:

@@ -9,7 +9,7 @@ known to hold at some time on every path. For a stutter-insensitive formula the 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import chain
 
 from mcpn.errors import LimitError
@@ -79,8 +79,8 @@ class _Asked:
             after = list(marking)
             for t in repeated:
                 self.net.fire_in_place(after, t)
-            return replace(path, run=begin + repeated, cycle=len(begin)) if after == marking else None
-        return replace(path, run=begin + self._ended(path, marking))
+            return path._replace(run=begin + repeated, cycle=len(begin)) if after == marking else None
+        return path._replace(run=begin + self._ended(path, marking))
 
     def _ended(self, path: FoundPath, marking: list[int]) -> tuple[int, ...]:
         """Where the path has ended in the smaller net, what is left to fire until it ends in this one."""

@@ -13,26 +13,23 @@ A state without successors repeats for ever, and no step is a firing there.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial, reduce
 from operator import and_, or_
-from typing import Generic
+from typing import Generic, NamedTuple
 
 from mcpn.logic.ltl.automaton import Automaton, AutomatonEdge
 from mcpn.spaces.algebra import S, Space, by_region
 from mcpn.spaces.search.goal import Formula
 
 
-@dataclass(frozen=True)
-class Constraint(Generic[S]):
+class Constraint(NamedTuple, Generic[S]):
     """A justice constraint: only paths that meet it infinitely often count, in a state or by a firing."""
 
     states: S
     transitions: tuple[int, ...] = ()
 
 
-@dataclass(frozen=True)
-class ProductEdge(Generic[S]):
+class ProductEdge(NamedTuple, Generic[S]):
     """An edge of the automaton over a space.
 
     Args:

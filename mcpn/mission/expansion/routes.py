@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from mcpn.errors import Source
 
@@ -20,8 +20,7 @@ Condition: TypeAlias = tuple[tuple[str, str], ...]
 """Facts, each with the value that it must have: all of them at once."""
 
 
-@dataclass(frozen=True, slots=True)
-class FactCase:
+class FactCase(NamedTuple):
     """A target that a route leads to if facts have some values.
 
     Args:
@@ -39,8 +38,7 @@ class FactCase:
         return " ".join(short.get(value, f"{{}}={value}").format(fact) for fact, value in self.when)
 
 
-@dataclass(frozen=True, slots=True)
-class Setting:
+class Setting(NamedTuple):
     """A fact that an objective changes.
 
     Args:
@@ -83,7 +81,7 @@ class Interruption:
 
     def led(self, to: Callable[[str], str]) -> Interruption:
         """The same, with other targets."""
-        cases = tuple(replace(case, target=to(case.target)) for case in self.cases)
+        cases = tuple(case._replace(target=to(case.target)) for case in self.cases)
         return replace(self, target=to(self.target), cases=cases)
 
 
@@ -158,7 +156,8 @@ class Routes(Interrupted):
     @property
     def becoming(self) -> tuple[tuple[str, Becoming], ...]:
         """The outcomes by which it is left as facts become so; the first that counts does."""
-        return tuple((left_by(number), each) for number, each in enumerate(self.becomes, 1))
+        becomes = self.becomes
+        return tuple((left_by(number), each) for number, each in enumerate(becomes, 1)) if becomes else ()
 
     @property
     def routes(self) -> tuple[str, ...]:
@@ -169,11 +168,13 @@ class Routes(Interrupted):
     def led(self, outcome: str) -> tuple[str, ...]:
         """Where an outcome may lead, the default first."""
         default = [route for said, route in self.outcomes if said == outcome]
-        return *default, *(case.target for case in self.cases_of(outcome) if default)
+        if not self.cases or not default:
+            return tuple(default)
+        return *default, *(case.target for case in self.cases_of(outcome))
 
     def cases_of(self, outcome: str) -> tuple[FactCase, ...]:
         """Where an outcome leads instead if facts are so."""
-        return tuple(case for said, case in self.cases if said == outcome)
+        return tuple([case for said, case in self.cases if said == outcome]) if self.cases else ()
 
     @property
     def all_cases(self) -> Iterator[FactCase]:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import islice, product
+from typing import Any
 
 from mcpn.errors import LimitError, Problem, Source
 from mcpn.mission.expansion.copies import BlockPosition
@@ -120,9 +122,14 @@ def limit_hit(what: str, source: Source | None) -> LimitError:
     return LimitError(str(Problem(source, f"{what}: the limit was hit")))
 
 
-def unrouted(block: Block) -> Block:
-    """A block without what leads from it, or to it: that stands on what is written out in its place."""
-    return replace(block, success=None, failure=None, abort=None, guards=(), routes=(), handlers=())
+def unrouted(block: Block, **also: Any) -> Block:
+    """A block without what leads from it, or to it: that stands on what is written out in its place.
+
+    Args:
+        block: The block.
+        **also: What else is different.
+    """
+    return replace(block, success=None, failure=None, abort=None, guards=(), routes=(), handlers=(), **also)
 
 
 def several(block: Block) -> bool:
@@ -139,19 +146,21 @@ def copies(block: Block, scope: Scope) -> Iterator[tuple[tuple[Block, ...], Scop
     most = max(block.times + 1 if block.recover is not None else 0, block.repeat or 0, block.retries + 1)
     if max(most, len(block.values) if isinstance(block, Each) else 0) > MAX_OBJECTIVES:
         raise limit_hit(f"more than {MAX_OBJECTIVES} objectives after expansion", block.source)
-    alone = unrouted(block)
-    if alone.timeout_goto is not None:
-        alone = replace(alone, timeout_goto=TIMED_OUT)  # out of all copies, not to the next
+    # A timeout leads out of all copies, not to the next.
+    alone = partial(unrouted, block, timeout_goto=block.timeout_goto and TIMED_OUT)
     if block.recover is not None:
+        run = alone(recover=None, times=1)
         for number in range(1, block.times + 2):
-            yield (replace(alone, recover=None, times=1),), scope.copy(block, f"run{number}")
+            yield (run,), scope.copy(block, f"run{number}")
     elif block.repeat is not None:
+        round_ = alone(repeat=None)
         for number in range(1, block.repeat + 1):
             value = Parameter(name=ROUND, value=str(number), source=block.source)
-            yield (replace(alone, repeat=None),), scope.copy(block, str(number), value)
+            yield (round_,), scope.copy(block, str(number), value)
     elif block.retries:
+        attempt = alone(retries=0)
         for number in range(1, block.retries + 2):
-            yield (replace(alone, retries=0),), scope.copy(block, f"try{number}")
+            yield (attempt,), scope.copy(block, f"try{number}")
     elif isinstance(block, Each):
         inside = scope.into(block)
         for text in block.values:

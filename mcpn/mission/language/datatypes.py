@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 MAX_ROUNDS = 100_000
 """The largest number of rounds or tries that a block may ask for."""
@@ -315,8 +315,7 @@ BY_CLASS = {str: TEXT, bool: BOOLEAN}
 """The datatype of a field that is annotated with its Python type alone."""
 
 
-@dataclass(frozen=True, slots=True)
-class Called:
+class Called(NamedTuple):
     """Says that an attribute has another name in files than its field.
 
     Args:
@@ -326,8 +325,7 @@ class Called:
     name: str
 
 
-@dataclass(frozen=True, slots=True)
-class Children:
+class Children(NamedTuple):
     """What the annotation of a field says of the elements that hold it in a file, if there is more to say.
 
     Args:

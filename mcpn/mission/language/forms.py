@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Container, Iterable, Iterator
-from dataclasses import MISSING, dataclass, field, replace
+from dataclasses import MISSING, dataclass, field
 from functools import cache
 from inspect import get_annotations
 from types import UnionType
-from typing import Any, TypeAlias, TypeVar, Union, get_args, get_origin
+from typing import Any, NamedTuple, TypeAlias, TypeVar, Union, get_args, get_origin
 
 from lxml import etree
 
@@ -28,8 +28,7 @@ _Element: TypeAlias = type[Described]
 _Note = TypeVar("_Note")
 
 
-@dataclass(frozen=True, slots=True)
-class Field:
+class Field(NamedTuple):
     """A field of a class of the model, and how files say it.
 
     Args:
@@ -78,7 +77,7 @@ class Field:
         if not self.children.short:
             return None
         (brief,) = (a for a in form_of(self.classes[0]).attributes if a.name == self.children.short)
-        return replace(brief, words=self.children.words)
+        return brief._replace(words=self.children.words)
 
     @property
     def elements(self) -> Iterator[_Element]:
@@ -88,8 +87,7 @@ class Field:
                 yield self.children.inside or member
 
 
-@dataclass(frozen=True, slots=True)
-class Form:
+class Form(NamedTuple):
     """A class of the model, as files say it.
 
     Args:

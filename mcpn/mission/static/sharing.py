@@ -13,9 +13,8 @@ warned.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from mcpn.errors import Problem, Source
 from mcpn.mission.conditions import FACTS, cause
@@ -28,8 +27,7 @@ if TYPE_CHECKING:
     from mcpn.mission.static.usage import Usage
 
 
-@dataclass(frozen=True, slots=True)
-class Contention:
+class Contention(NamedTuple):
     """Two rivals that may run together and both need one resource or activity that serves one at a time.
 
     Args:
@@ -84,7 +82,7 @@ def contention_warnings(
             rivals = one.rivals
             if one.of_branches:
                 rivals = copies.written(rivals[0])[1], copies.written(rivals[1])[1]
-            one = replace(one, rivals=rivals, context=context)
+            one = one._replace(rivals=rivals, context=context)
         yield Problem(one.source, str(one))
 
 

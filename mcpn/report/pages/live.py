@@ -99,9 +99,9 @@ def nominal_run(findings: Findings) -> list[str] | None:
 
     It is ``None`` where there is no controller, or such a run does not come to success.
     """
-    if findings.controller is None:
+    if findings.tables is None:
         return None
-    controller, events = Controller.from_document(findings.controller), [START]
+    controller, events = Controller(findings.tables), [START]
     controller.handle(START)
     while controller.outcome is None and len(events) < MOST_EVENTS:
         possible = controller.possible
@@ -116,8 +116,8 @@ def nominal_run(findings: Findings) -> list[str] | None:
 
 def strip(findings: Findings, events: Sequence[str]) -> list[str]:
     """A run as a row of chips: each names the objectives that begin together at one event."""
-    assert findings.controller is not None
-    return list(_elided(list(_begun(Controller.from_document(findings.controller), events))))
+    assert findings.tables is not None
+    return list(_elided(list(_begun(Controller(findings.tables), events))))
 
 
 def _begun(controller: Controller, events: Sequence[str]) -> Iterator[str]:

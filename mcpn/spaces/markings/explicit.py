@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from mcpn._kernel import Exploration, MemoryLimit, SafeNet, StateLimit
@@ -192,6 +193,20 @@ class KernelNet:
         assert exploration.trouble is not None, "asked for explorations that ended in trouble"
         state, last, _ = exploration.trouble
         return unsafe_after(self.net, [self.transitions[t] for t in (*exploration.run(state), *last)])
+
+    def lists(self, exploration: Exploration) -> tuple[list[int], list[list[tuple[int, int]]]]:
+        """Markings of a settled exploration, a bit for each place, and by state its edges.
+
+        Each edge is a transition, as the net numbers them, and the state that it leads to.
+        """
+        words, offsets, targets, labels = exploration.lists()
+        width = len(words) // exploration.states
+        markings = [
+            sum(word << 64 * i for i, word in enumerate(words[at : at + width]))
+            for at in range(0, len(words), width)
+        ]
+        edges = [(self.transitions[t], target) for t, target in zip(labels, targets, strict=True)]
+        return markings, [edges[first:last] for first, last in pairwise(offsets)]
 
     def arrays(self, exploration: Exploration) -> tuple[Words, Ints, Ints, Ints]:
         """Markings, offsets, targets and labels of a settled exploration, labels as the net numbers them."""

@@ -9,9 +9,8 @@ from __future__ import annotations
 import random
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, TypeAlias, cast
+from typing import Literal, NamedTuple, TypeAlias, cast
 
 from mcpn._kernel import TokenNet
 from mcpn.errors import UnsafeError
@@ -30,8 +29,7 @@ WALK_LENGTH = 500
 """Firings before a walk begins anew, at first; in large nets twice as many as there are transitions."""
 
 
-@dataclass(frozen=True)
-class Search:
+class Search(NamedTuple):
     """How a search ended.
 
     Args:

@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from mcpn._kernel import stable_ends
+from mcpn._kernel import Exploration, stable_ends
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.nets.events import Event
 from mcpn.nets.petri import PetriNet
@@ -30,7 +30,7 @@ from mcpn.spaces.stable.completion import (
     judged,
     settled,
 )
-from mcpn.spaces.stable.falsification import nearest_fault
+from mcpn.spaces.stable.falsification import proved
 from mcpn.steps import tell
 
 State = TypeVar("State", bound=Hashable)
@@ -165,8 +165,7 @@ def direct(
     """
     prepared = KernelNet(net)
     if proof:
-        exploration = judged(prepared, max_states, max_firings)
-        return AlternativesGraph(net, *prepared.arrays(exploration), "direct", PROOF_BY_MARKINGS)
+        return of_listing(prepared, judged(prepared, max_states, max_firings))
     exploration = settled(prepared, orders="one", max_states=max_states)
     if exploration.trouble is None:
         return AlternativesGraph(net, *prepared.arrays(exploration), "direct", None)
@@ -193,10 +192,13 @@ def direct_with_proof(
         UnsafeError: A firing would put a second token in a place. Of several faults any may be reported.
         LimitError: More stable states, or more markings to explore, than allowed, or too little memory.
     """
-    try:
-        return direct(net, max_states=max_states, max_firings=max_firings)
-    except (ConfluenceError, DivergenceError) as error:
-        raise nearest_fault(net) or error from error
+    prepared = KernelNet(net)
+    return of_listing(prepared, proved(prepared, max_states, max_firings))
+
+
+def of_listing(prepared: KernelNet, exploration: Exploration) -> AlternativesGraph:
+    """The alternatives graph of a net whose stable markings have been listed, and proved."""
+    return AlternativesGraph(prepared.net, *prepared.arrays(exploration), "direct", PROOF_BY_MARKINGS)
 
 
 def numbered(

@@ -10,11 +10,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from heapq import heappop, heappush
 
-from mcpn.errors import LimitError, SemanticsError, UnsafeError
+from mcpn._kernel import Exploration
+from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsError, UnsafeError
 from mcpn.nets.events import What
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.markings.explicit import KernelNet, MaskedNet, mask_of, unsafe_after
-from mcpn.spaces.stable.completion import LEAST_TRANSIENT, Walk, settled
+from mcpn.spaces.stable.completion import LEAST_TRANSIENT, Walk, judged, settled
 
 FIRINGS = 50_000
 """Firings, and markings behind events, after which the search gives up; about a second."""
@@ -46,6 +47,29 @@ def nearest_fault(net: PetriNet, firings: int = FIRINGS) -> SemanticsError | Non
         if (unsafe := _unsafe_in(net, [net.transition_index[name] for name in run])) is not None:
             return unsafe
     return error
+
+
+def proved(prepared: KernelNet, max_states: int, max_firings: int | None = None) -> Exploration:
+    """Runs events to completion, and proves that each has one end; else the nearest fault is told.
+
+    Args:
+        prepared: A net with priorities.
+        max_states: How many stable markings there may be.
+        max_firings: How many firings the proof may take; by default any number.
+
+    Returns:
+        Stable markings and events.
+
+    Raises:
+        ConfluenceError: Two interleavings end in different stable markings.
+        DivergenceError: An internal run need not end.
+        UnsafeError: A firing would put a second token in a place. Of several faults any may be reported.
+        LimitError: More stable states, or more markings to explore, than allowed, or too little memory.
+    """
+    try:
+        return judged(prepared, max_states, max_firings)
+    except (ConfluenceError, DivergenceError) as error:
+        raise nearest_fault(prepared.net) or error from error
 
 
 def _unsafe_in(net: PetriNet, run: Sequence[int]) -> UnsafeError | None:
