@@ -198,7 +198,7 @@ def _late_losses(checked: MissionCheck, alone: Sequence[str] | None) -> SafetyAn
 def _where_handled(checked: MissionCheck) -> tuple[str, ...]:
     """Of which events an answer on handled events speaks."""
     idle = {each.event: each for each in checked.changing_nothing}
-    every = [event.name for event in checked.mission_net.mission.events if not event.sets]
+    every = [event.name for event in checked.mission_net.mission.events if not event.changes_facts]
     always = [name for name in every if name not in idle]
     lines = [f"{enumeration(always)}: handled whatever runs"] if always else []
     for name, each in idle.items():

@@ -268,7 +268,11 @@ class World:
         changing = mission_net.usage.world.changing.items()
         for section in mission_net.graph.all_sections():
             asked = {said for each in section.becomes for said in each.when}
-            by_facts = {Event(What.DECLARED, name) for name, to in changing if asked & to.items()}
+            by_facts = {
+                Event(What.DECLARED, name)
+                for name, changes in changing
+                if any((fact, value) in asked for fact, to in changes.items() for value in to.values())
+            }
             inside: list[tuple[Interrupted, Iterable[ElementarySection]]] = [(section, section.walk())]
             if isinstance(section, ParallelSection):
                 inside = [(section, branch.graph.walk()) for branch in section.branches]

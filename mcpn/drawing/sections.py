@@ -240,7 +240,7 @@ class LocalPart:
         world, number = self.usage.world, {fact.name: i for i, fact in enumerate(self.facts)}
         value = {(fact.name, v): i for fact in self.facts for i, v in enumerate(fact.values)}
         changing = tuple(
-            (event, *((number[fact], value[fact, to]) for fact, to in changes.items()))
+            (event, *((number[fact], *(value[fact, v] for v in to.values())) for fact, to in changes.items()))
             for event, changes in world.changing.items()
             if not number.keys().isdisjoint(changes)
         )

@@ -142,16 +142,18 @@ class FactUsage:
 
     Attributes:
         facts: Its facts by name, those of objectives that something reads among them.
-        changing: By declared event that changes facts, the value that each of them has then.
+        changing: By declared event that changes facts, for each of them by value the one that it has then.
     """
 
     def __init__(self, mission: Mission) -> None:
         self.mission = mission
         self.facts: Mapping[str, Fact] = facts_of(mission)
-        self.changing: Mapping[str, Mapping[str, str]] = {
-            event.name: {change.fact: change.to for change in event.sets}
+        self.changing: Mapping[str, Mapping[str, Mapping[str, str]]] = {
+            event.name: {
+                change.fact: dict.fromkeys(self.facts[change.fact].values, change.to) for change in event.sets
+            }
             for event in mission.events
-            if event.sets
+            if event.changes_facts
         }
 
     @cached_property
@@ -160,7 +162,8 @@ class FactUsage:
         found = {}
         for event, changes in self.changing.items():
             every = frozenset(flag for fact in changes for flag in all_flags(self.facts[fact]))
-            true = frozenset(f for fact, value in changes.items() for f in flags(self.facts[fact])[value])
+            values = ((self.facts[fact], value) for fact, to in changes.items() for value in {*to.values()})
+            true = frozenset(flag for fact, value in values for flag in flags(fact)[value])
             found[event] = true, every - true
         return found
 

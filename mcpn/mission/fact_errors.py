@@ -32,7 +32,7 @@ class _FactChecks:
         self.facts = {fact.name: fact for fact in mission.facts}
         texts = (mission.blocks, *(protocol.blocks for protocol in mission.protocols))
         self.blocks: list[Block] = [block for blocks in texts for block in walk(blocks)]
-        self.changing = {event.name for event in mission.events if event.sets}
+        self.changing = {event.name for event in mission.events if event.changes_facts}
 
     @cached_property
     def elementary(self) -> dict[str, None]:
@@ -277,8 +277,8 @@ def _values(world: FactUsage, graph: ObjectivesGraph) -> dict[str, set[str]]:
         for setting in objective.sets:
             values[setting.fact].add(setting.value)
     for changes in world.changing.values():
-        for name, value in changes.items():
-            values[name].add(value)
+        for name, to in changes.items():
+            values[name].update(to.values())
     return values
 
 

@@ -182,6 +182,11 @@ class DeclaredEvent(Element):
     rate: Annotated[Rate, "Risk: occurrences per hour; without it, none."] = None
     sets: tuple[FactChange, ...] = ()
 
+    @property
+    def changes_facts(self) -> bool:
+        """Whether it changes facts, whatever runs; then no block handles it."""
+        return bool(self.sets)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Alternative(Element):

@@ -160,7 +160,7 @@ def _rates_of_facts(mission_net: MissionNet) -> dict[Element, tuple[float, float
         changes = world.changing.get(event.name, {})
         if not changes or not event.rate:
             continue
-        (name, value), *others = changes.items()
+        (name, to), *others = changes.items()
         fact = world.facts[name]
         if others or len(fact.values) > 2:
             what = "several facts" if others else f"a fact of {len(fact.values)} values"
@@ -170,8 +170,12 @@ def _rates_of_facts(mission_net: MissionNet) -> dict[Element, tuple[float, float
             )
         (flag,) = all_flags(fact)
         away, back = rates.get(("fact", flag), (0.0, 0.0))
-        other = value != fact.start
-        rates["fact", flag] = (away + event.rate, back) if other else (away, back + event.rate)
+        for was, now in to.items():
+            if was != now and was == fact.start:
+                away += event.rate
+            elif was != now:
+                back += event.rate
+        rates["fact", flag] = away, back
     return rates
 
 

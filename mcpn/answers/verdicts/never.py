@@ -181,7 +181,7 @@ def changing_nothing(mission_net: MissionNet, space: Space[S]) -> Iterator[Ignor
     graph, transitions = mission_net.graph, mission_net.net.transitions
     answers = targets(mission_net.mission)
     for declared in mission_net.mission.events:
-        if declared.sets:
+        if declared.changes_facts:
             continue  # it changes facts, and interrupts nothing
         event = Event(What.DECLARED, declared.name)
         own = [t for t, transition in enumerate(transitions) if transition.event == event]

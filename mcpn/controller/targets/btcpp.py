@@ -85,8 +85,9 @@ def _told(mission_net: MissionNet) -> dict[str, dict[str, str]]:
     found: dict[str, dict[str, str]] = {}
     for event in mission_net.mission.events:
         if len(changes := changing.get(event.name, {})) == 1:
-            ((fact, value),) = changes.items()
-            found.setdefault(fact, {}).setdefault(value, event.name)
+            ((fact, to),) = changes.items()
+            if len(values := {*to.values()}) == 1:
+                found.setdefault(fact, {}).setdefault(values.pop(), event.name)
     return found
 
 

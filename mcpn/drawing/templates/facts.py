@@ -13,7 +13,7 @@ one, too, and when facts have been asked it is forgotten. So it is empty in ever
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import product
 from typing import NamedTuple
 
@@ -73,13 +73,34 @@ def _draw_fact(canvas: Canvas, fact: Fact) -> None:
             pen.transition(f"forget:{value}", [became], [], rank=canvas.ranks.forgetting)
 
 
-def changing(canvas: Canvas, changes: Mapping[str, str], what: str) -> Iterator[FactArcs]:
-    """Gives facts values, whatever they were.
+def changing(canvas: Canvas, changes: Mapping[str, Mapping[str, str]], what: str) -> Iterator[FactArcs]:
+    """What an event does to facts, by value before: one for each combination of values.
 
     Raises:
-        LimitError: There are too many combinations of what they were.
+        LimitError: There are too many combinations.
     """
-    yield from ways(canvas, "", (), changes, what)
+    for number, before in enumerate(product(*changes.values())):
+        _refuse_more(number, what)
+        yield _arcs(
+            canvas, [(name, was, changes[name][was]) for name, was in zip(changes, before, strict=True)]
+        )
+
+
+def _refuse_more(number: int, what: str) -> None:
+    if number == MAX_WAYS:
+        raise LimitError(f"{what}: more than {MAX_WAYS} combinations of facts: the limit was hit")
+
+
+def _arcs(
+    canvas: Canvas, turned: Sequence[tuple[str, str, str]], read: Iterable[str] = (), target: str = ""
+) -> FactArcs:
+    """What a transition does where facts go from one value to another, or the same."""
+    kept = [canvas.fact(name, was) for name, was, now in turned if was == now]
+    ended = [canvas.fact(name, was) for name, was, now in turned if was != now]
+    changed = [(name, now) for name, was, now in turned if was != now]
+    begun = [canvas.fact(*to) for to in changed]
+    begun += [canvas.became(*to) for to in changed if to in canvas.usage.world.watched]
+    return FactArcs(ended, begun, [*read, *kept], target)
 
 
 def ways(
@@ -103,15 +124,9 @@ def ways(
     for known, target in _decided(cases, default, dict(changes), facts):
         read = [canvas.fact(name, value) for name, value in known.items() if name not in changes]
         for before in product(*(facts[name].values for name in changes)):
-            if len(leads) == MAX_WAYS:
-                raise LimitError(f"{what}: more than {MAX_WAYS} combinations of facts: the limit was hit")
-            both = [(name, was, changes[name]) for name, was in zip(changes, before, strict=True)]
-            kept = [canvas.fact(name, was) for name, was, now in both if was == now]
-            ended = [canvas.fact(name, was) for name, was, now in both if was != now]
-            changed = [(name, now) for name, was, now in both if was != now]
-            begun = [canvas.fact(*to) for to in changed]
-            begun += [canvas.became(*to) for to in changed if to in canvas.usage.world.watched]
-            leads.append(FactArcs(ended, begun, [*read, *kept], target))
+            _refuse_more(len(leads), what)
+            turned = [(name, was, changes[name]) for name, was in zip(changes, before, strict=True)]
+            leads.append(_arcs(canvas, turned, read, target))
     return leads
 
 

@@ -97,7 +97,7 @@ def _warnings(usage: Usage) -> Iterator[Problem]:
     yield from never_used(mission, consumed)
     handled = {i.event for section in graph.all_sections() for i in section.interruptions}
     for event in mission.events:
-        if event.name not in handled and not event.sets:
+        if event.name not in handled and not event.changes_facts:
             yield Problem(event.source, f"event {event.name} interrupts nothing")
     texts = (mission.blocks, *(protocol.blocks for protocol in mission.protocols))
     used = {block.protocol for blocks in texts for block in walk(blocks) if isinstance(block, Use)}

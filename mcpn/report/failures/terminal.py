@@ -174,7 +174,7 @@ def print_causes(causes: Causes) -> None:
     terminal, mission_net = Terminal(), causes.mission_net
     for told in headlines(causes):
         terminal.print(told, style="bold")
-    if events := [event.name for event in mission_net.mission.events if not event.sets]:
+    if events := [event.name for event in mission_net.mission.events if not event.changes_facts]:
         told = f"declared events count as ways to these ends: {shortened(events, MOST_NAMED)}"
         terminal.print(told, indent=2, style="dim")
     shared: dict[tuple[CutSet, ...], list[str]] = {}

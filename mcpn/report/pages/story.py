@@ -341,7 +341,10 @@ def _by_word(causes: Causes) -> Iterator[StoryLine]:
 
 def _ignored(check: MissionCheck) -> Iterator[StoryLine]:
     """Where the declared events are ignored, of missions that declare some."""
-    asked, events = "What is ignored?", [e.name for e in check.mission_net.mission.events if not e.sets]
+    asked, events = (
+        "What is ignored?",
+        [e.name for e in check.mission_net.mission.events if not e.changes_facts],
+    )
     if check.ignored:
         told = "; ".join(f"{each.event} while {each.words}" for each in check.ignored[:MOST_TOLD])
         more = len(check.ignored) - MOST_TOLD

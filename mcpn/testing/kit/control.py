@@ -157,8 +157,10 @@ class FactMachine(TemplateMachine):
         """A declared event happens, and gives it the value that it says."""
         events = list(self.alone.events.items())
         event, transition = events[choice % len(events)]
+        (was,) = self.said()
         self.alone.fire(transition)
-        wanted = self.alone.usage.world.changing[event.element][self.element[1]]
+        to = self.alone.usage.world.changing[event.element][self.element[1]]
+        wanted = to[was]
         self.alone.require(
             self.said() == [wanted], f"{event} makes it {told(self.said())}, expected {wanted}"
         )
@@ -171,6 +173,7 @@ class FactMachine(TemplateMachine):
         if not self.at_rest:
             return
         changing = self.alone.usage.world.changing
-        expected = sorted(e for e, to in changing.items() if to.get(self.element[1], said[0]) != said[0])
+        name, value = self.element[1], said[0]
+        expected = sorted(e for e, to in changing.items() if name in to and to[name][value] != value)
         found = sorted(event.element for event in self.alone.events)
         self.alone.require(found == expected, f"{told(found)} may happen, expected {told(expected)}")
