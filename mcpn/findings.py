@@ -96,7 +96,7 @@ def findings(
     engine: Asked = "auto",
     max_states: int | None = None,
 ) -> Findings:
-    """All that a report tells of a mission.
+    """All that a report says of a mission.
 
     Args:
         subject: The mission's spaces, or its net.

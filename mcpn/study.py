@@ -430,7 +430,7 @@ class Study:
         return drawn(self.mission_spaces("this picture"), kind, section)
 
     def findings(self, *, engine: Asked = "auto", max_states: int | None = None) -> Findings:
-        """What a report tells of the mission; see :func:`mcpn.findings.findings`."""
+        """What a report says of the mission; see :func:`mcpn.findings.findings`."""
         from mcpn.findings import findings
 
         return findings(self.mission_spaces("a report"), engine, max_states)

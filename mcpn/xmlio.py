@@ -72,7 +72,7 @@ def stream_xml(
         end of an element may clear it.
 
     Raises:
-        InputError: As :func:`parse_xml`, when the place is come to.
+        InputError: As :func:`parse_xml`, when the place is reached.
     """
     # huge_tree stays off: libxml2 then refuses elements nested more than 256 deep.
     parser = etree.XMLPullParser(
@@ -103,7 +103,7 @@ def stream_xml(
 _CHUNK = 1 << 16
 """Bytes that are read before the elements in them are given."""
 _TOLD = 1 << 22
-"""Bytes after which is told how far reading is."""
+"""Bytes after which progress in reading is reported."""
 
 
 def _parsed(path: Path, data: bytes, encoding: str | None, *, whole: bool) -> etree._Element:

@@ -1,7 +1,7 @@
-"""Mistakes in the formulas of a mission that is not valid yet: they are told with the others.
+"""Mistakes in the formulas of a mission that is not valid yet: they are reported with the others.
 
 What formulas name is looked up among what the mission declares and writes, since there is no net. So all
-that is told here is wrong however the mission is mended, unless what a formula names is still to be added.
+that is reported here is wrong however it is mended, unless what a formula names is still to be added.
 """
 
 from __future__ import annotations

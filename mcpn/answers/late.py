@@ -2,7 +2,7 @@
 
 Hardware that is detected late fails unseen. With this lost, and not known to be lost, an objective that uses
 it can no longer succeed in its present run, or it can because some activity may still find the loss out. An
-objective that could not succeed without the loss either is not told of.
+objective that could not succeed without the loss either is not reported.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def late_losses(mission_net: MissionNet, space: Space[S]) -> Iterator[LateLoss]:
                 continue
             hopeful = prospects.hopeful(goal, repairs=False)
             running = goal.running & hopeful
-            # Where the loss has just taken away that it can succeed, and nobody can tell.
+            # Where the loss has just ruled out its success, and nobody can know.
             for among, told in ((sound, unnoticed), (space.everything, later)):
                 after = space.restricted(space.after(running & among, losing), oos, known)
                 in_vain = (after & goal.running) - hopeful

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 ASKED = {
     "ends_safely": "Whatever fails, the mission can still end; where it can abort, in success or a safe way.",
     "events_answered": "Every handled event is answered in one reaction, which ends and is always the same.",
-    "no_event_ignored": "No declared event is ignored, but while what it leads to runs already.",
+    "no_event_ignored": "No declared event is ignored, except while what it leads to already runs.",
     "dark_after_stop": "After a stop nothing dangerous runs.",
     "no_single_loss_endangers": "No single loss of hardware, at whatever moment, leaves no safe end.",
     "no_late_loss_endangers": "No loss noticed late lets an objective go on in vain, or leaves no safe end.",

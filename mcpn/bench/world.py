@@ -180,7 +180,7 @@ class Places:
 
     def _here(self) -> ControllerPlace:
         controller = self._controller
-        controller.count = 0  # the same place is the same one, however a run came to it
+        controller.count = 0  # the same place is the same one, however a run reached it
         saved = controller.saved()
         name = None if saved.section is None else saved.section.name
         gone, happened = frozenset(saved.out_of_service), frozenset(saved.happened)

@@ -113,7 +113,7 @@ def _import(
 def _not_there(folder: Path, files: Iterable[str]) -> None:
     for file in files:
         if (folder / file).exists():
-            raise InputError.at(Source(str(folder / file)), "is there already, and is not overwritten")
+            raise InputError.at(Source(str(folder / file)), "exists already, and is not overwritten")
 
 
 def _start(example: str | None) -> Traversable:

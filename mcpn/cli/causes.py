@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mcpn.spaces.engines import Asked
 
 MOST_TOLD = 50
-"""Objectives up to which runs and FMECA rows are told without being asked for."""
+"""Objectives up to which runs and FMECA rows are printed without being asked for."""
 
 
 @click.command()

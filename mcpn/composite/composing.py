@@ -242,7 +242,7 @@ def _begun(composite: CompositeSpace, stage: Stage) -> Zdd:
 def _raise_before(
     composite: CompositeSpace, stages: Sequence[Stage], transient: Zdd, marking: Marking
 ) -> NoReturn:
-    """Raises the error of an event after which sections of a type come to a marking of such runs."""
+    """Raises the error of an event after which sections of a type reach a marking of such runs."""
     type_, layout, everything = stages[0].type, composite.layout, composite.everything
     encoding = type_.encoding
     here = layout.opened(encoding.set_of(marking), layout.all_slots) & transient

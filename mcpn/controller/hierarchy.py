@@ -59,7 +59,7 @@ class Move:
         actions: In order.
         guard: When it is taken; at most one of those of a state and event is.
         gained: What becomes true of facts.
-        lost: What is no more true of them.
+        lost: What is no longer true of them.
     """
 
     source: int
@@ -79,7 +79,7 @@ class Entry:
         target: The first state inside.
         actions: In order.
         gained: What becomes true of facts.
-        lost: What is no more true of them.
+        lost: What is no longer true of them.
     """
 
     target: int

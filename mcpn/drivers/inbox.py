@@ -11,7 +11,7 @@ from contextlib import suppress
 BATCH = 100
 """Lines of one driver that are taken before others have their turn, and timers and signals theirs."""
 MOST = 1000
-"""Lines that wait, from which on who tells them waits too."""
+"""Lines that may wait; whoever writes more of them has to wait."""
 PAUSE = 0.01
 """Seconds between two looks whether lines can be taken again."""
 LONGEST = 1 << 16

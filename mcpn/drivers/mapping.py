@@ -291,9 +291,7 @@ class _Check:
         for text in spec.topics.texts:
             found = filled(text, values)
             if found != text and any(found.count(sign) > text.count(sign) for sign in WILDCARDS):
-                yield self._at(
-                    spec.place, f"{text}: {who}: {found!r} would have a wildcard that is none here"
-                )
+                yield self._at(spec.place, f"{text}: {who}: {found!r} would add a wildcard to the topic")
 
     def whole(self) -> Found:
         """What is not on this machine."""
@@ -339,14 +337,14 @@ class _Check:
             told |= {event for event in known if fnmatchcase(event, named)}
         for event in sorted(known - told - {START}):
             if not event.endswith("_EV_TIMEOUT"):
-                yield None, f"no driver tells the event {event}: name it in one, or in never"
+                yield None, f"no driver reports the event {event}: name it in one, or in never"
 
     def _reason(self, place: Place, word: str, activity: str) -> Found:
         """A reason for which no objective fails that the activity is started for."""
         objectives = self.objectives.get(activity, [])
         known = {each for name in objectives for each in self.endings.get(name, {}).values()}
         if word not in known:
-            message = f"no objective that runs {activity} fails so{did_you_mean(word, known)}"
+            message = f"no objective that runs {activity} fails for this reason{did_you_mean(word, known)}"
             yield self._at(place, f"{word}: {message}")
 
     def _ends(self, row: dict[str, list[str]], word: str) -> bool:

@@ -209,7 +209,7 @@ class ProcessDriver:
             loop.add_reader(output.fileno(), self._read)
 
     def _close(self) -> None:
-        """Reads no more."""
+        """Stops reading."""
         assert self._process is not None
         assert self._process.stdout is not None
         if not self._process.stdout.closed:

@@ -22,7 +22,7 @@ from mcpn.runtime.tables import START, Action, Refused, Tables
 _log = logging.getLogger("mcpn.drivers")
 
 MOST_EVENTS = 1000
-"""Events that wait, from which on drivers are not listened to."""
+"""Events that may wait; while there are more, drivers are not read."""
 HURRY = 0.5
 """Seconds that the release of hardware has when somebody asks a second time for the end."""
 
@@ -53,7 +53,7 @@ class RobotRun:
             :meth:`end`, they are not.
         begins: Called when something is about to begin that may outlive this process.
         starts: How many drivers were started before, in the run that is gone on with.
-        untold: What that run has begun by a message, and has not told to stop.
+        untold: What that run has begun by a message, and has not ordered to stop.
     """
 
     def __init__(

@@ -28,7 +28,7 @@ class _Driver(Protocol):
 
 
 class Started:
-    """A driver from its start to its stop; what it tells after that counts no more.
+    """A driver from its start to its stop; what it reports after that no longer counts.
 
     Args:
         spec: What it is.
@@ -141,7 +141,7 @@ class Started:
             await self._ended.wait()
 
     def leave(self) -> None:
-        """What it tells from now on counts no more."""
+        """What it reports from now on no longer counts."""
         self.over = True
         self._inbox.close()
 

@@ -89,7 +89,7 @@ class Project:
     def problems(self, file: Path, *, at_once: bool = False) -> tuple[list[Problem], list[Problem]]:
         """What is wrong in the missions that a file is part of, and what is suspicious, as ``check`` says it.
 
-        Of a file of no mission what does not fit the language is told.
+        Of a file without a mission, what does not fit the language is reported.
 
         Args:
             file: The file.

@@ -352,7 +352,7 @@ SILENCE = 10.0
 """Seconds after which a stream on which nothing happens says so, so that one whose page is closed ends."""
 
 LAST = 2.0
-"""Seconds that pages have to be told of the end."""
+"""Seconds in which pages are notified of the end."""
 
 
 class RobotPage(Content):

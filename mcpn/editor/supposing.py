@@ -32,7 +32,7 @@ def supposed(mission: Mission, lost: Sequence[str], ways: Mapping[str, Sequence[
     Args:
         mission: The mission.
         lost: Hardware that is out of service from the start and never repaired.
-        ways: By activity its alternatives, the first preferred; those that are not named it has no more.
+        ways: By activity its alternatives, the first preferred; it loses those that are not named.
 
     Raises:
         InputError: The mission has no such hardware, activity or alternative.
@@ -132,7 +132,7 @@ def compared(
         an alternative that is taken away; those of rounds, tries and so on together.
 
     Raises:
-        InputError: As of :func:`supposed`; or a formula speaks of what the mission would have no more.
+        InputError: As of :func:`supposed`; or a formula names what the mission would no longer have.
         LimitError: A limit was hit.
     """
     mission = study.mission_net.mission

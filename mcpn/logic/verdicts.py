@@ -266,7 +266,7 @@ class _Answers:
     # --- what waits ---
 
     def answer(self, name: str, value: int, *ways: str) -> Iterator[ContestAnswer]:
-        """Answers a question, which waits no more, with the techniques of its parts; and what follows."""
+        """Answers a question, which no longer waits, with the techniques of its parts; and what follows."""
         del self.waiting[name]
         told = tuple({**self.ways[name], **dict.fromkeys(ways)})
         yield ContestAnswer(name, str(value).upper(), told)

@@ -38,7 +38,7 @@ class Note(NamedTuple):
         step: After how many steps.
         where: Which part of the run shows it.
         formula: What is shown.
-        reason: Why the run shows no more of it; empty where it does.
+        reason: Why the run does not show all of it; empty where it does.
     """
 
     step: int

@@ -168,7 +168,7 @@ class _FactChecks:
                 yield from self.both(handler.source, who, handler.when)
             if handler.event in self.changing:
                 message = f"the event {handler.event} changes facts: it interrupts nothing by itself"
-                remedy = "name the facts, <on when=...>, and what they become does"
+                remedy = "handle what the facts become, with <on when=...>"
                 yield Problem(handler.source, f"{message}; {remedy}")
 
     def condition(self, source: Source | None, who: str, texts: Iterable[str]) -> Iterator[Problem]:

@@ -105,7 +105,7 @@ class ReasonChecks:
                 yield Problem(activity.source, f"{found}, expected {REASON.allowed}")
         if activity.failures and activity.produces:
             message = f"activity {activity.name} names failures, though it produces {activity.produces[0]}"
-            yield Problem(activity.source, f"{message}: no objective runs it, which might fail so")
+            yield Problem(activity.source, f"{message}: no objective runs it, which could fail for them")
 
     def objective(self, objective: Objective) -> Iterator[Problem]:
         """What is wrong with the reasons that an objective names."""

@@ -84,11 +84,11 @@ class Existence(_Scoped):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class BoundedExistence(_Scoped):
-    """It comes to hold so many times at most."""
+    """It becomes true at most so many times."""
 
     TAG = "bounded_existence"
     of: Annotated[str, FORMULA, "The formula whose stretches are counted."]
-    most: Annotated[int, ENTRIES, "How many times at most it comes to hold."] = 2
+    most: Annotated[int, ENTRIES, "How many times at most it becomes true."] = 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -138,7 +138,7 @@ class Response(_Scoped):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Visit(_Pattern):
-    """The robot comes to some objectives."""
+    """The robot visits some objectives."""
 
     TAG = "visit"
     objectives: Locations
@@ -158,7 +158,7 @@ class Visit(_Pattern):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Patrolling(_Pattern):
-    """The robot comes to some objectives again and again."""
+    """The robot visits some objectives again and again."""
 
     TAG = "patrolling"
     objectives: Locations
@@ -176,7 +176,7 @@ class Avoidance(_Pattern):
 
     TAG = "avoidance"
     objectives: Avoided
-    until: Annotated[str | None, FORMULA, "A formula, which comes to hold: up to then."] = None
+    until: Annotated[str | None, FORMULA, "A formula, which becomes true: up to then."] = None
     after: Annotated[str | None, FORMULA, "A formula: from when it holds."] = None
 
     @property
@@ -222,11 +222,11 @@ class Reaction(_Pattern):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Wait(_Pattern):
-    """The robot stays in some objectives up to the moment at which something comes to hold."""
+    """The robot stays in some objectives up to the moment at which something becomes true."""
 
     TAG = "wait"
     objectives: Locations
-    until: Annotated[str, FORMULA, "The formula that ends the wait, and comes to hold."]
+    until: Annotated[str, FORMULA, "The formula that ends the wait, and becomes true."]
 
     @property
     def misuse(self) -> str:

@@ -87,10 +87,10 @@ def listening() -> Iterator[UnderWay]:
 
 @contextmanager
 def progress_on_terminal(quiet: bool = False) -> Iterator[None]:
-    """A line on standard error that tells which step is under way and how far it is, where a person watches.
+    """A line on standard error that shows which step is under way and how far it is, where a person watches.
 
     Args:
-        quiet: Whether nothing is to be told; what an interruption ends is told all the same.
+        quiet: Whether nothing is shown; what an interruption ends is named all the same.
     """
     with listening() as heard:
         if quiet or sys.stderr is None or not sys.stderr.isatty() or os.environ.get("TERM") == "dumb":

@@ -79,7 +79,7 @@ class Terminal:
 
         Args:
             text: What to print.
-            style: A colour, ``bold`` or ``dim``; never the only thing that tells something.
+            style: A colour, ``bold`` or ``dim``; never the only carrier of information.
             indent: Spaces before its first line.
             hang: Spaces more before those that follow.
         """

@@ -298,7 +298,7 @@ def print_check(
             _print_verdict(terminal, check.mission_net, check.verdicts[name], internal, shown)
             shown.update(check.verdicts[name].runs)
             if name == "confluent" and check.verdicts[name].holds and check.mission_net.usage.contentions:
-                terminal.print("of two that need one thing, who comes second waits", indent=7, style="dim")
+                terminal.print("of two that need the same resource, the second waits", indent=7, style="dim")
     for idle in check.changing_nothing:
         lines = [f"Ignored: {idle.event} while {idle.words}."] if idle.objectives else []
         if idle.answering:

@@ -176,7 +176,7 @@ def of_all_copies(mission_net: MissionNet, text: str) -> str:
 
 
 def modes_in_words(modes: Iterable[Mode]) -> tuple[str, ...]:
-    """Functioning modes as a person tells them apart, in their order.
+    """Functioning modes as a person distinguishes them, in their order.
 
     Alternatives named like their activity go unsaid; what then reads the same is said once.
     """

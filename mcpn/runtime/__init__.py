@@ -15,7 +15,7 @@ What it promises:
 - A snapshot that is truncated, changed or of another controller is an error, and changes nothing.
 - A hook that fails stops neither the controller nor the other hooks: all are called, then the errors are
   raised together (:class:`HookErrors`), the state being the new one. A queue logs them and goes on, unless
-  it was told otherwise.
+  it is configured otherwise.
 - A file that is damaged is refused when it is loaded (:class:`ControllerFileError`), not while the robot
   runs.
 """

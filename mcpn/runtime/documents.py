@@ -103,7 +103,7 @@ REQUIREMENT = {
 }
 FLAGS = {
     "gained": names("What becomes true of facts."),
-    "lost": names("What is no more true of them."),
+    "lost": names("What is no longer true of them."),
 }
 STATE = {
     "objectives": texts("Objectives that run."),
@@ -320,7 +320,7 @@ CONTROLLER = Document(
     _controller(
         "The controller that mcpn.runtime runs. How it is run: docs/controller.md.",
         OneOf("A machine for each type of section, or one.", *FORMS[1::-1]),
-        Boolean("States that cannot be told apart are merged."),
+        Boolean("States that no run distinguishes are merged."),
         ListOf("Machines.", MACHINE),
         "machine",
     ),

@@ -381,7 +381,7 @@ def _reactive(at: Translator, node: TreeNode, context: Context, *, stops: bool) 
     earlier = (child for place, child in enumerate(node.children) if slow[place] and place < last)
     if any(at.remembers(child) for child in earlier):
         kind = Kind.LEFT_OUT
-        why = "what an earlier child remembers when it is asked again, and answers at once, is not told"
+        why = "what an earlier child remembers when it is asked again, and answers at once, is not modelled"
     at.note(node, became(result), kind, why)
     return result
 
@@ -443,7 +443,7 @@ def while_do_else(at: Translator, node: TreeNode, context: Context) -> Result:
     if at.at_once(node.children[0]):
         at.note(node, name, Kind.EXACT)
     else:
-        at.note(node, name, Kind.LEFT_OUT, "that its condition runs again beside it is not told")
+        at.note(node, name, Kind.LEFT_OUT, "that its condition runs again in parallel is not modelled")
     return made
 
 

@@ -35,7 +35,7 @@ def transparent(at: Translator, node: TreeNode, context: Context) -> Result:
     return result
 
 
-BETWEEN = "that it returns between its rounds is not told"
+BETWEEN = "that it returns between its rounds is not modelled"
 """Why a loop whose child answers at once is not what the tree does, where that can be seen."""
 
 
@@ -132,7 +132,7 @@ def loop(at: Translator, node: TreeNode, context: Context) -> Result:
         result = Part(at.choice(f"{node.id}_fails", context, "Its child fails at once"), good=False)
     if count is not None and end == SUCCEED and count <= COPIES:
         block = wrapped(result, at.names.fresh(node.name or f"{result.block.name}_rounds")).block
-        at.note(node, block.name, Kind.EXACT, "values of the queue are not told")
+        at.note(node, block.name, Kind.EXACT, "values of the queue are not modelled")
         return Part(replace(block, repeat=count) if count > 1 else block, skips=result.skips)
     name = at.names.fresh(node.name or node.id)
     asked = at.choice(f"{name}_more", context, f"Whether the queue {queue} has another value")

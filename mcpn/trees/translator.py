@@ -109,7 +109,7 @@ class Context:
     Args:
         lane: The branches of parallel blocks around it.
         again: Whether it may be entered again after it has ended or was halted.
-        halted: Whether it may be halted while it runs, by something that tells it not.
+        halted: Whether it may be halted while it runs, by something that does not say so.
     """
 
     lane: Lane = ()
@@ -381,7 +381,7 @@ class Translator:
         self.entries.append(LedgerEntry(node, became, kind, why))
 
     def refused(self, node: TreeNode, why: str) -> bool:
-        """Notes that a node has no translation; all such nodes are told in one go."""
+        """Notes that a node has no translation; all such nodes are reported together."""
         self.problems.append(Problem(node.source, why))
         return True
 

@@ -125,7 +125,7 @@ def test_a_controller_says_what_its_mission_requires(survey: Path) -> None:
         "expected": "fails",
         "severity": "required",
     }
-    assert said["comes"]["sentence"] == "The robot comes to come and see."
+    assert said["comes"]["sentence"] == "The robot visits come and see."
     checked = {each["name"]: each for each in output("check", survey / "survey.xml")["requirements"]}
     assert {name: {key: checked[name][key] for key in of} for name, of in said.items()} == said
 

@@ -66,7 +66,7 @@ def test_a_good_one(tmp_path: Path) -> None:
         ("[activities.drive]", "[activities.drve]", [
             ":7: the mission's controller has no activity 'drve' (did you mean drive?)",
             ": no driver for activity drive: expected a table [activities.drive]",
-            ": no driver tells the event OBJ_home_EV_FAIL",
+            ": no driver reports the event OBJ_home_EV_FAIL",
         ]),
         ("nothing = true", "nothing = false", [":6: nothing: expected true, found False"]),
         ("nothing = true", "noting = true", [":6: unknown key 'noting' (did you mean nothing?)", ":5: "]),
@@ -81,21 +81,21 @@ def test_a_good_one(tmp_path: Path) -> None:
         ('["true"]', '["true", "{room}"]', [":2: {room}: lidar_driver has no such parameter"]),
         ('["true"]', '["true", "{objective}"]', [":2: {objective}: lidar_driver has no such parameter"]),
         ('ends.other = "lidar_EV_OOS"', 'ends.other = "success"', [
-            ": no driver tells the event lidar_EV_OOS: name it in one, or in never",
+            ": no driver reports the event lidar_EV_OOS: name it in one, or in never",
             ":4: success: activities.lidar_driver belongs to no objective",
         ]),
         ('ends.other = "lidar_EV_OOS"', 'ends.other = "lidar_EV_OS"', [
-            ": no driver tells",
+            ": no driver reports",
             ":4: 'lidar_EV_OS' is no event of the mission's controller (did you mean lidar_EV_OOS?)",
         ]),
-        ('0 = "success"', '0 = "OBJ_travel_EV_OK"', [": no driver tells the event OBJ_home_EV_OK"]),
+        ('0 = "success"', '0 = "OBJ_travel_EV_OK"', [": no driver reports the event OBJ_home_EV_OK"]),
         ('{0 = "success"', '{0 = 5', [":9: ends.0: expected a text, found 5"]),
         ("{true", "{raised", []),
         ('"hand:over"', '"hand"', [":11: python: expected 'module:function', found 'hand'"]),
         ('"hand:over"', '"hand:under"', [":10: hand:under: AttributeError"]),
         ('"hand:over"', '"no_hands:over"', [":10: no_hands:over: ModuleNotFoundError"]),
         ("called_back", "calledback", [
-            ": no driver tells the event called_back_EV",
+            ": no driver reports the event called_back_EV",
             ":1: never: 'calledback' is no event",
         ]),
         ("[activities.hand", "[release.wings]\nnothing = true\n[activities.hand", [
@@ -245,9 +245,9 @@ def test_files_that_were_slow_or_ended_badly(faults: Path, name: str) -> None:
     [
         ('process = ["true", "{room}"]', "--version", "'--version' would be an option of the program"),
         ('process = ["true", "--room={room}"]', "--version", None),
-        ('mqtt = { start = "robot/{room}" }', "#", "'robot/#' would have a wildcard"),
-        ('mqtt = { start = "robot/{room}" }', "a/+/b", "'robot/a/+/b' would have a wildcard"),
-        ('zenoh = { says = "robot/{room}" }', "**", "'robot/**' would have a wildcard"),
+        ('mqtt = { start = "robot/{room}" }', "#", "'robot/#' would add a wildcard"),
+        ('mqtt = { start = "robot/{room}" }', "a/+/b", "'robot/a/+/b' would add a wildcard"),
+        ('zenoh = { says = "robot/{room}" }', "**", "'robot/**' would add a wildcard"),
         ('mqtt = { start = "robot/{room}", says = "robot/+/{room}" }', "12", None),
     ],
 )

@@ -63,12 +63,13 @@ def test_the_route_of_the_reason_is_followed(
     ("old", "new", "expected"),
     [
         ("failure blocked", "failure blokced", [
-            "failure blokced: no objective that runs drive fails so (did you mean failure blocked?)",
+            "failure blokced: no objective that runs drive fails for this reason "
+            "(did you mean failure blocked?)",
             "OBJ_there_EV_FAIL_blocked",
         ]),
         (', 4 = "failure no_path"', "", ["EV_FAIL_no_path: name it in one, or in never"] * 2),
         ('["true"]\nends = {0 = "success"', '["true"]\nends = {0 = "success", 3 = "failure no_path"', [
-            "failure no_path: no objective that runs ring fails so",
+            "failure no_path: no objective that runs ring fails for this reason",
         ]),
     ],
 )  # fmt: skip

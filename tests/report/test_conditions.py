@@ -107,7 +107,7 @@ def test_what_each_failure_costs(causes: Causes) -> None:
 def test_the_page_does_not_count_an_abort_as_success(survey: Path) -> None:
     html = page(findings(compose(read_mission(survey))))
     for told in (
-        "It can succeed no more once this hardware is lost and not repaired: motor; sonar.",
+        "It can no longer succeed once this hardware is lost and not repaired: motor; sonar.",
         "It can neither succeed nor be aborted once this hardware is lost and not repaired: motor.",
         "It can still succeed after the loss of any one of these alone: rudder.",
         "After the loss of any one of these alone it can only be aborted: sonar.",

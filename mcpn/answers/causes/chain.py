@@ -496,6 +496,6 @@ def totals(
         resting: States that may turn out to be the last.
     """
     gaining = reaching(np.asarray(gained > 0, np.bool_))
-    # Gains may never end where some run comes to a state from which no state without further gain is reached.
+    # Gains may never end where some run reaches a state from which no state without further gain is reached.
     endless = reaching(np.isinf(gained) | ~reaching(~gaining | resting))
     return np.where(endless, np.inf, solved(gaining & ~endless, gained))

@@ -235,7 +235,7 @@ def changes(before: Situation, after: Situation) -> str:
 
 
 def worth_telling(cases: Sequence[Case]) -> list[Case]:
-    """The cases that a row of the table tells, the worst first.
+    """The cases of a row of the table, the worst first.
 
     A case without effect is left out where another case has one. A case in which the objective was lost
     already is left out where a case in which it was still open has the same severity.

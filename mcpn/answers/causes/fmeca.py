@@ -84,7 +84,7 @@ def fmeca(prospects: Prospects[S], objectives: Collection[str] | None = None) ->
 
 
 class _Facts(NamedTuple):
-    """What a failure does while an objective runs, before it is told.
+    """What a failure does while an objective runs, before it is put in words.
 
     Args:
         cases: What it does when all other hardware is in service, the worst first.
@@ -254,7 +254,7 @@ class _Table(Generic[S]):
     ) -> Iterator[tuple[Severity, tuple[Others, ...]]]:
         """Severities beyond the one alone, with the minimal sets of hardware that bring them about.
 
-        A set with which one of two severities may come is told with the worse alone.
+        A set with which one of two severities may come is listed with the worse alone.
         """
         found, worse = list[tuple[Severity, tuple[Others, ...]]](), self.images.nothing
         for severity in reversed(range(alone + 1, len(Severity))):
@@ -292,7 +292,7 @@ class _Table(Generic[S]):
         return bool(finding) and bool(states & self.leading(self.space.enabling(finding), [transition]))
 
     def without_effect(self, states: S, goal: Goal[S]) -> Case:
-        """That nothing changes, told of the states with the best prospects."""
+        """That nothing changes, as seen in the states with the best prospects."""
         idle, hopeful = Situation(), states - self.prospects.losing(goal, repairs=False)
         best = hopeful or states
         loss = Loss(*(not best - region for region in self.lost))

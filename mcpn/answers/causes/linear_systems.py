@@ -320,7 +320,7 @@ class StepSystem:
 
         Args:
             right: By system, unknown, and a free axis; no number is negative.
-            forward: Whether the system is the transposed one: of what is come to, not of what is to come.
+            forward: Whether the system is the transposed one: of what has been, not of what is to come.
 
         Raises:
             LimitError: The system is too large to be solved as a dense one, and needs to be.

@@ -6,7 +6,7 @@ three ways, whichever is expected to cost least: by block elimination, where equ
 to, one sweep through the loop giving the operator on their values, which is solved directly or by iteration.
 
 A resource beside a section is a small chain of its own, while the section takes a random time ``T``. It is
-told by a clock that starts with the section. Hardware in service fails at the rate ``f``, and out of
+described by a clock that starts with the section. Hardware in service fails at the rate ``f``, and out of
 service is repaired at the rate ``r``: that is the same as if at the rate ``f + r`` its status were drawn
 anew, out of service with probability ``f / (f + r)``. So its status at the end is that of the beginning if
 the clock has not rung, and else is drawn once. No probability is a difference of others here. For several

@@ -237,7 +237,7 @@ class Prospects(Generic[S]):
 
     @cached_property
     def aborts(self) -> Aborts[S] | None:
-        """How the mission comes to its abort; ``None`` of a mission that cannot abort."""
+        """How the mission reaches its abort; ``None`` of a mission that cannot abort."""
         return None if self.mission_net.abort is None else aborts(self.mission_net, self.space)
 
     @cached_property

@@ -1,7 +1,7 @@
 """Numbers of risk as a chain of sections over the status of the hardware; the whole mission may be one.
 
 A section depends on its own hardware only; all other hardware fails and is repaired independently, while
-the section takes a random time ``T``. What becomes of each other resource meanwhile is told by a clock
+the section takes a random time ``T``. What becomes of each other resource meanwhile is described by a clock
 (:class:`mcpn.answers.causes.passages.Beside`), and the section's own chain is run against the clocks: how it
 ends, and which of them have rung by then (:meth:`mcpn.answers.causes.chain.Chain.kernels`). This is exact,
 all of it without a difference of probabilities, and the product of the section's states with the status of

@@ -8,7 +8,7 @@ A scope is an interval, closed at its beginning and open at its end: before ``r`
 there is one; after ``q`` from the first ``q`` on; between ``q`` and ``r`` from each ``q`` that is no ``r`` to
 the next ``r``; after ``q`` until ``r`` the same, and for ever where no ``r`` follows.
 
-Where a letter says that an event comes about, it is true of the state that the event leaves. What comes after
+Where a letter says that an event happens, it is true of the state that the event leaves. What comes after
 ``q`` begins with the next state then, the reaction (:func:`after_step`); the rest is said by
 :mod:`mcpn.answers.patterns.moments`.
 """

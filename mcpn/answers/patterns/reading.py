@@ -101,7 +101,7 @@ class _PatternReader:
         return self._read(attribute, said)
 
     def is_event(self, attribute: str, negated: bool = False) -> bool:
-        """Whether a formula of an attribute, or its negation, says that an event comes about."""
+        """Whether a formula of an attribute, or its negation, says that an event happens."""
         text, names = getattr(self._pattern, attribute), self._names
         if text is None:
             return False
@@ -204,7 +204,7 @@ class _PatternReader:
     def movement(self, pattern: Visit | Patrolling) -> PatternText:
         places = self.locations(pattern.objectives, "in")
         kind = "visit" if isinstance(pattern, Visit) else "patrolling"
-        begin = "the robot comes to" if kind == "visit" else "again and again the robot comes to"
+        begin = "the robot visits" if kind == "visit" else "again and again the robot visits"
         listed = enumeration(pattern.objectives)
         sentence = f"{begin} {_ORDERS[pattern.order].format(listed)}"
         return PatternText(robots.movement(kind, pattern.order, places), f"{sentence}.")
@@ -227,12 +227,12 @@ class _PatternReader:
                 return PatternText(formula, f"the robot enters {each} {number}.")
         if pattern.until is not None:
             formula = self._placed(robots.PAST, here, "until")
-            sentence = f"at some time {self.clause('until')}, and the robot does not come to {either} before."
+            sentence = f"at some time {self.clause('until')}, and the robot does not visit {either} before."
             return PatternText(formula, sentence)
         if pattern.after is not None:
             formula = self._placed(robots.FUTURE, here, "after")
-            return PatternText(formula, f"once {self.clause('after')}, the robot never comes to {either}.")
-        return PatternText(robots.GLOBAL.format(each=here), f"the robot never comes to {either}.")
+            return PatternText(formula, f"once {self.clause('after')}, the robot never visits {either}.")
+        return PatternText(robots.GLOBAL.format(each=here), f"the robot never visits {either}.")
 
     def _placed(self, formula: str, here: str, attribute: str, lasting: str = "") -> str:
         """The formula that the robot is, or is not, at some places, with what begins or ends this."""
@@ -258,7 +258,7 @@ def _written(formula: str, texts: Mapping[str, str]) -> str:
 
 
 def _comes_about(formula: Formula) -> bool:
-    """Whether a formula holds only where some event comes about."""
+    """Whether a formula holds only where some event happens."""
     match formula:
         case Happens():
             return True
@@ -305,10 +305,10 @@ _AFTER_EVENTS = {
 }
 """The same where an event begins the scope."""
 _BODIES = {
-    "absence": "it is never so that {p}",
+    "absence": "it is never the case that {p}",
     "existence": "at some moment {p}",
-    "bounded_existence": "at most {times} it comes about that {p}",
-    "universality": "it is always so that {p}",
+    "bounded_existence": "at most {times} it becomes true that {p}",
+    "universality": "it is always the case that {p}",
     "precedence": "{p} only when {s}, or after that",
     "precedence_event": "{p} only after {s}",
     "response": "whenever {p}, then or later {s}",
@@ -321,10 +321,10 @@ _BODIES = {
 }
 _ORDERS = {
     "any": "{0}",
-    "sequenced": "{0}, to each after the one before it",
-    "ordered": "{0}, to none before the one before it",
-    "strict": "{0}, to none before the one before it, and enters none twice before the next one",
-    "fair": "{0}, and does not enter one again before it has come to the next one in turn",
+    "sequenced": "{0}, each after the one before it",
+    "ordered": "{0}, none before the one before it",
+    "strict": "{0}, none before the one before it, and enters none twice before the next one",
+    "fair": "{0}, and does not enter one again before it has visited the next one in turn",
 }
 _REACTIONS = {
     "instantaneous": "whenever {to}, at that moment {gives}.",
@@ -353,7 +353,7 @@ _WORDS = {
     "oos": ("{0} is out of service", "{0} is in service"),
     "available": ("{0} is available", "{0} is not available"),
     "event": ("{0} may come next", "{0} cannot come next"),
-    "happens": ("{0} comes about", "{0} does not come about"),
+    "happens": ("{0} happens", "{0} does not happen"),
     "success": ("the mission has succeeded", "the mission has not succeeded"),
     "failure": ("the mission has failed", "the mission has not failed"),
     "abort": ("the mission has been aborted", "the mission has not been aborted"),

@@ -1,6 +1,6 @@
 """The verdicts of a mission, each with the run that shows it, by any engine.
 
-Required verdicts are those that a mission must satisfy to be flown; informative ones tell more. A verdict is
+Required verdicts are those that a mission must satisfy to be flown; informative ones say more. A verdict is
 ``None`` where an earlier one failed in a way that leaves it unknown. Only how a space is made, and with which
 errors, depends on the engine; every question is asked once, of :class:`mcpn.spaces.algebra.Space`.
 """
@@ -161,7 +161,7 @@ def required_of(mission_net: MissionNet) -> tuple[str, ...]:
 
 
 def informative_of(mission_net: MissionNet) -> tuple[str, ...]:
-    """The verdicts that tell more of a mission; one more where it can abort."""
+    """The informative verdicts of a mission; one more where it can abort."""
     if mission_net.abort is None:
         return INFORMATIVE
     return ("failure_reachable", ABORT_REACHABLE, UNSAFE_ABORT, "unselectable")

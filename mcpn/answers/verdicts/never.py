@@ -154,7 +154,7 @@ class Ignored(NamedTuple):
         required: Whether its declaration says that it must always be handled.
         words: The same for a reader, without the event: copies of one objective are said together.
         answering: The objectives in what its handlers lead to that run in some state in which it is answered
-            already and handled no more, in document order.
+            already and no longer handled, in document order.
         answering_words: The same for a reader.
     """
 

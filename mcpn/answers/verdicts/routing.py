@@ -287,7 +287,7 @@ class Routing:
                 facts = dict(same[0].section.becoming).get(by)
                 verb = _VERBS.get(by) or f"fail for {by.removeprefix(failed_for(''))}"
                 if facts is not None:
-                    verb = f"be left as {facts.words} comes about"
+                    verb = f"be left as {facts.words} becomes true"
                 said.append(f"{subject} can never {verb}")
         return f": {shortened(said)}" if said else ""
 

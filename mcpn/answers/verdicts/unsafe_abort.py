@@ -18,7 +18,7 @@ from mcpn.spaces.run import Run, transitions_of
 
 
 class Aborts(NamedTuple, Generic[S]):
-    """How a mission comes to its abort.
+    """How a mission reaches its abort.
 
     Args:
         unsafe: The objectives that should make the robot safe and by whose failure it aborts, in document
@@ -33,7 +33,7 @@ class Aborts(NamedTuple, Generic[S]):
 
 
 def aborts(mission_net: MissionNet, space: Space[S]) -> Aborts[S]:
-    """How a mission that can abort comes to its abort.
+    """How a mission that can abort reaches its abort.
 
     An objective should make the robot safe if the mission aborts by its success; or if after its success
     objectives that succeed lead to abort, and never to success. Where the time of a block is over, what runs

@@ -40,7 +40,7 @@ TARGETS = ("c", "python", "scxml")
     type=FiniteRange(0.0, min_open=True),
     help="Mean hours where none are given (default: such runs are untimed).",
 )
-@click.option("--faults", type=FILE, help="Events that happen besides: on each line hours and an event.")
+@click.option("--faults", type=FILE, help="Further events that happen: on each line hours and an event.")
 @click.option("--against", type=click.Choice(TARGETS), help="Compare generated code on all runs.")
 @click.option("--traces", type=FILE, help="Directory for a journal of each of the first ten failures.")
 @click.option("--monitors", "watching", is_flag=True, help="Watch the mission's requirements on all runs.")

@@ -34,7 +34,7 @@ MOST_WAITING = 64 << 20
 
 
 class Record:
-    """A file of a run; one that cannot be written is told of, and tried again with the next event.
+    """A file of a run; one that cannot be written is reported, and tried again with the next event.
 
     Args:
         kind: What it is called.
@@ -238,7 +238,7 @@ class Resumed:
         failures: Tells the controller, once it is observed, which objectives have failed because the activity
             that was begun for them may not be begun again.
         starts: How many drivers were started in it.
-        untold: What it has begun by a message, and has not told to stop.
+        untold: What it has begun by a message, and has not ordered to stop.
     """
 
     failures: Callable[[], None] = lambda: None
@@ -341,9 +341,7 @@ def _begun(path: Path, said: Mapping[str, Any]) -> tuple[int, tuple[StopMessage,
         )
     )
     if not whole:
-        raise InputError.at(
-            Source(str(path)), "the snapshot's list of what is to be told to stop is malformed"
-        )
+        raise InputError.at(Source(str(path)), "the snapshot's list of drivers to stop is malformed")
     return starts, tuple(StopMessage(*message) for message in untold)
 
 

@@ -113,7 +113,7 @@ class ShownLines:
         self.left_out = 0
         """How many lines were left out."""
         self.lost: OSError | None = None
-        """Why no more is shown."""
+        """Why nothing further is shown."""
         self._thread = threading.Thread(target=self._print, daemon=True)
         self._thread.start()
 
@@ -192,12 +192,12 @@ class EventLines:
             self._runs = runs
 
     def line(self, name: str, line: str) -> None:
-        """Shows what a driver says that tells no event."""
+        """Shows output of a driver that is no event."""
         self._lines.offer(f"{name}: {line}", style="dim", indent=12)
 
     @property
     def lost(self) -> OSError | None:
-        """Why standard output shows no more."""
+        """Why standard output shows nothing further."""
         return self._lines.lost
 
 
@@ -374,7 +374,7 @@ def _begin(study: Study, drivers: Path, question: Question) -> None:
     from mcpn.runtime.tables import Tables
 
     if drivers.exists():
-        raise InputError.at(Source(str(drivers)), "is there already, and is not overwritten")
+        raise InputError.at(Source(str(drivers)), "exists already, and is not overwritten")
     tables = Tables(document(study.controller("auto", max_states=question.max_states), study.mission_net))
     write_atomically(drivers, skeleton(tables))
     if question.as_json:
@@ -384,7 +384,7 @@ def _begin(study: Study, drivers: Path, question: Question) -> None:
 
 
 def _verify(study: Study, question: Question) -> None:
-    """Verifies a mission; one that fails is told of, and not run."""
+    """Verifies a mission; one that fails is reported, and not run."""
     warned = [] if question.as_json else tell_warnings(study.mission_net)
     started = time.perf_counter()
     found = study.verdicts(max_states=question.max_states)

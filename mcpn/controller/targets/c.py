@@ -179,7 +179,7 @@ def _of_machines(n: MachineNumbers) -> list[Array]:
     if n.once:
         guards = list(n.guards)
         starts = [sum(map(len, guards[:g])) for g in range(len(guards) + 1)]
-        told = "; of facts: + 2: is true then; + 3: is no more" if n.flags else ""
+        told = "; of facts: + 2: is true then; + 3: is no longer true" if n.flags else ""
         arrays += [
             Array("move_guard", n.move_guard, "guard of a move"),
             Array("guard_start", starts, "first of a guard; the next row ends it"),
@@ -274,7 +274,9 @@ def _of_sections(n: MachineNumbers | RuleNumbers) -> list[Array]:
         arrays += [
             Array("changing_start", starts, "first of what an event changes of facts; the next row ends it"),
             Array(
-                "changing_once", [i for row in changes for i in row], "2 i: is true then; 2 i + 1: is no more"
+                "changing_once",
+                [i for row in changes for i in row],
+                "2 i: is true then; 2 i + 1: is false then",
             ),
         ]
     if n.known:

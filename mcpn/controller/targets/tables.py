@@ -2,7 +2,7 @@
 
 A *guard* is a list of numbers: first 4 i for each handler of the section that must not have happened yet, and
 happens then, and 4 i + 1 for each that must have happened; then 4 i + 2 for what becomes true of facts, which
-are numbered behind handlers, and 4 i + 3 for what is no more. The empty one is the first.
+are numbered behind handlers, and 4 i + 3 for what is no longer true. The empty one is the first.
 
 Of rules, a row of ``rule_start`` is the entry of a type, the next ones are its events. A literal is 2 i where
 bit i is not set, and 2 i + 1 where it is.

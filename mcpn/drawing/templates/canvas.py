@@ -126,7 +126,7 @@ class Ranks:
         return self._first_becoming + self._becoming[section, outcome, number]
 
     def starting(self, objective: str) -> int:
-        """How an objective that is come to changes facts: each of a section has a rank of its own."""
+        """How an objective changes facts as it is entered: each of a section has a rank of its own."""
         return self._first_start + self._starting[objective]
 
     def handling(self, activity: str) -> int:
@@ -291,7 +291,7 @@ class Canvas(NetBuilder):
         return self.names.of("fact", name, value)
 
     def became(self, name: str, value: str) -> str:
-        """The place that says that a fact has come to a value in this reaction."""
+        """The place that says that a fact has taken a value in this reaction."""
         return self.names.of("fact", name, f"became:{value}")
 
     def others(self, name: str, value: str) -> list[tuple[str, str]]:

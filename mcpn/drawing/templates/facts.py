@@ -68,7 +68,7 @@ def _draw_fact(canvas: Canvas, fact: Fact) -> None:
     for value in fact.values:
         if (fact.name, value) in canvas.usage.world.watched:
             became = pen.place(f"became:{value}")
-            says = "the fact has come to this value in this reaction"
+            says = "the fact has taken this value in this reaction"
             canvas.meet(became, says, owner="tp", control="pr", event="p")
             pen.transition(f"forget:{value}", [became], [], rank=canvas.ranks.forgetting)
 

@@ -110,7 +110,7 @@ class Level:
 
     @staticmethod
     def starting(section: Section) -> bool:
-        """Whether the section is an objective that changes facts when it is come to.
+        """Whether the section is an objective that changes facts when it is entered.
 
         In a branch it does so before it waits at its gate, and before the branches beside it look. Elsewhere
         nothing runs beside: it does so behind its gate, when what stops before it has stopped, so that the

@@ -43,7 +43,7 @@ class NetNames:
         Args:
             kind: The element's kind.
             element: Its name.
-            *part: A word, and names of resources where one word would not tell parts apart; nothing for the
+            *part: A word, and names of resources where one word would not distinguish parts; nothing for the
                 element's own place.
 
         Returns:

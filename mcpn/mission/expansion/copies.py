@@ -3,7 +3,7 @@
 A block is written once and stands in the mission many times: its rounds, tries, runs and values, its copies
 that are run while others pause or recover, and all of these in each use of its protocol. Flattening notes
 where every objective stands (:class:`BlockPosition`), and :class:`Copies` answers from that alone which of
-them a name means, and by which name all copies of one are told together.
+them a name means, and by which name all copies of one are named together.
 """
 
 from __future__ import annotations

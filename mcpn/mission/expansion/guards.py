@@ -118,5 +118,5 @@ def refuse_paused(section: Section) -> None:
     for inner in ObjectivesGraph((section,), section.name).all_sections():
         for each in inner.becomes:
             message = f"{inner.name} is left when facts become so (on when), and an event pauses it"
-            reason = "what facts become meanwhile would be lost: lead away by goto, and back by a route"
+            reason = "changes of facts in the meantime would be lost: use goto, and a route back"
             raise InputError.at(each.source, f"{message}: {reason}")

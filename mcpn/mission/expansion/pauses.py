@@ -25,7 +25,7 @@ PAUSE = "pause "
 
 
 def suffix_at(objective: str, scope: Scope) -> str:
-    """What tells copies of a sibling apart: the objective that is stopped, named as in their scope."""
+    """What distinguishes copies of a sibling: the objective that is stopped, named as in their scope."""
     return f"at_{objective.removeprefix(scope.prefix).replace('.', '_')}"
 
 

@@ -61,7 +61,7 @@ class Scope:
 
     @property
     def interruptions(self) -> tuple[Interruption, ...]:
-        """Handlers that can come to pass here: of each event up to the first that may happen again."""
+        """Handlers that can take effect here: of each event up to the first that may happen again."""
         closed: set[str] = set()
         found = []
         for handler in self.handlers:

@@ -239,7 +239,7 @@ COUNT = Datatype("count", "whole number", r"\s*[0-9]{1,6}\s*", "a whole number o
 TRIES = COUNT.within(f"a whole number from 0 to {MAX_ROUNDS}", lambda tries: 0 <= tries <= MAX_ROUNDS)
 ROUNDS = COUNT.within(f"a whole number from 1 to {MAX_ROUNDS}", lambda rounds: 1 <= rounds <= MAX_ROUNDS)
 ENTRIES = COUNT.within("a whole number from 1 to 9", lambda times: 1 <= times <= 9)
-"""How often something may come about; a formula says each time once more."""
+"""How often something may happen; a formula says each time once more."""
 TIMES = COUNT.within(f"a whole number from 1 to {MAX_ROUNDS}", lambda times: 1 <= times <= MAX_ROUNDS)
 ROUTE = replace(NAME.to("block"), words="target")
 

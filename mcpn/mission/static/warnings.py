@@ -162,4 +162,4 @@ def _vain(mission: Mission) -> Iterator[Problem]:
     for blocks in (mission.blocks, *protocols.values()):
         for block in walk(blocks):
             if block.abort is not None and not aborts(block):
-                yield Problem(block.source, f"abort of {block.name} leads nowhere: nothing in it aborts")
+                yield Problem(block.source, f"abort of {block.name} has no effect: nothing in it aborts")

@@ -215,7 +215,7 @@ class Losses:
                 named = section.reasons if isinstance(section, ElementarySection) else ()
                 late = () if section.timed_out is None else (section.timed_out,)
                 for target in (*late, *(target for _, target in named)):
-                    now = now & unsafe.get(target, lost[target])  # a time may be over, a reason come about
+                    now = now & unsafe.get(target, lost[target])  # a time may be over, a reason may apply
                 if isinstance(section, ParallelSection) and section.abort is not None:
                     now = now & (self._aborting(section) | lost[section.abort])
                 changed |= now != lost[section.name]

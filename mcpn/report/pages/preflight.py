@@ -131,7 +131,7 @@ def _open(findings: Findings) -> Iterator[Tick]:
             yield Tick(f"Read '{answer.asked.words}' again.", answer.says_nothing_of)
     if idle := list(dict.fromkeys(problem.message for problem in check.unselectable)):
         yield Tick(
-            f"Accept what never runs: {'; '.join(idle[:3])}.", "It is declared, and no run comes to it."
+            f"Accept what never runs: {'; '.join(idle[:3])}.", "It is declared, and no run reaches it."
         )
     for note in findings.notes:
         yield Tick("Find out what this page does not know.", note)

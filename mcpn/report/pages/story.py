@@ -224,7 +224,7 @@ def _lost(goal: GoalCauses, *, aborts: bool) -> StoryLine:
     later = f" Lost at the worst moment, this defeats it{also}: {_listed(worst)}." if worst else ""
     if cut_sets:
         lost = _listed(cut_sets)
-        said = f"It can succeed no more once this hardware is lost and not repaired: {lost}.{later}"
+        said = f"It can no longer succeed once this hardware is lost and not repaired: {lost}.{later}"
         return StoryLine("note", asked, said)
     if later:
         return StoryLine("note", asked, f"Lost before the start, no hardware defeats it.{later}")
@@ -441,7 +441,7 @@ def _unproved(findings: Findings) -> StoryLine:
         return StoryLine("unknown", asked, wrong)
     if findings.notes:
         return StoryLine("note", asked, " ".join(findings.notes))
-    said = "All that this page says of the mission as written is proved. Drivers are no part of it."
+    said = "All that this page says about the mission as written is proved. Drivers are not part of it."
     return StoryLine("holds", asked, said)
 
 

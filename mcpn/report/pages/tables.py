@@ -303,7 +303,7 @@ def _sizes(findings: Findings) -> Table:
         form, sections = findings.controller["form"], findings.controller["sections"]
         rows.append((f"sections of the controller of this page, {form}", str(len(sections))))
     rows.append(("engine", findings.engine))
-    return Table("Sizes", "For those who look after mcpn.", ("what", "value"), rows, tools=True)
+    return Table("Sizes", "For those who maintain mcpn.", ("what", "value"), rows, tools=True)
 
 
 def _count(number: int) -> str:

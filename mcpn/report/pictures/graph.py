@@ -138,7 +138,7 @@ if __name__ == "__main__":
 
 # --- Graphs as pictures: boxes in clusters, and curves between them, laid out in layers by Graphviz -------
 #
-# Graphviz is told sizes and numbers only. Texts stay here and are escaped when the picture is written.
+# Graphviz gets sizes and numbers only. Texts stay here and are escaped when the picture is written.
 
 MOST_NODES, MOST_EDGES = 300, 900
 """Boxes and curves of one drawing."""
@@ -160,7 +160,7 @@ class Node:
         key: Unique among the nodes of its graph.
         lines: What stands in it, its name first.
         kind: Its class in the picture.
-        title: What a pointer that rests on it, or a screen reader, is told.
+        title: The text for a pointer that rests on it, or a screen reader.
         cluster: The key of the cluster that it stands in.
         data: What a script finds it by.
         size: Its width and height, where its lines do not say them.
@@ -184,7 +184,7 @@ class Arrow:
         target: Key of a node.
         kind: Its class in the picture: ``success``, ``failure``, ``event`` or ``arc``.
         lines: What stands beside it.
-        title: What a pointer that rests on it is told.
+        title: The text for a pointer that rests on it.
         both: Whether it has an arrow at its beginning, too.
         arrow: Whether it has an arrow at its end.
     """

@@ -35,7 +35,7 @@ class Rectangle:
         width: Width.
         height: Height.
         kind: Its class in the picture.
-        title: What a pointer that rests on it, or a screen reader, is told.
+        title: The text for a pointer that rests on it, or a screen reader.
         data: What a script finds it by.
     """
 

@@ -17,7 +17,7 @@ from mcpn.report.pictures.drawing import Drawing
 from mcpn.report.pictures.graph import Arrow, Cluster, Graph, Node, drawing
 
 MOST_LISTED = 20_000
-"""Stable markings that are listed at most to tell which places are temporary."""
+"""Most stable markings that are listed to find which places are temporary."""
 
 
 def net_drawing(net: PetriNet) -> Drawing:

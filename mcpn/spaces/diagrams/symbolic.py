@@ -129,7 +129,7 @@ class SymbolicSpace:
 
     @cached_property
     def endless(self) -> Zdd:
-        """Markings from which no internal run comes to a stable one, of a net with priorities."""
+        """Markings from which no internal run reaches a stable one, of a net with priorities."""
         assert self.stable is not None, "asked of nets with priorities"
         return self.reachable - leading(self.encoding, self.stable, self.allowed)
 

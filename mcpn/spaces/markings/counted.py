@@ -308,7 +308,7 @@ class Widths:
         ]
         """By place."""
         self._patience = 0 if net.priorities else TREE_NODES
-        """Nodes of the next coverability tree; 0 once bounds are asked for no more."""
+        """Nodes of the next coverability tree; 0 once bounds are no longer asked for."""
         self._check()
         if asking and self._patience:
             self._ask([place for place, bound in enumerate(bounds) if isinf(bound)])

@@ -1,7 +1,7 @@
 """What is true of a net as a whole, by the state equation, by walks and by its arcs: no space is built.
 
 The state equation says how many tokens there may be and which transitions never fire; walks meet these bounds
-and fire the others. Each answer is exact: a bound counts once a marking has come to it, and a transition is
+and fire the others. Each answer is exact: a bound counts once a marking has reached it, and a transition is
 dead or has fired, or nothing is said.
 """
 

@@ -140,7 +140,7 @@ def settled(
         max_firings: How many firings there may be, internal ones included; by default any number.
 
     Returns:
-        Stable markings and events, or the trouble that it came to.
+        Stable markings and events, or why the proof has failed.
 
     Raises:
         LimitError: A limit was hit.
@@ -180,7 +180,7 @@ def judged(prepared: KernelNet, max_states: int, max_firings: int | None = None)
 
 
 def _fault_found(prepared: KernelNet, exploration: Exploration) -> SemanticsError:
-    """The error for the trouble that the proof came to, with whole runs from the initial marking."""
+    """The error for a proof that has failed, with whole runs from the initial marking."""
     assert exploration.trouble is not None, "asked of what has come to trouble"
     state, firings, _ = exploration.trouble
     walk = Walk(prepared.net)

@@ -405,7 +405,7 @@ class Interpreter:
         return state
 
     def decision(self, ended: dict[str, bool], level: list[WrittenBlock]) -> tuple[WrittenBlock, str] | None:
-        """The first parallel block, from outside in, that awaits no more, and by which exit it is left."""
+        """The first parallel block, from outside in, that no longer waits, and by which exit it is left."""
         while level:
             for block in level:
                 children = block.children.values() if block.parallel else ()

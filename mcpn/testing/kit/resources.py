@@ -159,7 +159,7 @@ class SoftwareMachine(ResourceMachine):
 
     @invariant()
     def it_answers(self) -> None:
-        """At rest nothing is on its way; it is held if its producer runs, and else to be had."""
+        """At rest nothing is on its way; it is held if its producer runs, and available otherwise."""
         if self.at_rest:
             left = [part for part in ("take", "release", "waiting", "activation") if self.has(part)]
             self.alone.require(not left, f"{' and '.join(left)} is left")
@@ -195,7 +195,7 @@ class CrashMachine(HardwareMachine):
     @precondition(lambda self: self.runs)
     @rule()
     def ends(self) -> None:
-        """The activity runs no more: it has been stopped, or takes note that it has crashed."""
+        """The activity no longer runs: it has been stopped, or takes note that it has crashed."""
         self.alone.move("runs no more", (self.at("active1", element=self.activity),), ())
 
     def expected(self) -> list[What]:

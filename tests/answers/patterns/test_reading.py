@@ -30,25 +30,25 @@ TEXT = """<mission xmlns="urn:mcpn:mission:1" name="survey">
 </mission>
 """
 SENTENCES = {
-    '<absence of="oos(camera)"/>': "It is never so that camera is out of service.",
+    '<absence of="oos(camera)"/>': "It is never the case that camera is out of service.",
     '<absence of="refused(film)" before="success"/>': (
         "Up to the first moment at which the mission has succeeded, if there is one: "
-        "it is never so that “refused(film)”."
+        "it is never the case that “refused(film)”."
     ),
     '<existence of="alternative(film)=far" after="oos(camera)"/>': (
         "From the first moment on at which camera is out of service: at some moment film runs as far."
     ),
     '<universality of="!objective(see) | activity(film)" after="objective(see)" before="success"/>': (
         "Whenever see runs, up to the next moment at which the mission has succeeded, if there is one: "
-        "it is always so that see does not run or film runs."
+        "it is always the case that see does not run or film runs."
     ),
     '<bounded_existence of="objective(see)" most="3" after="objective(come)" until="failure"/>': (
         "Whenever come runs, up to the next moment at which the mission has failed, or for ever: "
-        "at most 3 times it comes about that see runs."
+        "at most 3 times it becomes true that see runs."
     ),
-    '<bounded_existence of="objective(see)"/>': "At most twice it comes about that see runs.",
+    '<bounded_existence of="objective(see)"/>': "At most twice it becomes true that see runs.",
     '<precedence of="objective(see)" by="happens(OBJ_come_EV_OK)"/>': (
-        "See runs only after the success of come comes about."
+        "See runs only after the success of come happens."
     ),
     '<precedence of="objective(leave)" by="objective(come)" then="objective(see)"/>': (
         "Leave runs only when see runs, or after that, and before that come runs."
@@ -69,31 +69,30 @@ SENTENCES = {
         "Whenever come runs, then or later see runs, and after that the mission has succeeded, "
         "and in between never camera is not available."
     ),
-    '<visit in="come see"/>': "The robot comes to come and see.",
+    '<visit in="come see"/>': "The robot visits come and see.",
     '<visit in="come see" order="sequenced"/>': (
-        "The robot comes to come and see, to each after the one before it."
+        "The robot visits come and see, each after the one before it."
     ),
     '<visit in="come see leave" order="ordered"/>': (
-        "The robot comes to come, see and leave, to none before the one before it."
+        "The robot visits come, see and leave, none before the one before it."
     ),
     '<visit in="come see" order="strict"/>': (
-        "The robot comes to come and see, to none before the one before it, "
+        "The robot visits come and see, none before the one before it, "
         "and enters none twice before the next one."
     ),
     '<visit in="come see" order="fair"/>': (
-        "The robot comes to come and see, "
-        "and does not enter one again before it has come to the next one in turn."
+        "The robot visits come and see, "
+        "and does not enter one again before it has visited the next one in turn."
     ),
     '<patrolling in="come see" order="sequenced"/>': (
-        "Again and again the robot comes to come and see, to each after the one before it."
+        "Again and again the robot visits come and see, each after the one before it."
     ),
-    '<avoidance of="see"/>': "The robot never comes to see.",
+    '<avoidance of="see"/>': "The robot never visits see.",
     '<avoidance of="see leave" until="happens(OBJ_come_EV_OK)"/>': (
-        "At some time the success of come comes about, "
-        "and the robot does not come to any of see and leave before."
+        "At some time the success of come happens, and the robot does not visit any of see and leave before."
     ),
     '<avoidance of="see" after="oos(camera)"/>': (
-        "Once camera is out of service, the robot never comes to see."
+        "Once camera is out of service, the robot never visits see."
     ),
     '<restricted_avoidance of="see" at_most="1"/>': "The robot enters see at most once.",
     '<restricted_avoidance of="see" at_least="2"/>': "The robot enters see at least twice.",
@@ -104,7 +103,7 @@ SENTENCES = {
         "Whenever camera is out of service, at that moment film does not run as near."
     ),
     '<reaction to="happens(camera_EV_OOS)" gives="oos(camera)" when="prompt"/>': (
-        "Whenever the loss of camera comes about, after the next event camera is out of service."
+        "Whenever the loss of camera happens, after the next event camera is out of service."
     ),
     '<reaction to="oos(camera)" gives="failure" when="delayed"/>': (
         "Whenever camera is out of service, then or later the mission has failed."
@@ -113,7 +112,7 @@ SENTENCES = {
         "Whenever film runs, and only then, see runs."
     ),
     '<reaction to="happens(OBJ_come_EV_OK)" gives="event(OBJ_see_EV_OK)" when="bound_delay"/>': (
-        "Whenever the success of come comes about, and only then, "
+        "Whenever the success of come happens, and only then, "
         "after the next event the success of see may come next."
     ),
     '<wait in="come" until="objective(see) | failure"/>': (
@@ -157,13 +156,13 @@ def test_they_are_answered_alike_by_every_engine(tmp_path: Path) -> None:
 def test_they_are_told_as_sentences(tmp_path: Path) -> None:
     path = mission_file(tmp_path, *list(SENTENCES)[:1])
     told = mcpn("check", path).stdout
-    assert "FAIL It is never so that camera is out of service. (r0)" in told
+    assert "FAIL It is never the case that camera is out of service. (r0)" in told
     assert "G !oos(camera) fails" in told
     (answer,) = output("check", path, code=1)["requirements"]
-    assert answer["sentence"] == "It is never so that camera is out of service."
+    assert answer["sentence"] == "It is never the case that camera is out of service."
     assert answer["formula"] == "G !oos(camera)"
     assert mcpn("report", path, "-o", tmp_path / "page.html").returncode == 1
-    assert "It is never so that camera is out of service." in (tmp_path / "page.html").read_text()
+    assert "It is never the case that camera is out of service." in (tmp_path / "page.html").read_text()
 
 
 @pytest.mark.parametrize(
