@@ -156,6 +156,12 @@ class Study:
 
         Raises:
             LimitError: A limit was hit.
+
+        Examples:
+            >>> from mcpn.testing.nets import philosophers
+            >>> found = Study(philosophers(2)).check()
+            >>> found.safe, found.deadlock_free, found.reversible
+            (True, False, False)
         """
         if self.is_net:
             return self.behaviour(max_states=max_states)
@@ -174,13 +180,25 @@ class Study:
         return check(spaces, engine=engine, max_states=max_states)
 
     def behaviour(self, *, max_states: int | None = None) -> NetCheck:
-        """What :meth:`check` gives of a net: bounds, deadlocks, liveness; of a mission, those of its net."""
+        """What :meth:`check` gives of a net: bounds, deadlocks, liveness; of a mission, those of its net.
+
+        Examples:
+            >>> from mcpn.testing.nets import philosophers
+            >>> Study(philosophers(2)).behaviour().deadlock
+            ('wake0', 'left0', 'wake1', 'left1')
+        """
         from mcpn.logic.behaviour import MOST_LISTED, check_net
 
         return check_net(self.spaces, max_states=MOST_LISTED if max_states is None else max_states)
 
     def structure(self) -> Structure:
-        """What the arcs of the net prove without its markings."""
+        """What the arcs of the net prove without its markings.
+
+        Examples:
+            >>> from mcpn.testing.nets import token_ring
+            >>> len(Study(token_ring(3)).structure().p_semiflows)
+            1
+        """
         from mcpn.logic.behaviour import Structure
 
         return Structure(self.net)
@@ -199,6 +217,11 @@ class Study:
         Raises:
             SemanticsError: The net is not 1-safe, or of stable states, internal evolution is not confluent.
             LimitError: A limit was hit.
+
+        Examples:
+            >>> from mcpn.testing.nets import kanban
+            >>> Study(kanban(2)).states().states
+            4600
         """
         return self.sizes(engine=engine, on=on, max_states=max_states)[0]
 
@@ -222,7 +245,14 @@ class Study:
         engine: Asked = "auto",
         max_states: int | None = None,
     ) -> Questions:
-        """What answers formulas; those that are asked alike share what has been found out."""
+        """What answers formulas; those that are asked alike share what has been found out.
+
+        Examples:
+            >>> from mcpn.testing.nets import philosophers
+            >>> questions = Study(philosophers(2)).questions()
+            >>> questions.answer("EF deadlock").holds
+            True
+        """
         from mcpn.logic.questions import Questions
 
         key = on, tuple(fair), engine, max_states
@@ -255,6 +285,12 @@ class Study:
             InputError: The formula is none, or does not fit the net.
             SemanticsError: The net is not 1-safe, or internal evolution is not confluent.
             LimitError: A limit was hit.
+
+        Examples:
+            >>> from mcpn.testing.nets import philosophers
+            >>> study = Study(philosophers(2))
+            >>> study.ctl("EF deadlock").holds, study.ctl("AG EF think1").holds
+            (True, False)
         """
         return self.questions(on=on, fair=fair, engine=engine, max_states=max_states).answer(formula)
 
@@ -306,6 +342,15 @@ class Study:
         Raises:
             SemanticsError: The mission is not safe or not confluent.
             LimitError: A limit was hit.
+
+        Examples:
+            >>> from mcpn.mission.model import Objective
+            >>> from mcpn.testing.shape import activity, hw, mission, robot
+            >>> film = activity("film", ("camera",), ("sonar",))
+            >>> see = Objective(name="see", activities=("film",))
+            >>> small = mission(robot(hw("camera", "sonar"), film), see)
+            >>> Study(small).causes().mission.cut_sets
+            [('camera', 'sonar')]
         """
         from mcpn.answers.causes.find import find_causes
 

@@ -174,6 +174,12 @@ def check_net(subject: Spaces | PetriNet, *, max_states: int = MOST_LISTED) -> N
 
     Raises:
         LimitError: A limit was hit.
+
+    Examples:
+        >>> from mcpn.testing.nets import philosophers
+        >>> found = check_net(philosophers(2))
+        >>> found.states, found.safe, found.deadlock
+        (18, True, ('wake0', 'left0', 'wake1', 'left1'))
     """
     spaces = spaces_of(subject)
     net, (space, bounded, most) = spaces.net, _reached(spaces, max_states)

@@ -197,9 +197,7 @@ def largest(space: Space[Any], weights: dict[int, int]) -> int:
         return space.everything.largest(levels) + constant
     if isinstance(space, ArraySpace):
         return int(space.graph.tokens(weights).max())
-    low, high = 0, sum(weights.values())
-    while space.everything - space.at_most(weights, high):
-        low, high = high + 1, 2 * high + 1
+    low, high = 0, sum(weights.values())  # any other space is of a 1-safe net
     while low < high:
         middle = (low + high) // 2
         if space.everything - space.at_most(weights, middle):

@@ -90,7 +90,13 @@ def compare(left: Sum, relation: str, right: Sum) -> Formula:
 
 
 def is_temporal(formula: Formula) -> bool:
-    """Whether a formula speaks of paths."""
+    """Whether a formula speaks of paths.
+
+    Examples:
+        >>> from mcpn.spaces.search.goal import marked
+        >>> is_temporal(~marked(0)), is_temporal(EX(marked(0)))
+        (False, True)
+    """
     return any(isinstance(inside, EX | EU | EG | SomePath) for inside in formula.walk())
 
 

@@ -55,6 +55,14 @@ def simplified(
     Returns:
         The formula without constants inside, double negations and operators that change nothing; comparisons
         that the bounds decide are constants.
+
+    Examples:
+        >>> from mcpn.logic.syntax import Names, parse, show
+        >>> from mcpn.testing.nets import philosophers
+        >>> net = philosophers(2)
+        >>> names = Names(net)
+        >>> show(simplified(parse("EF EF (deadlock & true)", names), net, [1] * len(net.places)), names)
+        'EF deadlock'
     """
     known: dict[Formula, Formula] = {}
 
@@ -184,7 +192,14 @@ def _without_constants(formula: Formula, always: Callable[[Formula], bool | None
 
 
 def says_one_state(formula: Formula) -> bool:
-    """Whether a formula is a condition on markings, or on what may fire in one, and no constant."""
+    """Whether a formula is a condition on markings, or on what may fire in one, and no constant.
+
+    Examples:
+        >>> from mcpn.logic.formulas import EX
+        >>> from mcpn.spaces.search.goal import marked
+        >>> says_one_state(marked(0)), says_one_state(EX(marked(0)))
+        (True, False)
+    """
     atoms = (AtMost, Fires, Deadlock, Stable, Not, And, Or)
     return formula not in (TRUE, FALSE) and all(isinstance(f, atoms) for f in formula.walk())
 

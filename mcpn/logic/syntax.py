@@ -71,6 +71,12 @@ def parse(text: str, names: Names) -> Formula:
     Raises:
         InputError: The text is no formula, or names are unknown; the messages have the columns.
         LimitError: The formula is too large, see :func:`mcpn.logic.formulas.within_limit`.
+
+    Examples:
+        >>> from mcpn.testing.nets import philosophers
+        >>> names = Names(philosophers(2))
+        >>> parse("EF deadlock", names)
+        EU(operands=(And(operands=()), Deadlock()))
     """
     if len(text) > MAX_LENGTH:
         raise InputError.at(None, f"formula of more than {MAX_LENGTH} characters: the limit was hit")
@@ -382,6 +388,12 @@ def show(formula: Formula, names: Names, around: int = 0) -> str:
         formula: The formula.
         names: Know which words about the mission people have used.
         around: How tight the operator around it binds.
+
+    Examples:
+        >>> from mcpn.testing.nets import philosophers
+        >>> names = Names(philosophers(2))
+        >>> show(parse("!EF (deadlock and think1)", names), names)
+        'AG !(deadlock & think1)'
     """
 
     def tight(operator: str, operand: Formula) -> str:

@@ -41,14 +41,25 @@ class Word(NamedTuple):
 
 
 def word(text: str) -> Word:
-    """A word of a condition, taken apart."""
+    """A word of a condition, taken apart.
+
+    Examples:
+        >>> word("door=open"), word("!holding")
+        (Word(fact='door', value='open', negated=False), Word(fact='holding', value=None, negated=True))
+    """
     found = _WORD.fullmatch(text)
     assert found is not None, "the datatype of conditions holds nothing else"
     return Word(found[2], found[3], bool(found[1]))
 
 
 def resolved(texts: Iterable[str], facts: Mapping[str, Fact]) -> Condition:
-    """A valid condition as facts and values."""
+    """A valid condition as facts and values.
+
+    Examples:
+        >>> facts = {"door": Fact(name="door", values=("closed", "open")), "holding": Fact(name="holding")}
+        >>> resolved(["door=open", "!holding"], facts)
+        (('door', 'open'), ('holding', 'false'))
+    """
     found = dict[str, str]()
     for text in texts:
         said = word(text)
@@ -57,7 +68,12 @@ def resolved(texts: Iterable[str], facts: Mapping[str, Fact]) -> Condition:
 
 
 def objective_done(name: str) -> str | None:
-    """The objective of which a fact says whether it has succeeded before; ``None`` for other facts."""
+    """The objective of which a fact says whether it has succeeded before; ``None`` for other facts.
+
+    Examples:
+        >>> objective_done("done(dive)"), objective_done("holding")
+        ('dive', None)
+    """
     found = _DONE.fullmatch(name)
     return found[1] if found else None
 
@@ -79,7 +95,14 @@ def conditions(mission: Mission) -> Iterator[str]:
 
 
 def facts_of(mission: Mission) -> dict[str, Fact]:
-    """The facts of a mission by name: those that it declares, then each ``done(x)`` that it reads."""
+    """The facts of a mission by name: those that it declares, then each ``done(x)`` that it reads.
+
+    Examples:
+        >>> from mcpn.mission.model import Mission, Robot
+        >>> robot = Robot(name="r", facts=(Fact(name="holding"),))
+        >>> facts_of(Mission(name="m", robots=(robot,), blocks=()))["holding"].values
+        ('false', 'true')
+    """
     found = {fact.name: fact for fact in mission.facts}
     for name in dict.fromkeys(word(text).fact for text in conditions(mission)):
         if name not in found and objective_done(name) is not None:
@@ -115,19 +138,36 @@ def flags(fact: Fact) -> dict[str, frozenset[str]]:
 
 
 def cause(hardware: str) -> str:
-    """The cause that a member of a condition is: the hardware itself, :data:`FACTS` for ``door=open``."""
+    """The cause that a member of a condition is: the hardware itself, :data:`FACTS` for ``door=open``.
+
+    Examples:
+        >>> cause("camera"), cause("door=open")
+        ('camera', '(facts)')
+    """
     return FACTS if "=" in hardware else hardware
 
 
 def all_flags(fact: Fact) -> tuple[str, ...]:
-    """All that :func:`flags` may say of a fact, in one order."""
+    """All that :func:`flags` may say of a fact, in one order.
+
+    Examples:
+        >>> all_flags(Fact(name="door", values=("closed", "ajar", "open")))
+        ('door!=closed', 'door=ajar', 'door=open')
+        >>> all_flags(Fact(name="holding"))
+        ('holding=true',)
+    """
     others = [value for value in fact.values if value != fact.start]
     changed = [f"{fact.name}!={fact.start}"] if len(others) > 1 else []
     return (*changed, *(f"{fact.name}={value}" for value in others))
 
 
 def is_boolean(fact: Fact) -> bool:
-    """Whether a fact is false or true, so that its name alone says that it is true."""
+    """Whether a fact is false or true, so that its name alone says that it is true.
+
+    Examples:
+        >>> is_boolean(Fact(name="holding")), is_boolean(Fact(name="door", values=("closed", "open")))
+        (True, False)
+    """
     return fact.values == BOOLEAN_VALUES
 
 

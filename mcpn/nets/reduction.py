@@ -389,6 +389,11 @@ def reduce_for_deadlock(net: PetriNet) -> Reduction:
     Returns:
         The smaller net. A lifted run to its deadlock need not end in a deadlock of the given net, but each
         way to go on from there soon does: all that may fire are first halves of agglomerated sequences.
+
+    Examples:
+        >>> from mcpn.testing.nets import kanban
+        >>> kanban(3), reduce_for_deadlock(kanban(3)).net
+        (<net kanban-3: 16 places, 16 transitions>, <net kanban-3, reduced: 10 places, 14 transitions>)
     """
     draft = Draft(net)
     _reduce(draft, frozenset(), None)

@@ -69,6 +69,12 @@ def siphons(net: PetriNet, *, max_steps: int = MAX_STEPS) -> tuple[Places, ...]:
     See Also:
         :func:`commoner`: whether each contains a marked trap.
         :func:`traps`: places that keep tokens.
+
+    Examples:
+        >>> from mcpn.testing.nets import philosophers
+        >>> net = philosophers(2)
+        >>> sorted(net.places[p].name for p in siphons(net)[3])
+        ['eat0', 'eat1', 'fork0', 'fork1']
     """
     return _closed(surroundings(net), len(net.places), max_steps, "siphons")
 
@@ -148,6 +154,12 @@ def commoner(net: PetriNet, *, max_steps: int = MAX_STEPS) -> Places | None:
 
     Raises:
         LimitError: The limit on the search for siphons was hit.
+
+    Examples:
+        >>> from mcpn.testing.nets import philosophers
+        >>> net = philosophers(2)
+        >>> [net.places[p].name for p in commoner(net) or ()]
+        ['eat0', 'fork0', 'eat1', 'fork1']
     """
     touched = 0
     for before, after in surroundings(net):
@@ -166,6 +178,13 @@ def classes(net: PetriNet) -> frozenset[str]:
     Returns:
         Among ``ordinary`` (all weights 1), ``pure`` (no place both before and after a transition), ``state
         machine``, ``marked graph``, ``free choice``, ``extended free choice``, ``asymmetric choice``.
+
+    Examples:
+        >>> from mcpn.testing.nets import philosophers, token_ring
+        >>> sorted(classes(philosophers(2)))
+        ['ordinary', 'pure']
+        >>> classes(token_ring(3)) - classes(philosophers(2)) >= {"free choice", "state machine"}
+        True
     """
     around, places = surroundings(net), range(len(net.places))
     consumers = [frozenset(i for i, (before, _) in enumerate(around) if before >> p & 1) for p in places]
@@ -207,6 +226,12 @@ def p_semiflows(net: PetriNet, *, max_rows: int = MAX_ROWS) -> tuple[Sparse, ...
     See Also:
         :func:`mcpn.nets.structure.invariants`: a basis, in polynomial time.
         :func:`state_machine_components`: those of weight one that carry one token.
+
+    Examples:
+        >>> from mcpn.testing.nets import kanban
+        >>> net = kanban(3)
+        >>> [{net.places[p].name: weight for p, weight in flow.items()} for flow in p_semiflows(net)][0]
+        {'machine1': 1, 'rework1': 1, 'out1': 1, 'card1': 1}
     """
     return _semiflows([dict(row) for row in incidence(net)], max_rows, "P-semiflows")
 

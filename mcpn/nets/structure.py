@@ -353,7 +353,13 @@ def place_bounds(net: PetriNet) -> list[float]:
 
 
 def needs(net: PetriNet, transition: int) -> dict[int, int]:
-    """Tokens that a transition needs, by place."""
+    """Tokens that a transition needs, by place.
+
+    Examples:
+        >>> from mcpn.testing.nets import kanban
+        >>> needs(kanban(2), 0), changes(kanban(2), 0)
+        ({0: 1}, {1: 1, 0: -1})
+    """
     arcs = net.transitions[transition]
     weights = dict(arcs.consume)
     for place, weight in arcs.read:

@@ -216,7 +216,12 @@ NOT_HERE = "none here; "
 
 
 def joined(texts: Iterable[str]) -> str:
-    """The different texts, each once."""
+    """The different texts, each once.
+
+    Examples:
+        >>> joined(["film stops", "dive stops"])
+        'film stops; or dive stops'
+    """
     return "; or ".join(dict.fromkeys(texts))
 
 

@@ -171,6 +171,15 @@ def find_causes(
     See Also:
         :mod:`mcpn.answers.causes.fmeca`: what each single loss does, objective by objective.
         :mod:`mcpn.answers.causes.chain`: how probable it all is.
+
+    Examples:
+        >>> from mcpn.drawing.compose import compose
+        >>> from mcpn.mission.model import Objective
+        >>> from mcpn.testing.shape import activity, hw, mission, robot
+        >>> film = activity("film", ("camera",), ("sonar",))
+        >>> small = mission(robot(hw("camera", "sonar"), film), Objective(name="see", activities=("film",)))
+        >>> find_causes(compose(small)).objectives["see"].cut_sets
+        [('camera', 'sonar')]
     """
     spaces, mission_net = spaces_of(subject), spaces_of(subject).mission
 

@@ -308,6 +308,12 @@ def movement(kind: str, order: str, places: Texts) -> str:
         kind: ``visit`` or ``patrolling``.
         order: In which order.
         places: The locations.
+
+    Examples:
+        >>> movement("visit", "sequenced", ["a", "b"])
+        'F (a & F b)'
+        >>> movement("patrolling", "any", ["a", "b"])
+        '(G F a) & (G F b)'
     """
     begin = "F" if kind == "visit" else "G F"
     once: Iterator[str]
@@ -337,6 +343,12 @@ def entries(said: str, each: str, times: int) -> str:
         said: ``at_most``, ``at_least`` or ``exactly``.
         each: The location.
         times: How often.
+
+    Examples:
+        >>> entries("at_least", "a", 2)
+        'F (a & F (!a & F (a)))'
+        >>> entries("at_most", "a", 1)
+        '!F (a & F (!a & F (a)))'
     """
     least, more = each, each
     for _ in range(times - 1):

@@ -287,6 +287,16 @@ def check(
         InputError: A requirement is no formula, or names what is not there, with its line.
         PremiseError: Composition cannot answer, since a section hands on more than the state of its hardware.
         LimitError: A limit was hit.
+
+    Examples:
+        >>> from mcpn.drawing.compose import compose
+        >>> from mcpn.mission.model import Objective
+        >>> from mcpn.testing.shape import activity, hw, mission, robot
+        >>> film = activity("film", ("camera",))
+        >>> small = mission(robot(hw("camera"), film), Objective(name="see", activities=("film",)))
+        >>> found = check(compose(small))
+        >>> found.passed, found.verdicts["failure_reachable"].holds
+        (True, True)
     """
     spaces = spaces_of(subject)
     asked: list[AskedRequirement] = []

@@ -215,6 +215,12 @@ def targets(mission: Mission) -> Mapping[str, frozenset[Written]]:
     """By declared event the blocks that its handlers lead to: by their names, or by an abort that is caught.
 
     Where a handler says ``succeed`` or ``fail``, what follows is what follows without the event, too.
+
+    Examples:
+        >>> from mcpn.mission.model import Handler, Mission, Objective
+        >>> see = Objective(name="see", activities=("film",), handlers=(Handler(event="storm", goto="hide"),))
+        >>> targets(Mission(name="m", blocks=(see, Objective(name="hide", activities=("drift",)))))
+        {'storm': frozenset({('', 'hide')})}
     """
     texts: dict[str, tuple[Block, ...]] = {"": mission.blocks}
     texts |= {protocol.name: protocol.blocks for protocol in mission.protocols}

@@ -415,6 +415,14 @@ def classes(formula: Formula) -> list[str]:
     Returns:
         Of ``safety``, ``guarantee``, ``obligation``, ``recurrence``, ``persistence``, ``reactivity``, and
         ``stutter-insensitive``: the last says that steps which change nothing do not count.
+
+    Examples:
+        >>> from mcpn.logic.ltl.formulas import always, eventually
+        >>> from mcpn.spaces.search.goal import marked
+        >>> classes(always(marked(0)))
+        ['safety', 'obligation', 'recurrence', 'persistence', 'stutter-insensitive']
+        >>> classes(always(eventually(marked(0))))
+        ['recurrence', 'stutter-insensitive']
     """
     names = [name for name, belongs in _CLASSES.items() if belongs(formula)]
     if not names:
@@ -425,7 +433,14 @@ def classes(formula: Formula) -> list[str]:
 
 
 def is_stutter_insensitive(formula: Formula) -> bool:
-    """Whether a formula is stutter-insensitive by its syntax: it holds neither ``X`` nor a step."""
+    """Whether a formula is stutter-insensitive by its syntax: it holds neither ``X`` nor a step.
+
+    Examples:
+        >>> from mcpn.logic.ltl.formulas import Next, eventually
+        >>> from mcpn.spaces.search.goal import marked
+        >>> is_stutter_insensitive(eventually(marked(0))), is_stutter_insensitive(Next(marked(0)))
+        (True, False)
+    """
     return not any(isinstance(part, Next | Happens) for part in formula.walk())
 
 

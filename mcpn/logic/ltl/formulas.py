@@ -54,7 +54,13 @@ def eventually(formula: Formula) -> Formula:
 
 
 def always(formula: Formula) -> Formula:
-    """``G f``."""
+    """``G f``.
+
+    Examples:
+        >>> from mcpn.spaces.search.goal import marked
+        >>> always(marked(0)) == Release(FALSE, marked(0))
+        True
+    """
     return Release(FALSE, formula)
 
 
@@ -119,7 +125,15 @@ def _release(left: Formula, right: Formula) -> Formula:
 
 
 def is_eventual(formula: Formula) -> bool:
-    """Whether a formula in normal form is eventual by its syntax: true of a path if of a suffix."""
+    """Whether a formula in normal form is eventual by its syntax: true of a path if of a suffix.
+
+    Examples:
+        >>> from mcpn.spaces.search.goal import marked
+        >>> is_eventual(eventually(marked(0))), is_eventual(always(marked(0)))
+        (True, False)
+        >>> is_universal(eventually(marked(0))), is_universal(always(marked(0)))
+        (False, True)
+    """
     match formula:
         case And(operands) | Or(operands):
             return all(map(is_eventual, operands))

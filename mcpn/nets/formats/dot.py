@@ -19,6 +19,11 @@ def write_dot(net: PetriNet) -> str:
 
     Returns:
         The text; the same net gives the same text.
+
+    Examples:
+        >>> from mcpn.testing.nets import token_ring
+        >>> print(write_dot(token_ring(1)).splitlines()[0])
+        digraph "token-ring-1" {
     """
     return "\n".join(_lines(net)) + "\n"
 

@@ -329,6 +329,13 @@ def read_tina(path: Path, data: bytes) -> PetriNet:
 
     Raises:
         InputError: With file, line and column.
+
+    Examples:
+        >>> lamp = read_tina(Path("lamp.net"), b"tr press off -> on")
+        >>> lamp
+        <net : 2 places, 1 transitions>
+        >>> lamp.marked(lamp.fire((1, 0), 0))
+        frozenset({'on'})
     """
     try:
         text = data.decode("utf-8-sig")
@@ -354,6 +361,13 @@ def write_tina(net: PetriNet) -> str:
     Raises:
         InputError: A name holds a line break, which the format cannot say, or a number is beyond what files
             may say; or internal transitions have ranks and there are no events, which have the last level.
+
+    Examples:
+        >>> print(write_tina(read_tina(Path("lamp.net"), b"tr press off -> on")), end="")
+        net {}
+        pl off
+        pl on
+        tr press off -> on
     """
     check_counts(net)
     if net.priorities and len(net.internal_ranks) > 1 and all(t.internal for t in net.transitions):
@@ -387,7 +401,12 @@ def _arc(net: PetriNet, arc: tuple[int, int], kind: str) -> str:
 
 
 def quote(name: str) -> str:
-    """A name as TINA's text formats write it: in braces unless it is plain."""
+    """A name as TINA's text formats write it: in braces unless it is plain.
+
+    Examples:
+        >>> quote("off"), quote("on air")
+        ('off', '{on air}')
+    """
     if _PLAIN.match(name) and name not in _KEYWORDS:
         return name
     return "{" + re.sub(r"([{}\\])", r"\\\1", name) + "}"
