@@ -10,7 +10,7 @@ from mcpn.logic.contest import Property
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.formulas import EG, EU, EX
 from mcpn.logic.questions import Questions
-from mcpn.logic.simplify import bounds_of, conditions, simplified, weaker
+from mcpn.logic.simplify import bounds_of, conditions, says_one_state, simplified, weaker
 from mcpn.logic.verdicts import answer_all
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet
 from mcpn.nets.structure import place_bounds
@@ -136,3 +136,12 @@ def test_idempotent_and_dual_operators() -> None:
         (EX(FALSE), FALSE),
     ):
         assert simplified(written, NetBuilder("empty").build(), [float("inf")]) == wanted
+
+
+@given(PLAIN, st.data())
+def test_what_speaks_of_one_state_has_no_operator_of_time(net: PetriNet, data: st.DataObject) -> None:
+    core = read(drawn(data, net), net)
+    of_time = any(isinstance(part, EX | EG | EU) for part in core.walk())
+    assert says_one_state(core) == (core not in (TRUE, FALSE) and not of_time)
+    assert not says_one_state(TRUE)
+    assert not says_one_state(EX(core))

@@ -171,3 +171,19 @@ def test_unknown_names_are_told_with_what_is_near(ulysse_net: MissionNet) -> Non
         assert told in str(caught.value)
     for text in ("objective(diving)", "available(location)", "available(GPS_sensor)", "waiting(diving)"):
         parse(text, names)
+
+
+def test_what_stands_behind_an_operator_need_not_be_a_space() -> None:
+    for text in ("EF(p)", "EF!!p", "EF\tp", "EF\np", 'EF"p"', "EF EF p"):
+        assert read(text) == read("EF p") or text == "EF EF p", text
+    assert read("EX&p") == read('"EX" & p')  # a name
+
+
+def test_a_mistake_is_shown_in_its_own_line() -> None:
+    with pytest.raises(InputError) as caught:
+        read("p &\n  (q | )  \n& a")
+    assert str(caught.value).splitlines()[-2:] == ["    (q | )  ", "         ^"]
+    with pytest.raises(InputError) as caught:
+        read("p & q &   ")
+    assert "found the end" in str(caught.value)
+    assert str(caught.value).splitlines()[-1] == " " * 2 + " " * len("p & q &") + "^"

@@ -22,7 +22,7 @@ from mcpn.spaces.algebra import Space
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.diagrams.spaces import DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import reach
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engines import Engine, On
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.names import Names
 from mcpn.spaces.search.goal import FALSE, TRUE
@@ -187,3 +187,10 @@ def test_a_roboticist_can_read_how_ulysse_fails(ulysse_net: MissionNet, engine: 
         assert t in ulysse_net.net.enabled(marking)
         marking = ulysse_net.net.fire(marking, t)
     assert marking[ulysse_net.failure]
+
+
+@pytest.mark.parametrize("on", ["alternatives", "markings"])
+def test_runs_of_stable_states_alone_go_on_by_themselves(ulysse_net: MissionNet, on: On) -> None:
+    """On markings each internal transition is a step of its own, and a run ends where it is shown to."""
+    run = Questions(spaces_of(ulysse_net), on=on, engine="symbolic").answer("EF failure").witness.run
+    assert run.settles == (on == "alternatives")

@@ -276,3 +276,25 @@ def test_coroutines_hear_once_of_a_timer_that_is_refused(controller: Controller)
 
     assert asyncio.run(run()) == [LOST]
     assert controller.refusals == 1
+
+
+def test_a_queue_holds_as_many_events_as_it_may(controller: Controller) -> None:
+    queue = EventQueue(controller, size=2)
+    for _ in range(2):
+        queue.put(LOST)
+        queue.put(BACK)
+        assert queue.waiting == 2
+        with pytest.raises(QueueFull, match="2 events wait already"):
+            queue.put(LOST)
+        assert [queue._next(), queue._next()] == [LOST, BACK]
+        assert queue.waiting == 0
+
+
+def test_an_event_waits_for_a_free_place(controller: Controller) -> None:
+    queue = EventQueue(controller, size=1)
+    queue.put(LOST)
+    taking = threading.Timer(0.05, queue._next)
+    taking.start()
+    queue.put(BACK, timeout=60)
+    taking.join()
+    assert queue._next() == BACK

@@ -23,6 +23,7 @@ from mcpn.mission.model import Mission
 from mcpn.runtime import Action, Controller, Journal, Refused
 from mcpn.runtime.file_schema import signed_line
 from mcpn.runtime.journal import read_journal
+from mcpn.runtime.restoring import _producers_first
 from mcpn.testing import missions
 from tests.conftest import ULYSSE
 from tests.draws import composed, fewer
@@ -180,3 +181,22 @@ def test_a_journal_that_the_mission_does_not_allow(
     with contextlib.redirect_stderr(error):
         assert run(["simulate", str(ULYSSE), "--events", str(path)]) == 2
     assert expected in error.getvalue()
+
+
+@given(st.data())
+def test_producers_stand_before_what_consumes(data: st.DataObject) -> None:
+    """Each activity once; what a producer outside of them makes is no reason to wait."""
+    names = data.draw(st.permutations("abcdef"))
+    makes = {
+        name: data.draw(st.lists(st.sampled_from(names[:i]), unique=True)) if i else []
+        for i, name in enumerate(names)
+    }
+    consumed = {name: makes[name] for name in data.draw(st.permutations(names[1:]))}
+    order = _producers_first(consumed, {name: [name] for name in names})
+    assert sorted(order) == sorted(consumed)
+    for name, before in consumed.items():
+        assert all(order.index(other) < order.index(name) for other in before if other in consumed)
+
+
+def test_activities_in_a_cycle_stand_once_each() -> None:
+    assert sorted(_producers_first({"a": ["b"], "b": ["a"]}, {"a": ["a"], "b": ["b"]})) == ["a", "b"]

@@ -13,6 +13,7 @@ from mcpn.composite.composing import composite_space
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.mortal import mortal
 from mcpn.errors import ConfluenceError, SemanticsError
+from mcpn.logic.evaluate import largest
 from mcpn.mission.model import Mission
 from mcpn.nets.events import What
 from mcpn.nets.petri import Marking, PetriNet
@@ -28,6 +29,7 @@ from mcpn.spaces.stable.alternatives import by_reduction
 from mcpn.spaces.stable.confluence import prove_confluent
 from mcpn.testing import missions
 from tests.draws import composed, fewer
+from tests.nets.nets import graph_of, state_machines
 from tests.spaces.members import members
 from tests.spaces.plain import PlainSets
 from tests.turns import ByTurns
@@ -362,3 +364,18 @@ def _replayed(net: PetriNet, run: Iterable[str]) -> Marking:
             marking = net.fire(marking, internal[0])
         marking = net.fire(marking, t)
     return marking
+
+
+@given(state_machines(), st.data())
+def test_every_space_knows_the_largest_sum_of_tokens(
+    drawn: tuple[PetriNet, int], data: st.DataObject
+) -> None:
+    """In one pass over a diagram, from arrays, and by halving where a space knows no more than sets."""
+    net, _ = drawn
+    graph = graph_of(net)
+    assume(graph is not None)
+    weights = data.draw(st.dictionaries(st.integers(0, len(net.places) - 1), st.integers(0, 5)))
+    wanted = max(sum(w * marking[p] for p, w in weights.items()) for marking in graph or ())
+    assert {name: largest(space, weights) for name, space in markings_spaces(net).items()} == dict.fromkeys(
+        markings_spaces(net), wanted
+    )

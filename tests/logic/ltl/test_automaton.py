@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from mcpn.errors import LimitError
 from mcpn.logic.ltl import automaton
-from mcpn.logic.ltl.automaton import classes, translated, write_hoa
-from mcpn.logic.ltl.formulas import Next, always, eventually, normal
+from mcpn.logic.ltl.automaton import classes, is_stutter_insensitive, translated, write_hoa
+from mcpn.logic.ltl.formulas import Happens, Next, Until, always, eventually, normal
 from mcpn.logic.syntax import parse_open, show
 from mcpn.nets.petri import NetBuilder
 from mcpn.spaces.components import strongly_connected
@@ -144,3 +144,12 @@ def test_an_automaton_that_takes_too_many_steps_is_refused(monkeypatch: pytest.M
     other = Or(Not(And(*conjuncts)), always(eventually(marked(90))))
     with pytest.raises(LimitError, match="takes more than 1,500,000 steps to build: the limit was hit"):
         translated(normal(other, wanted=False))
+
+
+def test_steps_are_what_stuttering_changes() -> None:
+    p, q = marked(0), marked(1)
+    for formula in (p, eventually(p), always(Until(p, q)), And(p, Not(q))):
+        assert is_stutter_insensitive(formula)
+        for step in (Next(formula), Happens((0,))):
+            assert not is_stutter_insensitive(step)
+            assert not is_stutter_insensitive(always(Or(formula, step)))
