@@ -45,7 +45,13 @@ def cluster() -> Iterator[Any]:
         yield found
 
 
-@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[0])
+@pytest.mark.parametrize(
+    "command",
+    [
+        pytest.param(command, id=command[0], marks=[pytest.mark.slow] * (command[0] in ("ask", "report")))
+        for command in COMMANDS
+    ],
+)
 def test_sections_are_explored_where_the_user_says(command: list[str], tmp_path: Path, cluster: Any) -> None:
     asked = asking(command, tmp_path)
     answers = [
@@ -148,7 +154,7 @@ def test_a_killed_process_is_an_error_that_says_so(ulysse_net: MissionNet) -> No
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
 def test_the_command_line_says_so_too(tmp_path: Path) -> None:
-    for command in COMMANDS:
+    for command in (COMMANDS[0], COMMANDS[-1]):
         with patch("mcpn.composite.composing.explore_and_prove", die):
             run = mcpn(*asking(command, tmp_path), "--jobs", 2)
         assert run.returncode == 2, run.stderr

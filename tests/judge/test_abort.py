@@ -94,7 +94,13 @@ MISSIONS = {
 }
 
 
-@pytest.mark.parametrize("name", MISSIONS)
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.slow] * (MISSIONS[name] is TWICE))  # has thousands of states
+        for name in MISSIONS
+    ],
+)
 def test_all_that_play_it_agree(name: str) -> None:
     verdict = Judge(MISSIONS[name]).judge()
     assert verdict.kind in ("agree", "undetermined" if name == "another branch waits" else "agree")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
@@ -14,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from experiments.template_faults import FAULTS, HARMLESS, RIGHT, Faulty, Held
+from mcpn.drawing.compose import compose
 from mcpn.drawing.templates import Canvas, PaperTemplates, TemplateSet
 from mcpn.drawing.templates.canvas import RoleName
 from mcpn.drawing.templates.compact import CompactTemplates
@@ -74,11 +76,21 @@ def test_our_templates_keep_every_property_on_ulysse_and_the_corpus(
     assert found == [], "\n".join(map(str, found))
 
 
+def where_it_is(templates: Faulty, monkeypatch: pytest.MonkeyPatch) -> Iterator[BrokenProperty]:
+    """What a fault breaks on the missions of the corpus that have it; the others are as without it."""
+    for name, mission in MISSIONS.items():
+        before = templates.changed
+        with suppress(InputError):  # which is told as what is broken
+            compose(mission, templates)
+        if templates.changed > before:
+            monkeypatch.setattr("mcpn.testing.kit.running.MISSIONS", {name: mission})
+            yield from of_the_corpus(templates)
+
+
 @pytest.mark.parametrize("name", FAULTS)
-def test_each_fault_is_found(name: str) -> None:
+def test_each_fault_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     templates = Faulty(*FAULTS[name])
-    found = next(of_the_corpus(templates), None)
-    assert templates.changed
+    found = next(where_it_is(templates, monkeypatch), None)
     assert found is not None
     assert found.violation.message
     # The run is one of the net with the fault.
@@ -122,9 +134,9 @@ def test_a_mission_that_facts_lead_round_need_not_end() -> None:
 
 
 @pytest.mark.parametrize("name", HARMLESS)
-def test_faults_that_change_nothing_are_let_pass(name: str) -> None:
+def test_faults_that_change_nothing_are_let_pass(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     templates = Faulty(*HARMLESS[name])
-    assert list(of_the_corpus(templates)) == []
+    assert list(where_it_is(templates, monkeypatch)) == []
     assert templates.changed
 
 

@@ -78,9 +78,9 @@ def test_our_templates_keep_their_promises(name: str, templates: TemplateSet) ->
 @pytest.mark.parametrize("name", ALONE)
 def test_each_fault_is_found(name: str) -> None:
     faulty = Faulty(*FAULTS[name])
-    found = [driven(faulty, profile="ci", only=machine, shrink=False) for machine in DRIVEN[FAULTS[name][0]]]
+    machines = DRIVEN[FAULTS[name][0]]
+    assert any(driven(faulty, profile="ci", only=machine, shrink=False) for machine in machines)
     assert faulty.changed
-    assert any(found)
 
 
 @pytest.mark.parametrize(
