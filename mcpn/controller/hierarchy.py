@@ -239,7 +239,7 @@ def flat_controller(mission_net: MissionNet, alternatives: AlternativesGraph) ->
     """
     hardware = tuple(h.name for h in mission_net.mission.hardware if h.faulty)
     refuse_entries(hardware)
-    machine = cut(controller(mission_net, alternatives), hardware, flags_told(mission_net))
+    machine = inner_machine(controller(mission_net, alternatives), hardware, flags_told(mission_net))
     name = mission_net.mission.name
     leads = {"success": SUCCEED, "failure": FAIL, "abort": ABORT}
     routes = {outcome: leads[outcome] for outcome in mission_net.ends}
@@ -262,11 +262,11 @@ def section_machine(
         LimitError: It has more than :data:`MOST_ENTRIES` states of its hardware.
     """
     refuse_entries(part.faulty, part.entry_flags)
-    machine = cut(controller(local, alternatives), part.faulty, flags_told(local), guards)
+    machine = inner_machine(controller(local, alternatives), part.faulty, flags_told(local), guards)
     return replace(machine, once=part.once)
 
 
-def cut(
+def inner_machine(
     machine: Machine,
     hardware: tuple[str, ...],
     flags: Mapping[str, tuple[int, bool]],
