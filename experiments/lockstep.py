@@ -114,7 +114,7 @@ def runtime_lines(module: Any, tables: Any, events: list[str]) -> Iterator[str]:
             head = f"taken: {'; '.join(map(str, runtime.handle(event)))}".strip()
         except module.Refused as refused:
             head = "refused:" if refused.known else "unknown:"
-        happened = frozenset(runtime._happened)
+        happened = frozenset(runtime._true)
         place = runtime.section, runtime._state, runtime.out_of_service, happened, runtime.outcome
         if place not in rests:
             mode = " ".join(sorted(f"{a}.{w}" for a, w in runtime.mode.items()))

@@ -92,7 +92,7 @@ class Statechart:
 
     def expected(self, _status: str, actions: Sequence[Action], place: ControllerPlace) -> str:
         """The actions, and the states that are active."""
-        active = self._regions.active(place.section, place.outcome, place.gone, place.happened)
+        active = self._regions.active(place.section, place.outcome, place.gone, place.true)
         return _line(map(str, actions), active)
 
 

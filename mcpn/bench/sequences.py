@@ -143,8 +143,8 @@ class _PlaceGraph:
         self._numbers: dict[tuple[str, str, int, frozenset[str], frozenset[str]], int] = {}
         self._places: list[RuntimePosition] = []
         self._edges: dict[tuple[str, int, str], int] = {}
-        gone, happened = frozenset(tables.out_of_service), frozenset(tables.true_at_first)
-        self._number(RuntimePosition(BEFORE, None, 0, gone, happened))
+        gone, true = frozenset(tables.out_of_service), frozenset(tables.true_at_first)
+        self._number(RuntimePosition(BEFORE, None, 0, gone, true))
 
     def __len__(self) -> int:
         return len(self._places)
@@ -174,10 +174,10 @@ class _PlaceGraph:
 
     def _number(self, at: RuntimePosition) -> int:
         name = at.section.name if at.section else ""
-        gone, happened = frozenset(at.gone), frozenset(at.happened)
-        number = self._numbers.setdefault((at.phase, name, at.state, gone, happened), len(self._places))
+        gone, true = frozenset(at.gone), frozenset(at.true)
+        number = self._numbers.setdefault((at.phase, name, at.state, gone, true), len(self._places))
         if number == len(self._places):
-            self._places.append(RuntimePosition(at.phase, at.section, at.state, gone, happened))
+            self._places.append(RuntimePosition(at.phase, at.section, at.state, gone, true))
             if number == self._most:
                 raise LimitError(
                     f"more than {self._most} places of the controller looked at for an edge that is not "

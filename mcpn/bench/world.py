@@ -131,7 +131,7 @@ class ControllerPlace:
         section: The section that runs, and the number of its state.
         inside: What runs.
         gone: Hardware out of service.
-        happened: Handlers that happen once and have, and what is true of facts.
+        true: Handlers that happen once and have, and what is true of facts.
         outcome: How the mission has ended.
         possible: The events that can be taken.
         edges: Where events lead, and the actions, as far as they have been asked.
@@ -141,7 +141,7 @@ class ControllerPlace:
     section: tuple[str, int] | None
     inside: Inside
     gone: frozenset[str]
-    happened: frozenset[str]
+    true: frozenset[str]
     outcome: str | None
     possible: tuple[str, ...]
     edges: dict[str, tuple[ControllerPlace, tuple[Action, ...]]] = field(default_factory=dict)
@@ -183,8 +183,8 @@ class Places:
         controller.count = 0  # the same place is the same one, however a run reached it
         saved = controller.saved()
         name = None if saved.section is None else saved.section.name
-        gone, happened = frozenset(saved.out_of_service), frozenset(saved.happened)
-        key = saved.phase, name, saved.state, gone, happened, tuple(sorted(saved.timers.items()))
+        gone, true = frozenset(saved.out_of_service), frozenset(saved.true)
+        key = saved.phase, name, saved.state, gone, true, tuple(sorted(saved.timers.items()))
         if key not in self._known:
             where = controller.where
             section = None if where.section is None else (where.section, where.state)
@@ -193,7 +193,7 @@ class Places:
                 section,
                 where.inside,
                 gone,
-                happened,
+                true,
                 controller.outcome,
                 controller.possible,
             )
@@ -358,31 +358,31 @@ class World:
     def _can_succeed(self, objective: str, place: ControllerPlace) -> bool:
         """Whether some run of what may happen, in which it goes on, makes its success possible."""
         assert place.section is not None, "an objective runs in a section"
-        key = (objective, *place.section, place.happened)
+        key = (objective, *place.section, place.true)
         if key not in self._hope:
             section = self.tables.sections[place.section[0]]
-            self._hope[key] = self._search(objective, section, place.section[1], place.happened)
+            self._hope[key] = self._search(objective, section, place.section[1], place.true)
         return self._hope[key]
 
-    def _search(self, objective: str, section: TableSection, state: int, happened: frozenset[str]) -> bool:
+    def _search(self, objective: str, section: TableSection, state: int, true: frozenset[str]) -> bool:
         success = str(Event(What.SUCCESS, objective))
-        known = {(state, happened)}
+        known = {(state, true)}
         queue = deque(known)
         while queue:
-            state, happened = queue.popleft()
-            possible = section.possible(state, happened)
+            state, true = queue.popleft()
+            possible = section.possible(state, true)
             if success in possible or self._seems_well(objective, section.state(state)):
                 return True
             for text in possible:
                 if not self._goes_on(objective, self._event(text)):
                     continue
-                step = section.move(state, text, happened)
+                step = section.move(state, text, true)
                 if step is None or isinstance(step[0], str):
                     continue
                 inside = section.state(step[0])
                 if objective in inside.objectives:
                     asked = self.demands.started(inside, step[1])
-                    first = step[0], (happened | step[2]) - step[3]
+                    first = step[0], (true | step[2]) - step[3]
                     fresh = set(self.demands.ends(section, first, asked)) - known
                     known |= fresh
                     queue.extend(sorted(fresh, key=lambda at: at[0]))

@@ -149,7 +149,7 @@ class Controller:
         self._section: TableSection | None = None
         self._state = 0
         self._out_of_service: Set[str] = {*tables.out_of_service}
-        self._happened: Set[str] = {*tables.true_at_first}
+        self._true: Set[str] = {*tables.true_at_first}
 
     @classmethod
     def load(cls, path: str | Path, *, monitors: Listener | None = None, **options: Any) -> Controller:
@@ -208,21 +208,19 @@ class Controller:
         """Hardware out of service of which the robot does not know it: detected late, and not yet."""
         with self._lock:
             late = self._tables.late.items()
-            return frozenset(
-                h for h, known in late if h in self._out_of_service and known not in self._happened
-            )
+            return frozenset(h for h, known in late if h in self._out_of_service and known not in self._true)
 
     @property
     def happened(self) -> frozenset[str]:
         """Handlers that happen once and have; a flat controller has this in its state alone."""
         with self._lock:
-            return frozenset(self._happened - self._tables.true)
+            return frozenset(self._true - self._tables.of_facts)
 
     @property
     def facts(self) -> Mapping[str, str]:
         """The value of each fact, as far as the events say it."""
         with self._lock:
-            return self._tables.values(self._happened)
+            return self._tables.values(self._true)
 
     @property
     def outcome(self) -> str | None:
@@ -238,7 +236,7 @@ class Controller:
 
     @property
     def _position(self) -> RuntimePosition:
-        return RuntimePosition(self._phase, self._section, self._state, self._out_of_service, self._happened)
+        return RuntimePosition(self._phase, self._section, self._state, self._out_of_service, self._true)
 
     @property
     def where(self) -> Where:
@@ -355,7 +353,7 @@ class Controller:
         step = self._tables.after(self._position, event)
         if step is None:
             return None
-        self._phase, self._section, self._state, self._out_of_service, self._happened = step[0]
+        self._phase, self._section, self._state, self._out_of_service, self._true = step[0]
         return step[1]
 
     # --- hooks ---
@@ -397,7 +395,7 @@ class Controller:
                 self._section,
                 self._state,
                 set(self._out_of_service),
-                set(self._happened),
+                set(self._true),
                 self.count,
                 self._timers.left,
                 beside or {},
@@ -433,7 +431,7 @@ class Controller:
         """Goes back to where :meth:`saved` was asked of this very controller."""
         with self._lock:
             self._phase, self._section, self._state = saved.phase, saved.section, saved.state
-            self._out_of_service, self._happened = set(saved.out_of_service), set(saved.happened)
+            self._out_of_service, self._true = set(saved.out_of_service), set(saved.true)
             self.count = saved.count
             self._timers.restore(saved.timers)
 

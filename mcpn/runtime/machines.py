@@ -2,7 +2,7 @@
 
 Both have one interface. States are numbers; handlers that happen once, hardware and events go by their
 numbers in the type; actions are numbers of lists. Flags of facts are numbered after the handlers and are
-members of the same sets: a flag is in ``happened`` while it is true.
+members of the same sets: both are called flags, of which some are true.
 """
 
 from __future__ import annotations
@@ -27,22 +27,22 @@ class MachineProtocol(Protocol):
     """What sections of one type do."""
 
     hardware: list[str]
-    once: list[str]
+    flags: list[str]
     lists: list[list[dict[str, str]]]
 
-    def entry(self, gone: Set[int], happened: Set[int]) -> Entered | None:
+    def entry(self, gone: Set[int], true: Set[int]) -> Entered | None:
         """The first state and the actions, with some hardware out of service, if it may be entered so."""
 
-    def move(self, state: int, event: int, happened: Set[int]) -> Moved | None:
+    def move(self, state: int, event: int, true: Set[int]) -> Moved | None:
         """What an event does; ``None`` where it cannot be taken."""
 
-    def possible(self, state: int, happened: Set[int]) -> Iterator[int]:
+    def possible(self, state: int, true: Set[int]) -> Iterator[int]:
         """The events that can be taken."""
 
     def shown(self, state: int) -> Mapping[str, Any]:
         """What a state is, by the fields of :class:`mcpn.runtime.tables.Inside` and ``out_of_service``."""
 
-    def whole(self, state: int, gone: Set[int], happened: Set[int]) -> bool:
+    def whole(self, state: int, gone: Set[int], true: Set[int]) -> bool:
         """Whether a number may be a state, with some hardware out of service."""
 
 
@@ -82,9 +82,9 @@ class TableMove:
     gained: frozenset[int]
     lost: frozenset[int]
 
-    def allowed(self, happened: Set[int]) -> bool:
-        """Whether it can be taken with some handlers that have happened."""
-        return self.open.isdisjoint(happened) and self.happened <= happened
+    def allowed(self, true: Set[int]) -> bool:
+        """Whether it can be taken while some flags are true."""
+        return self.open.isdisjoint(true) and self.happened <= true
 
 
 _NOTHING: frozenset[int] = frozenset()
@@ -97,13 +97,13 @@ class TypeTables:
     def __init__(self, row: Mapping[str, Any]) -> None:
         self.hardware: list[str] = row["hardware"]
         self.facts: list[str] = row["facts"]
-        self.once: list[str] = row["once"] + self.facts
+        self.flags: list[str] = row["once"] + self.facts
         self.entering = range(len(row["once"]), len(row["once"]) + row["entering"])
         self.states: list[Mapping[str, Any]] = row["states"]
         lists = _Lists()
         self.lists = lists.lists
         self.moves: list[dict[int, list[TableMove]]] = [{} for _ in self.states]
-        bit = {handler: number for number, handler in enumerate(self.once)}
+        bit = {handler: number for number, handler in enumerate(self.flags)}
 
         def numbers(item: Mapping[str, Any], key: str) -> frozenset[int]:
             return frozenset(bit[name] for name in item[key]) if key in item else _NOTHING
@@ -117,30 +117,30 @@ class TypeTables:
             move = TableMove(edge["to"], lists.number(edge["actions"]), *sets)
             self.moves[edge["from"]].setdefault(edge["event"], []).append(move)
 
-    def entry(self, gone: Set[int], happened: Set[int]) -> Entered | None:
+    def entry(self, gone: Set[int], true: Set[int]) -> Entered | None:
         """The first state and the actions, with some hardware out of service, if it may be entered so."""
         first = len(self.hardware) - self.entering.start
-        bits = [*gone, *(first + i for i in happened if i in self.entering)]
+        bits = [*gone, *(first + i for i in true if i in self.entering)]
         return self.entries[sum(1 << bit for bit in bits)]
 
-    def move(self, state: int, event: int, happened: Set[int]) -> Moved | None:
+    def move(self, state: int, event: int, true: Set[int]) -> Moved | None:
         """What an event does; ``None`` where it cannot be taken."""
         for move in self.moves[state].get(event, ()):
-            if move.allowed(happened):
+            if move.allowed(true):
                 return move.target, move.actions, move.open | move.gained, move.lost
         return None
 
-    def possible(self, state: int, happened: Set[int]) -> Iterator[int]:
+    def possible(self, state: int, true: Set[int]) -> Iterator[int]:
         """The events that can be taken."""
         for event, moves in self.moves[state].items():
-            if any(move.allowed(happened) for move in moves):
+            if any(move.allowed(true) for move in moves):
                 yield event
 
     def shown(self, state: int) -> Mapping[str, Any]:
         """What a state is."""
         return self.states[state]
 
-    def whole(self, state: int, gone: Set[int], happened: Set[int]) -> bool:
+    def whole(self, state: int, gone: Set[int], true: Set[int]) -> bool:
         """Whether a number is a state, with some hardware out of service."""
         if not 0 <= state < len(self.states):
             return False
@@ -176,13 +176,13 @@ class RuleTables:
     def __init__(self, row: Mapping[str, Any]) -> None:
         self.hardware: list[str] = row["hardware"]
         self.facts: list[str] = row["facts"]
-        self.once: list[str] = row["once"] + self.facts
+        self.flags: list[str] = row["once"] + self.facts
         self.bits: int = row["bits"]
         lists = _Lists()
         self.lists = lists.lists
         self.idle = _mask(row["idle"])
         status = [(_mask(s["changes"]), Bits.of([s["when"]])) for s in row["status"]]
-        self.of_hardware, self.of_once = status[: len(self.hardware)], status[len(self.hardware) :]
+        self.of_hardware, self.of_flags = status[: len(self.hardware)], status[len(self.hardware) :]
         self.show = [(s["kind"], s["name"], Bits.of([s["when"]])) for s in row["shown"]]
         self.effects: list[_Effect] = [
             (_mask(e["changes"]), lists.number(e["actions"]), e["to"]) for e in row["effects"]
@@ -192,18 +192,18 @@ class RuleTables:
         for rule in row["rules"]:
             self.rules[rule["event"]].append((Bits.of(rule["if"]), self.effects[rule["do"]]))
 
-    def entry(self, gone: Set[int], happened: Set[int]) -> Entered | None:
+    def entry(self, gone: Set[int], true: Set[int]) -> Entered | None:
         """The first state and the actions, with some hardware out of service, if it may be entered so."""
         state = self.idle
-        for status, true in ((self.of_hardware, gone), (self.of_once, happened)):
-            for i in true:
+        for status, so in ((self.of_hardware, gone), (self.of_flags, true)):
+            for i in so:
                 state ^= status[i][0]
         for bits, (changes, actions, _) in self.entries:
             if bits.hold(state):
                 return state ^ changes, actions, *self._true(state ^ changes)
         return None
 
-    def move(self, state: int, event: int, happened: Set[int]) -> Moved | None:
+    def move(self, state: int, event: int, true: Set[int]) -> Moved | None:
         """What an event does; ``None`` where it cannot be taken."""
         for bits, (changes, actions, to) in self.rules[event]:
             if bits.hold(state):
@@ -213,10 +213,10 @@ class RuleTables:
 
     def _true(self, state: int) -> tuple[Set[int], Set[int]]:
         """Handlers that have happened and flags that are true in a state; and the flags that are false."""
-        now = {i for i, (_, when) in enumerate(self.of_once) if when.hold(state)}
-        return now, {*range(len(self.once) - len(self.facts), len(self.once))} - now
+        now = {i for i, (_, when) in enumerate(self.of_flags) if when.hold(state)}
+        return now, {*range(len(self.flags) - len(self.facts), len(self.flags))} - now
 
-    def possible(self, state: int, happened: Set[int]) -> Iterator[int]:
+    def possible(self, state: int, true: Set[int]) -> Iterator[int]:
         """The events that can be taken."""
         for event, rules in enumerate(self.rules):
             if any(bits.hold(state) for bits, _ in rules):
@@ -235,14 +235,14 @@ class RuleTables:
                     lists[kind].append(name)
         return {**lists, **modes}
 
-    def whole(self, state: int, gone: Set[int], happened: Set[int]) -> bool:
+    def whole(self, state: int, gone: Set[int], true: Set[int]) -> bool:
         """Whether a number may be a state: its bits agree with the hardware, handlers and flags given."""
         return (
             state >= 0
             and state.bit_length() <= self.bits
             and all(
-                when.hold(state) == (i in true)
-                for status, true in ((self.of_hardware, gone), (self.of_once, happened))
+                when.hold(state) == (i in so)
+                for status, so in ((self.of_hardware, gone), (self.of_flags, true))
                 for i, (_, when) in enumerate(status)
             )
         )

@@ -26,7 +26,7 @@ class Saved:
     section: TableSection | None
     state: int
     out_of_service: set[str]
-    happened: set[str]
+    true: set[str]
     count: int
     timers: Mapping[str, float]
     beside: Mapping[str, Any] = field(default_factory=dict)
@@ -46,7 +46,7 @@ class Saved:
                 "section": self.section.name if self.section else None,
                 "state": self.state,
                 "out_of_service": sorted(self.out_of_service),
-                "happened": sorted(self.happened),
+                "happened": sorted(self.true),
                 "count": self.count,
                 **({"timers": dict(self.timers)} if self.timers else {}),
                 **({"beside": dict(self.beside)} if self.beside else {}),
@@ -73,7 +73,7 @@ def read_snapshot(text: str, tables: Tables) -> Saved:
         raise SnapshotError("the snapshot has been changed since it was written: its digest is another")
     fits(document, SAVED.shape, SnapshotError)
     phase, name, state = document["phase"], document["section"], document["state"]
-    gone, happened = set(document["out_of_service"]), set(document["happened"])
+    gone, true = set(document["out_of_service"]), set(document["happened"])
     left = {name: float(seconds) for name, seconds in document.get("timers", {}).items()}
     section = None if name is None else tables.sections.get(name)
     whole = (
@@ -81,20 +81,20 @@ def read_snapshot(text: str, tables: Tables) -> Saved:
         and (name is None) == (section is None)
         and (section is not None or state == 0)
         and gone <= set(tables.hardware)
-        and happened <= tables.once
-        and all(name in gone for name, flag in tables.late.items() if flag in happened)
-        and all(tables.value(fact, happened) is not None for fact in tables.facts)
+        and true <= tables.flags
+        and all(name in gone for name, flag in tables.late.items() if flag in true)
+        and all(tables.value(fact, true) is not None for fact in tables.facts)
     )
     timeouts = tables.laws.timeouts
     running = set[str]()
     if whole and section:
-        whole = section.whole(state, gone, happened)
+        whole = section.whole(state, gone, true)
         running = tables.laws.timed(section.state(state)) if whole else running
     whole = whole and left.keys() == running
     whole = whole and all(0 <= seconds <= timeouts[name] for name, seconds in left.items())
     if not whole:
         raise SnapshotError("the snapshot says what cannot be")
-    return Saved(phase, section, state, gone, happened, document["count"], left, document.get("beside", {}))
+    return Saved(phase, section, state, gone, true, document["count"], left, document.get("beside", {}))
 
 
 def actions_to(inside: Inside, laws: Laws) -> Iterator[Action]:

@@ -106,22 +106,22 @@ class TableSection:
         own = self.names.get("hardware", {})
         self.hardware = [own.get(h, h) for h in machine.hardware]
         renamed = {**self.names.get("once", {}), **self.names.get("facts", {})}
-        self.once = [renamed.get(name, name) for name in machine.once]  # handlers, then flags of facts
+        self.flags = [renamed.get(name, name) for name in machine.flags]  # handlers, then flags of facts
         self._actions: dict[int, tuple[Action, ...]] = {}
         self._states: dict[int, Inside] = {}
 
     def entry(
-        self, out_of_service: Set[str], happened: Set[str]
+        self, out_of_service: Set[str], true: Set[str]
     ) -> tuple[int, tuple[Action, ...], Set[str], Set[str]]:
         """The first state inside, the actions, the flags of facts that become true, and those that end."""
-        step = self.machine.entry(_numbers(self.hardware, out_of_service), _numbers(self.once, happened))
+        step = self.machine.entry(_numbers(self.hardware, out_of_service), _numbers(self.flags, true))
         if step is None:
             gone = sorted(out_of_service)
             raise ControllerFileError(f"section {self.name} has no entry with {gone} out of service")
         return step[0], self.actions(step[1]), self._named(step[2]), self._named(step[3])
 
     def move(
-        self, state: int, event: str, happened: Set[str] = frozenset()
+        self, state: int, event: str, true: Set[str] = frozenset()
     ) -> tuple[int | str, tuple[Action, ...], Set[str], Set[str]] | None:
         """Where an event leads, the actions, handlers and flags that become true, flags that become false.
 
@@ -130,29 +130,27 @@ class TableSection:
         Args:
             state: The state inside.
             event: Its text.
-            happened: Handlers that happen once and have happened, and what is true of facts.
+            true: Handlers that happen once and have happened, and what is true of facts.
         """
         number = self.number.get(event)
         if number is None:
             return None
-        step = self.machine.move(state, number, _numbers(self.once, happened))
+        step = self.machine.move(state, number, _numbers(self.flags, true))
         if step is None:
             return None
         target, actions, happening, ended = step
         return target, self.actions(actions), self._named(happening), self._named(ended)
 
     def _named(self, numbers: Set[int]) -> Set[str]:
-        return {self.once[i] for i in numbers} if numbers else _NO_NAMES
+        return {self.flags[i] for i in numbers} if numbers else _NO_NAMES
 
-    def possible(self, state: int, happened: Set[str] = frozenset()) -> list[str]:
-        """Events of the section that are possible in a state, with some handlers that have happened."""
-        return [self.events[i] for i in self.machine.possible(state, _numbers(self.once, happened))]
+    def possible(self, state: int, true: Set[str] = frozenset()) -> list[str]:
+        """Events of the section that are possible in a state, while some flags are true."""
+        return [self.events[i] for i in self.machine.possible(state, _numbers(self.flags, true))]
 
-    def whole(self, state: int, out_of_service: Set[str], happened: Set[str]) -> bool:
+    def whole(self, state: int, out_of_service: Set[str], true: Set[str]) -> bool:
         """Whether a number may be a state inside, with some hardware out of service."""
-        return self.machine.whole(
-            state, _numbers(self.hardware, out_of_service), _numbers(self.once, happened)
-        )
+        return self.machine.whole(state, _numbers(self.hardware, out_of_service), _numbers(self.flags, true))
 
     def actions(self, number: int) -> tuple[Action, ...]:
         """A list of actions of the type, in the section's own names."""
@@ -208,14 +206,14 @@ class RuntimePosition(NamedTuple):
         section: The section that runs.
         state: The number of its state.
         gone: Hardware out of service.
-        happened: Handlers that happen once and have happened, and the flags that are true.
+        true: Handlers that happen once and have happened, and what is true of facts.
     """
 
     phase: str
     section: TableSection | None
     state: int
     gone: Set[str]
-    happened: Set[str]
+    true: Set[str]
 
 
 def _numbers(names: Sequence[str], some: Set[str]) -> Set[int]:
@@ -290,9 +288,9 @@ class Tables:
         self.changing: dict[str, dict[str, list[str]]] = document["changing"]
         # By hardware that is detected late, the flag that says that its loss is known.
         self.late: dict[str, str] = document["late"]
-        self.true = {said for values in self.facts.values() for true in values.values() for said in true}
-        self.true |= {*self.late.values()}
-        self.once = {handler for section in sections for handler in section.once} | self.true
+        self.of_facts = {flag for values in self.facts.values() for true in values.values() for flag in true}
+        self.of_facts |= {*self.late.values()}
+        self.flags = {flag for section in sections for flag in section.flags} | self.of_facts
         self.initial = self.sections[document["initial"]]
         # Failure and repair of all hardware that can fail, by event: they may happen outside sections, too.
         self.failures = {f"{name}_EV_OOS": name for name in self.hardware}
@@ -307,9 +305,9 @@ class Tables:
 
     def possible(self, at: RuntimePosition) -> set[str]:
         """The events that can be taken."""
-        events = {*self.outside(at.section, at.gone, at.happened)}
+        events = {*self.outside(at.section, at.gone, at.true)}
         if at.section:
-            events.update(at.section.possible(at.state, at.happened))
+            events.update(at.section.possible(at.state, at.true))
         elif at.phase == BEFORE:
             events.add(START)
         return events
@@ -318,34 +316,34 @@ class Tables:
         """Where an event leads, and the actions; ``None`` where it cannot be taken."""
         section = at.section
         if section is not None and event in section.number:
-            step = section.move(at.state, event, at.happened)
+            step = section.move(at.state, event, at.true)
             if step is None:
                 return None
             target, actions, begun, ended = step
-            happened = (at.happened | begun) - ended if begun or ended else at.happened
+            true = (at.true | begun) - ended if begun or ended else at.true
             gone = self.out_after(event, at.gone)
             if not isinstance(target, str):
-                return RuntimePosition(RUNNING, section, target, gone, happened), actions
-            inside, first = self._entered(section.routes[target], gone, happened)
+                return RuntimePosition(RUNNING, section, target, gone, true), actions
+            inside, first = self._entered(section.routes[target], gone, true)
             return inside, actions + first
         if self.is_outside(event):
-            if not self.may_happen(event, at.gone, at.happened):
+            if not self.may_happen(event, at.gone, at.true):
                 return None
-            happened, gone = self.changed(event, at.happened), self.out_after(event, at.gone)
-            return RuntimePosition(at.phase, section, at.state, gone, happened), ()
+            true, gone = self.changed(event, at.true), self.out_after(event, at.gone)
+            return RuntimePosition(at.phase, section, at.state, gone, true), ()
         if event == START and at.phase == BEFORE:
-            return self._entered(self.initial.name, at.gone, at.happened)
+            return self._entered(self.initial.name, at.gone, at.true)
         return None
 
     def _entered(
-        self, route: str, gone: Set[str], happened: Set[str]
+        self, route: str, gone: Set[str], true: Set[str]
     ) -> tuple[RuntimePosition, tuple[Action, ...]]:
         """Where a route leads: into a section, or to the end of the mission."""
         if route in ENDS:
-            return RuntimePosition(ENDS[route], None, 0, gone, happened), ()
+            return RuntimePosition(ENDS[route], None, 0, gone, true), ()
         section = self.sections[route]
-        state, actions, begun, ended = section.entry(gone, happened)
-        return RuntimePosition(RUNNING, section, state, gone, (happened | begun) - ended), actions
+        state, actions, begun, ended = section.entry(gone, true)
+        return RuntimePosition(RUNNING, section, state, gone, (true | begun) - ended), actions
 
     def outside(self, section: TableSection | None, gone: Set[str], true: Set[str]) -> Iterator[str]:
         """Possible events that the section does not handle itself: of hardware, and changes of facts."""

@@ -42,7 +42,7 @@ def expected(controller: TableController, traced: Traced, events: list[str]) -> 
     hardware = identifiers(controller.hardware, prefix="hardware_")
     handlers = (s.names["once"].get(h, h) for s in controller.sections for h in controller.types[s.type].once)
     once = identifiers(dict.fromkeys(handlers), prefix="once_")
-    facts = identifiers(sorted(traced.tables.true), prefix="fact_")
+    facts = identifiers(sorted(traced.tables.of_facts), prefix="fact_")
     traced.restart()
     found: Answers = []
     for event in events:

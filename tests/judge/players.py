@@ -91,7 +91,7 @@ class OfController:
     def here(self) -> Place:
         saved = self.runtime.saved()
         section = saved.section.name if saved.section else None
-        sets = frozenset(saved.out_of_service), frozenset(saved.happened), frozenset(saved.timers.items())
+        sets = frozenset(saved.out_of_service), frozenset(saved.true), frozenset(saved.timers.items())
         place = saved.phase, section, saved.state, *sets
         if place not in self.saved:
             text = self.runtime.snapshot()
