@@ -18,6 +18,7 @@ BASE = (
     "files",
     "xmlio",
     "notebook",
+    "records",
     "sentences",
     "steps",
     "cluster",

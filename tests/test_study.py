@@ -27,7 +27,7 @@ from tests.draws import fewer
 
 BUILT = {
     "composite": "mcpn.composite.composing.composite_space",
-    "listing": "mcpn.spaces.kept.proved",
+    "listing": "mcpn.spaces.stable.falsification.proved",
     "diagram": "mcpn.spaces.kept.reaching",
     "markings": "mcpn.spaces.kept.explore",
 }
@@ -52,8 +52,9 @@ def built() -> Iterator[Counter[str]]:
 
     from mcpn.composite import composing
     from mcpn.spaces import kept as spaces
+    from mcpn.spaces.stable import falsification
 
-    homes = {"composite": composing, "listing": spaces, "diagram": spaces, "markings": spaces}
+    homes = {"composite": composing, "listing": falsification, "diagram": spaces, "markings": spaces}
     with ExitStack() as stack:
         for name, target in BUILT.items():
             original = getattr(homes[name], target.rpartition(".")[2])

@@ -18,6 +18,7 @@ from mcpn.mission.model import Mission, Objective, walk
 from mcpn.mission.robot import BOOLEAN_VALUES
 from mcpn.nets.events import ENDING, START, Event, What
 from mcpn.nets.petri import PetriNet
+from mcpn.records import ValueRecord
 from mcpn.spaces.names import ENDINGS, Names, known, unknown
 from mcpn.spaces.search.goal import FALSE, TRUE, Fires, Formula, marked
 
@@ -258,8 +259,8 @@ def progress(mission_net: MissionNet) -> tuple[Justice, ...]:
 # --- The words of a mission: what formulas about it may name ----------------------------------------------
 
 
-@dataclass(frozen=True)
-class NamedWord:
+@dataclass(frozen=True, eq=False, repr=False)
+class NamedWord(ValueRecord):
     """A name that formulas may say.
 
     Args:
@@ -273,22 +274,22 @@ class NamedWord:
     description: str | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class NamedActivity(NamedWord):
     """An activity, and what alternatives it has."""
 
     alternatives: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class NamedFact(NamedWord):
     """A fact, and what values it has."""
 
     values: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True)
-class Vocabulary:
+@dataclass(frozen=True, eq=False, repr=False)
+class Vocabulary(ValueRecord):
     """What formulas about a mission may name, by kind, in the order of the mission.
 
     Args:

@@ -21,6 +21,7 @@ from mcpn.mission.expansion.routes import (
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Parameter
 from mcpn.notebook import Drawn
+from mcpn.records import ValueRecord
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -36,7 +37,7 @@ def failed_for(reason: str) -> str:
     return f"failure {reason}"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ElementarySection(Routes):
     """An elementary objective with its place in the graph.
 
@@ -106,8 +107,8 @@ class ElementarySection(Routes):
         yield self
 
 
-@dataclass(frozen=True, slots=True)
-class Branch:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Branch(ValueRecord):
     """A child of a parallel block.
 
     Args:
@@ -123,7 +124,7 @@ class Branch:
     source: Source | None = field(default=None, compare=False)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class PauseGraph(Interrupted):
     """What runs while a parallel block pauses: a copy of a sibling of a block that the block is or stands in.
 
@@ -137,7 +138,7 @@ class PauseGraph(Interrupted):
     interruptions: tuple[Interruption, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ParallelSection(Routes):
     """A parallel block with its place in the graph.
 
@@ -283,8 +284,8 @@ def names_in(section: Section) -> Iterator[str]:
                 yield from names_in(inner)
 
 
-@dataclass(frozen=True)
-class ObjectivesGraph(Drawn):
+@dataclass(frozen=True, eq=False, repr=False)
+class ObjectivesGraph(Drawn, ValueRecord):
     """The objectives graph of a mission, or of a branch of a parallel block.
 
     Args:

@@ -8,10 +8,7 @@ every element carries is declared here, because model imports this module and no
 Source: the paper, section 4.3.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, field, fields
-from functools import cache
-from operator import attrgetter
+from dataclasses import dataclass, field
 from typing import Annotated
 
 from mcpn.errors import Source
@@ -30,10 +27,11 @@ from mcpn.mission.language.datatypes import (
     Values,
     When,
 )
+from mcpn.records import ValueRecord
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class Described:
+class Described(ValueRecord):
     """What every element of a mission file carries.
 
     Args:
@@ -43,25 +41,6 @@ class Described:
     TAG = "description"
     description: Annotated[str | None, "Shown in reports."] = None
     source: Source | None = field(default=None, compare=False)
-
-    @classmethod
-    @cache
-    def _said(cls) -> Callable[[object], object]:
-        """What an element says, without where it stands: to compare by.
-
-        One for all classes: a method compiled for each takes longer than to read a small mission.
-        """
-        return attrgetter(*(each.name for each in fields(cls) if each.compare))
-
-    def __eq__(self, other: object) -> bool:
-        return type(self) is type(other) and (said := self._said())(self) == said(other)
-
-    def __hash__(self) -> int:
-        return hash(self._said()(self))
-
-    def __repr__(self) -> str:
-        values = ", ".join(f"{each.name}={getattr(self, each.name)!r}" for each in fields(self))
-        return f"{type(self).__name__}({values})"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)

@@ -27,6 +27,7 @@ from typing import NamedTuple, TypeAlias
 from mcpn.errors import InputError, Source
 from mcpn.nets.events import Event
 from mcpn.notebook import Drawn
+from mcpn.records import ValueRecord
 
 Marking: TypeAlias = tuple[int, ...]
 """Tokens of each place, in the order of the net's places."""
@@ -38,8 +39,8 @@ Arcs: TypeAlias = tuple[tuple[int, int], ...]
 """Pairs (index of a place, weight of at least 1), in the order of the places, each place once."""
 
 
-@dataclass(frozen=True, slots=True)
-class Provenance:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Provenance(ValueRecord):
     """The element of the mission that made a place or a transition.
 
     Args:
@@ -57,8 +58,8 @@ class Provenance:
         return f"{self.kind} {self.name}"
 
 
-@dataclass(frozen=True, slots=True)
-class Place:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Place(ValueRecord):
     """A place.
 
     Args:
@@ -72,8 +73,8 @@ class Place:
     provenance: Provenance | None = field(default=None, compare=False)
 
 
-@dataclass(frozen=True, slots=True)
-class Transition:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Transition(ValueRecord):
     """A transition: enabled where each place holds as many tokens as it consumes and as it reads.
 
     Args:
@@ -121,8 +122,8 @@ class SafeTransition(NamedTuple):
     blocked: bool
 
 
-@dataclass(frozen=True)
-class PetriNet(Drawn):
+@dataclass(frozen=True, eq=False, repr=False)
+class PetriNet(Drawn, ValueRecord):
     """A place/transition net.
 
     Args:

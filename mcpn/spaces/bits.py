@@ -6,7 +6,7 @@ a state is an integer, too, so that a closure takes one operation for each state
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence, Set
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import TypeAlias
 
@@ -14,7 +14,7 @@ from mcpn._kernel import Zdd
 from mcpn.nets.petri import Marking, PetriNet
 from mcpn.spaces.algebra import Edge, Guards, Piece
 from mcpn.spaces.images import ImageStore
-from mcpn.spaces.memoized import ByKey
+from mcpn.spaces.memoized import ByKey, memoized
 
 Steps: TypeAlias = Sequence[int]
 """By state, those one edge away, a bit for each."""
@@ -160,45 +160,25 @@ class BitSpace:
 
     # --- steps and closures ---
 
-    @cached_property
-    def _all_onward(self) -> Steps:
-        return self._onward(None, None)
+    def _steps(self, transitions: Collection[int] | None, guards: Guards[BitSet], back: bool) -> Steps:
+        """Where edges of some transitions lead to, or come from."""
+        wanted = None if transitions is None else frozenset(transitions)
+        return self._made(wanted, guards, back) if guards else self._unguarded(wanted, back)
 
-    @cached_property
-    def _all_back(self) -> Steps:
-        return self._back(None, None)
+    @memoized
+    def _unguarded(self, wanted: frozenset[int] | None, back: bool) -> Steps:
+        return self._made(wanted, None, back)
 
-    def _onward(self, transitions: Collection[int] | None, guards: Guards[BitSet]) -> Steps:
-        """Where edges of some transitions lead, by the state before."""
+    def _made(self, wanted: frozenset[int] | None, guards: Guards[BitSet], back: bool) -> Steps:
         steps = [0] * len(self._rows)
-        for source, target in self._taken(transitions, guards):
-            steps[source] |= 1 << target
-        return steps
-
-    def _back(self, transitions: Collection[int] | None, guards: Guards[BitSet]) -> Steps:
-        """Where edges of some transitions come from, by the state after."""
-        steps = [0] * len(self._rows)
-        for source, target in self._taken(transitions, guards):
-            steps[target] |= 1 << source
-        return steps
-
-    def _taken(
-        self, transitions: Collection[int] | None, guards: Guards[BitSet]
-    ) -> Iterator[tuple[int, int]]:
-        """Edges of some transitions, from where these may be taken."""
-        wanted = transitions if transitions is None or isinstance(transitions, Set) else {*transitions}
         for t, (_, edges) in self._edges.items():
             if wanted is None or t in wanted:
-                if guards and t in guards:
-                    bits = guards[t].bits
-                    yield from (edge for edge in edges if bits >> edge[0] & 1)
-                else:
-                    yield from edges
-
-    def _steps(self, transitions: Collection[int] | None, guards: Guards[BitSet], back: bool) -> Steps:
-        if transitions is None and not guards:
-            return self._all_back if back else self._all_onward
-        return (self._back if back else self._onward)(transitions, guards)
+                allowed = guards[t].bits if guards and t in guards else self.everything.bits
+                for source, target in edges:
+                    if allowed >> source & 1:
+                        at, to = (target, source) if back else (source, target)
+                        steps[at] |= 1 << to
+        return steps
 
     def before(
         self,
@@ -318,7 +298,9 @@ class BitSpace:
 
 
 def _led(states: BitSet, steps: Steps) -> int:
-    bits = 0
-    for state in states:
-        bits |= steps[state]
+    bits, left = 0, states.bits
+    while left:
+        lowest = left & -left
+        bits |= steps[lowest.bit_length() - 1]
+        left ^= lowest
     return bits

@@ -17,7 +17,6 @@ from mcpn._kernel import Exploration
 from mcpn.errors import InputError, LimitError, SemanticsError
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.algebra import Space
-from mcpn.spaces.bits import BitSpace
 from mcpn.spaces.diagrams.bounded import reach_markings, reaching_markings
 from mcpn.spaces.diagrams.race import Resting
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
@@ -26,11 +25,11 @@ from mcpn.spaces.engines import FEW_FIRINGS, Asked, Choice, Engine, On, choices_
 from mcpn.spaces.markings.explicit import MAX_MARKINGS, Counts, KernelNet, count, explore
 from mcpn.spaces.names import PROGRESS, Names
 from mcpn.spaces.stable.completion import MAX_STABLE_STATES, PROOF_BY_MARKINGS
-from mcpn.spaces.stable.falsification import proved
 from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
     from mcpn.spaces.arrays import ArraySpace
+    from mcpn.spaces.bits import BitSpace
     from mcpn.spaces.diagrams.order import Order
     from mcpn.spaces.pyeda_reference import ReferenceCounts
     from mcpn.spaces.search.goal import Formula
@@ -59,8 +58,11 @@ class _Listing:
 
     def __init__(self, prepared: KernelNet, exploration: Exploration) -> None:
         self._prepared, self._exploration = prepared, exploration
-        few = exploration.states <= FEW_STATES and exploration.edges <= FEW_EDGES
-        self.few = BitSpace(prepared.net, *prepared.lists(exploration)) if few else None
+        self.few: BitSpace | None = None
+        if exploration.states <= FEW_STATES and exploration.edges <= FEW_EDGES:
+            from mcpn.spaces.bits import BitSpace
+
+            self.few = BitSpace(prepared.net, *prepared.lists(exploration))
 
     @cached_property
     def graph(self) -> AlternativesGraph:
@@ -222,6 +224,8 @@ class Spaces:
     @kept("within")
     def _listed(self, within: tuple[int, float]) -> _Listing:
         """The stable states within limits on states and on firings."""
+        from mcpn.spaces.stable.falsification import proved
+
         step(Doing.LISTING)
         max_states, firings = within
         prepared = KernelNet(self.net)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple, TypeAlias
 
 from mcpn.errors import Source
+from mcpn.records import ValueRecord
 
 GO_ON = "go on"
 """The exit of what runs while a parallel block pauses, after which it goes on: no block is called so."""
@@ -52,8 +53,8 @@ class Setting(NamedTuple):
     on: str
 
 
-@dataclass(frozen=True, slots=True)
-class Interruption:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Interruption(ValueRecord):
     """A handler as a section has it: when the declared event happens, the section is stopped and left.
 
     Args:
@@ -85,8 +86,8 @@ class Interruption:
         return replace(self, target=to(self.target), cases=cases)
 
 
-@dataclass(frozen=True, slots=True)
-class Becoming:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Becoming(ValueRecord):
     """That a section is stopped and left when, while it runs, facts become so.
 
     Args:
@@ -110,7 +111,7 @@ def left_by(number: int) -> str:
     return f"when {number}"
 
 
-class Interrupted:
+class Interrupted(ValueRecord):
     """What events interrupt."""
 
     __slots__ = ()
