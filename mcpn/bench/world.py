@@ -153,7 +153,7 @@ class ControllerPlace:
 
 
 class Places:
-    """The places of one controller, as far as they have been come to.
+    """The places of one controller, as far as they have been reached.
 
     Args:
         tables: The controller's.

@@ -199,7 +199,7 @@ def in_section(name: str) -> Iterator[None]:
         raise LimitError(f"in section {name}: {error}") from error
 
 
-# --- Where a mission comes to an event without one outcome: the second premise of composition -------------
+# --- Where a mission reaches an event without one outcome: the second premise of composition --------------
 #
 # The symbolic proof (:mod:`mcpn.spaces.stable.confluence`) is tried on the local net of each type, from every
 # state of its hardware. Where it leaves conflicts open, what is behind the markings that the mission passes

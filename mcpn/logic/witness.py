@@ -251,7 +251,7 @@ class _InSpace(Explanation, Generic[S]):
         self.follow(self.evaluation.along(left), goal)
 
     def at_end(self, states: S) -> bool:
-        """Whether the run has come to one of some states."""
+        """Whether the run has reached one of some states."""
         return bool(self.space.single(self.witness.end) & states)
 
     def go(self, allowed: S, transitions: Collection[int] | None = None) -> bool:

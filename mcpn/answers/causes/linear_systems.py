@@ -230,7 +230,7 @@ def resolvent(steps: Floats, leaving: Floats) -> Floats:
         leaving: By row, what it lacks to the sum 1. From each row steps lead to one where that is not 0.
 
     Returns:
-        The inverse: by unknown and right side, how often the one is expected to come to the other.
+        The inverse: by unknown and right side, how often the one is expected to reach the other.
     """
     size = len(steps)
     if size == 1:

@@ -169,7 +169,7 @@ def _becoming(graph: ObjectivesGraph) -> Iterator[tuple[tuple[str, str, int], in
 
 
 def _starting(graph: ObjectivesGraph) -> Iterator[tuple[str, int]]:
-    """Objectives that change facts when they are come to, each with its number in its section."""
+    """Objectives that change facts as they are entered, each with its number in its section."""
     for section in graph.sections:
         changing = (objective.name for objective in section.walk() if objective.setting("start"))
         yield from ((name, number) for number, name in enumerate(changing))

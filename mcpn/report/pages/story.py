@@ -310,7 +310,7 @@ def _safety(findings: Findings, goal: GoalCauses | None) -> StoryLine:
         return StoryLine("fails", asked, "It can never succeed, and never be aborted.")
     if not cut_sets and verdict.holds is False:
         return _unsafe(findings, verdict.runs)
-    end = "come to a safe abort" if findings.causes and findings.causes.unsafe_aborts else "be aborted"
+    end = "reach a safe abort" if findings.causes and findings.causes.unsafe_aborts else "be aborted"
     if worst:
         said = (
             f"At the worst moment it can neither succeed nor {end} after the loss of this: {_listed(worst)}."

@@ -271,7 +271,7 @@ def cuthill_mckee(net: PetriNet) -> Order:
     neighbours += touched
 
     def walk(start: int) -> tuple[list[int], list[int]]:
-        """Nodes as they are come to, and their distances."""
+        """Nodes as they are reached, and their distances."""
         seen, visited, distances = {start}, [start], [0]
         for at, node in enumerate(visited):  # grows while it is walked
             unseen = (n for n in neighbours[node] if n not in seen)

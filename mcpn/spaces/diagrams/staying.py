@@ -7,7 +7,7 @@ turns with them. A run that stays in the set comes to
 - a dead state: one closure back finds what does;
 - or a cycle. Of the states that remain, only transitions of a T-semiflow of those with edges there may fire
   on one (:mod:`mcpn.nets.structure`). Where there are none, there is no cycle. Where they are few, layers by
-  the edges of these alone, which lead less far, come to the cycles, and a closure back to what leads there.
+  the edges of these alone, which lead less far, reach the cycles, and a closure back to what leads there.
   Else this way is given up.
 
 Where only some states are asked for, it looks at what runs from them come to alone: any cycle is an answer.

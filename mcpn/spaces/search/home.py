@@ -1,7 +1,7 @@
 """Home markings: those that every reachable marking leads to, proved without the space.
 
 A *rule* is a run that may be fired wherever its tokens are there. Some rules, and weights of places such that
-each rule lowers the weighted sum of tokens: then firing rules comes to an end, whatever the order. If the
+each rule lowers the weighted sum of tokens: then firing rules ends, whatever the order. If the
 state equation shows that no reachable marking but one stops all rules, every reachable marking leads to it.
 
 Rules are found by counterexamples. At first they are single transitions, as many as some weights allow; for
