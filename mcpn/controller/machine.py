@@ -63,23 +63,34 @@ class Ordering:
     Args:
         usage: The static analysis of the mission.
         graph: The objectives graph: the mission's, or that of a section alone.
+
+    Attributes:
+        timed: Objectives with a timeout.
+        held: By block with a timeout, the objectives in it.
+        named: By objective, its activities.
+        hardware: By activity and alternative, what it takes.
     """
 
     def __init__(self, usage: Usage, graph: ObjectivesGraph) -> None:
         self.usage = usage
         self._home = {name: section.name for section in graph.sections for name in names_in(section)}
         self._stops = {section.name: _consumers_first(usage, section) for section in graph.sections}
-        self._timed = {section.name for section in graph.timed}
-        self._held = {block.name: set(block.held) for block in graph.timed_blocks()}
-        self._named = {section.name: section.activities for section in graph.walk()}
+        self.timed = {section.name for section in graph.timed}
+        self.held = {block.name: set(block.held) for block in graph.timed_blocks()}
+        self.named = {section.name: section.activities for section in graph.walk()}
         # What stands for a fault or a crash is nothing that the robot takes or releases.
         stands = (*usage.mission.faults, *usage.mission.crashes)
         taken = usage.hardware.keys() - {each.name for each in stands}
-        self._hardware = {
+        self.hardware = {
             (activity.name, alternative.name): [k for k in alternative.consumes if k in taken]
             for activity in usage.activities.values()
             for alternative in activity.alternatives
         }
+
+    @property
+    def order(self) -> Sequence[str] | None:
+        """The activities, consumers before what they consume; ``None`` where there are several sections."""
+        return next(iter(self._stops.values())) if len(self._stops) == 1 else None
 
     def actions(self, before: Situation, after: Situation, passage: Left) -> Iterator[PlannedAction]:
         """The actions of one event.
@@ -99,12 +110,12 @@ class Ordering:
         was, now = self._in_time(before), self._in_time(after)
         yield from (PlannedAction("disarm", objective=o) for o in was if o in passage.ended)
         yield from (PlannedAction("stop", a) for a in first if a in stopped)
-        released = [k for a in first if a in changed for k in self._hardware[a, before.mode[a]]]
+        released = [k for a in first if a in changed for k in self.hardware[a, before.mode[a]]]
         yield from (PlannedAction("release", hardware=k) for k in dict.fromkeys(released))
         begun = [
             a for a in self._order(after, after.mode)[::-1] if a not in before.mode or a in changed | stopped
         ]
-        objective = {a: name for name in after.objectives for a in self._named[name]}
+        objective = {a: name for name in after.objectives for a in self.named[name]}
         for a in begun:
             yield PlannedAction("select", a, after.mode[a], objective=objective.get(a))
         for a in begun:
@@ -116,10 +127,10 @@ class Ordering:
 
     def _in_time(self, situation: Situation) -> list[str]:
         """The objectives and blocks whose time runs; something in a block runs or is about to begin."""
-        found = [name for name in situation.objectives if name in self._timed]
-        if self._held:
+        found = [name for name in situation.objectives if name in self.timed]
+        if self.held:
             here = {*situation.objectives, *situation.pending}
-            found += [name for name, held in self._held.items() if not here.isdisjoint(held)]
+            found += [name for name, held in self.held.items() if not here.isdisjoint(held)]
         return found
 
     def _order(self, situation: Situation, activities: Mapping[str, str]) -> Sequence[str]:

@@ -17,9 +17,10 @@ of an event apart, and bits that no literal asks for (:mod:`mcpn.controller.redu
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 
 from mcpn.controller.hierarchy import PlacedMachine, TableController
 from mcpn.controller.machine import PlannedAction
@@ -27,7 +28,10 @@ from mcpn.nets.events import Event
 from mcpn.notebook import Drawn
 
 Literals = tuple[int, ...]
-"""A conjunction of literals: 2 i asks that bit i is not set, 2 i + 1 that it is."""
+"""A conjunction of literals: 2 i asks that bit i is not set, 2 i + 1 that it is.
+
+Bits from the number of bits on are those of the state that the parts before have made so far.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,11 +42,13 @@ class Effect:
         changes: The bits that change.
         actions: In order.
         to: The outcome with which the section is left; ``None`` where it goes on.
+        then: Numbers of the parts that come then, in order.
     """
 
     changes: tuple[int, ...]
     actions: tuple[PlannedAction, ...]
     to: str | None = None
+    then: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +56,7 @@ class Rule:
     """When an event has an effect.
 
     Args:
-        event: Number of the event; -1 for the entry.
+        event: Number of the event; -1 for the entry; behind events the parts are numbered.
         literals: What it asks of bits, the literals that exclude most other rules first.
         effect: Number of the effect.
     """
@@ -104,6 +110,7 @@ class Rules:
         shown: What states say, in the mission's order.
         entries: The rules of the entry.
         rules: The rules inside, sorted by event.
+        parts: By number, rules of which the first that fits is taken, if one does.
         effects: By number.
     """
 
@@ -117,27 +124,50 @@ class Rules:
     shown: tuple[Shown, ...]
     entries: tuple[Rule, ...]
     rules: tuple[Rule, ...]
+    parts: tuple[tuple[Rule, ...], ...]
     effects: tuple[Effect, ...]
+
+    @property
+    def every(self) -> Iterator[Rule]:
+        """All rules."""
+        return chain(self.entries, self.rules, *self.parts)
 
     @property
     def literals(self) -> int:
         """Literals of all rules."""
-        return sum(len(rule.literals) for rule in (*self.entries, *self.rules))
+        return sum(len(rule.literals) for rule in self.every)
 
     @cached_property
     def by_event(self) -> Mapping[int, tuple[Rule, ...]]:
-        """Rules by event."""
+        """Rules by event; those of part i by the number of events and i."""
         found: dict[int, list[Rule]] = {}
-        for rule in (*self.entries, *self.rules):
+        for rule in self.every:
             found.setdefault(rule.event, []).append(rule)
         return {event: tuple(rules) for event, rules in found.items()}
 
     @property
     def most(self) -> tuple[int, int]:
         """The most rules, and the most literals, that are looked at for one event, or for an entry."""
-        by_event = self.by_event.values()
-        rules = max(map(len, by_event), default=0)
-        return rules, max((sum(len(r.literals) for r in rules) for rules in by_event), default=0)
+        found, events = [(0, 0)], len(self.events)
+        for event in range(-1, events):
+            rules = self.by_event.get(event, ())
+            own, effects = _looked_at(rules), {rule.effect for rule in rules}
+            then = [
+                [_looked_at(self.by_event[events + part]) for part in self.effects[effect].then]
+                for effect in effects
+            ]
+            found.append(
+                (
+                    own[0] + max((sum(rules for rules, _ in parts) for parts in then), default=0),
+                    own[1] + max((sum(literals for _, literals in parts) for parts in then), default=0),
+                )
+            )
+        return max(rules for rules, _ in found), max(literals for _, literals in found)
+
+
+def _looked_at(rules: Sequence[Rule]) -> tuple[int, int]:
+    """How many rules these are, and how many literals."""
+    return len(rules), sum(len(rule.literals) for rule in rules)
 
 
 @dataclass(frozen=True)
@@ -165,8 +195,8 @@ class ModularController(Drawn):
 
     @property
     def rules(self) -> int:
-        """Rules of all types, those of entries included."""
-        return sum(len(type_.entries) + len(type_.rules) for type_ in self.types)
+        """Rules of all types, those of entries and parts included."""
+        return sum(sum(1 for _ in type_.every) for type_ in self.types)
 
     @property
     def literals(self) -> int:

@@ -2,31 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, reduce
-from operator import or_, xor
+from itertools import groupby
+from operator import attrgetter, or_, xor
 
 import numpy as np
 
-from mcpn._kernel import Zdd
+from mcpn._kernel import BigSteps as KernelSteps
+from mcpn._kernel import MemoryLimit, StateLimit, Zdd
 from mcpn.answers.verdicts.modes import said_as
 from mcpn.composite.composite import CompositeSpace
 from mcpn.composite.layout import idle_places
 from mcpn.composite.section_type import SectionType
+from mcpn.controller.conditions import conditions
 from mcpn.controller.hierarchy import placed_machines
-from mcpn.controller.machine import Ordered, situations
+from mcpn.controller.machine import Ordered, Ordering, situations
 from mcpn.controller.modular import Effect, ModularController, Rule, Rules, Shown, StatusBits
+from mcpn.controller.parts import EventParts
+from mcpn.controller.reaction import EventReaction, Remembering
 from mcpn.controller.reduce import Cube, levels_of, reduced
 from mcpn.controller.run import Left, Runner
-from mcpn.controller.sizes import each_step, standing
+from mcpn.controller.sizes import count_steps, each_step, standing
 from mcpn.drawing.status import Element
 from mcpn.errors import LimitError
 from mcpn.nets.events import Event
-from mcpn.spaces.diagrams.encoding import Encoding
 from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.markings.graph import StateGraph, pack
-from mcpn.spaces.stable.big_steps import MOST_STEPS, is_function, reach_in_big_steps
+from mcpn.spaces.stable.big_steps import FEW_CASES, FEW_STEPS, MOST_KEPT, MOST_STEPS, is_function
 
 
 def modular_controller(composite: CompositeSpace) -> ModularController:
@@ -48,22 +53,49 @@ def modular_controller(composite: CompositeSpace) -> ModularController:
     )
 
 
-def big_steps(type_: SectionType, section: str) -> Mapping[int, bytes | None]:
-    """The big steps of a type of sections.
+class _Singly:
+    """Finds the big steps of an event one by one.
 
-    Raises:
-        LimitError: It has none.
+    Args:
+        type_: The type of sections.
     """
-    if type_.steps is not None and not any(map(is_function, filter(None, type_.steps.values()))):
-        return type_.steps
-    encoding = Encoding(type_.net.net, type_.encoding.places, type_.encoding.memory_limit)
-    found = reach_in_big_steps(KernelNet(type_.net.net), encoding, MOST_STEPS, MOST_STEPS)
-    if found is None:
-        raise LimitError(
-            f"section {section}: its events have too many big steps to be told by rules, or one need not "
-            "have one outcome where the mission never comes: it has no modular controller"
+
+    def __init__(self, type_: SectionType) -> None:
+        self._type = type_
+        self._net = type_.net.net
+        self._prepared = KernelNet(self._net)
+        self._label = {t: label for label, t in enumerate(self._prepared.transitions)}
+        self._slots = range(type_.layout.first_slot, type_.layout.store.levels)
+        self._kernel: KernelSteps | None = None
+
+    def _begun(self) -> KernelSteps:
+        encoding = self._type.encoding
+        beside = [-1] * (self._type.layout.store.levels - len(encoding.places))
+        return KernelSteps(
+            self._prepared.kernel,
+            self._prepared.initial,
+            [*encoding.places, *beside],
+            [(place, encoding.level[kept]) for place, kept in encoding.partner.items()],
+            encoding.memory_limit,
+            MOST_KEPT,
+            FEW_CASES,
         )
-    return found[1]
+
+    def steps(self, transition: int, most: int) -> bytes | None:
+        """The big steps of an event; ``None`` where there are more than allowed, or one has no outcome."""
+        type_, safe = self._type, self._net.safe_transitions[transition]
+        states = type_.before if transition == type_.net.start else type_.inside
+        states = states.subset(unmarked=self._slots)
+        states = type_.encoding.restricted(states, (*safe.consume, *safe.read))
+        if not states:
+            return b""
+        self._kernel = self._kernel or self._begun()
+        found = None
+        with suppress(MemoryLimit, StateLimit):
+            found = self._kernel.cover(states, self._label[transition], most)
+        if found is None:
+            self._kernel = None  # which has come to trouble
+        return found[0] if found is not None and found[2] else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +148,6 @@ class _Maker:
         self.net = type_.net
         self.encoding = type_.encoding
         self.runner = Runner(type_.net)
-        self.steps = big_steps(type_, section)
         self.exits = {self._mask([place]): exit_ for exit_, place in type_.net.exits.items()}
         active: dict[str, list[int]] = {}
         for place, name in type_.net.saying("active").items():
@@ -141,6 +172,48 @@ class _Maker:
         # The order of actions depends on the section, which objectives name. If something may run in a state
         # with none of these places marked, rules must ask for them, too.
         self.home = said if any(self.encoding.restricted(homeless, [p]) for p in running) else []
+        self.ordering = Ordering(type_.net.usage, type_.net.graph)
+        self.shown, self.carried = self._saying()
+        self.steps = dict[int, bytes]()
+        """By transition, the big steps of its event, where they are few."""
+        self.products = dict[int, EventParts]()
+        """By transition, the parts of its event, where its big steps are many."""
+        self._part_events(section)
+
+    def _part_events(self, section: str) -> None:
+        """Finds which events have few big steps, and of the others the parts."""
+        transitions, known = self.net.net.transitions, self.type.steps
+        singly = _Singly(self.type)
+        remembering: Remembering | None = None
+        for t in range(len(transitions)) if known is None else known:
+            if transitions[t].internal or self.net.net.safe_transitions[t].blocked:
+                continue
+            steps = singly.steps(t, FEW_STEPS) if known is None else known[t]
+            assert steps is not None or known is None, "nothing dies"
+            if steps is None or is_function(steps) or count_steps(steps) > FEW_STEPS:
+                remembering = remembering or Remembering(self.type, self.runner)
+                if parts := self._parts(remembering.reaction(t)):
+                    self.products[t] = parts
+                    continue
+                if steps is None or is_function(steps):
+                    steps = singly.steps(t, MOST_STEPS)
+            if steps is None:
+                raise LimitError(
+                    f"section {section}: its events have too many big steps to be told by rules, or one need "
+                    "not have one outcome where the mission never comes: it has no modular controller"
+                )
+            self.steps[t] = steps
+
+    def _parts(self, reaction: EventReaction | None) -> EventParts | None:
+        """The parts of an event; ``None`` where it has none."""
+        if reaction is None or self.home:
+            return None
+        planned = conditions(self.net, self.ordering, reaction)
+        if planned is None:
+            return None
+        exits = {exit_: reaction.after(place) for exit_, place in self.net.exits.items()}
+        spoken = {said >> 1 for said in (*(said for *_, said in self.shown), *self.carried)}
+        return EventParts(reaction, planned, exits, spoken, {said >> 1 for said in self.carried})
 
     def rules(self) -> Rules:
         """The rules."""
@@ -148,9 +221,8 @@ class _Maker:
         markings = [marking for way in ways for marking in (way.before, way.after)]
         ordered = Ordered(self.net, situations(self.net, markings))
         transitions = self.net.net.transitions
-        found = {
-            _event(transitions[way.transition].event) for way in ways if way.transition != self.net.start
-        }
+        taken = {way.transition for way in ways} | self.products.keys()
+        found = {_event(transitions[t].event) for t in taken if t != self.net.start}
         numbers = {event: number for number, event in enumerate(sorted(found))}
         cubes = list[Cube]()
         for i, way in enumerate(ways):
@@ -168,29 +240,44 @@ class _Maker:
 
     def _told(self, events: tuple[Event, ...], cubes: list[Cube]) -> Rules:
         """Shortens rules (:func:`reduced`) and renumbers the levels that are left as bits."""
-        part, literal = self.type.part, self._literal
-        shown = [
-            (kind, name, literal(place))
-            for place, (role, name) in self.net.roles.items()
-            if (kind := said_as(role)) is not None and kind not in ("out_of_service", "facts")
-        ]
-        places = (self.net.flag_bits[flag] for flag in part.carried)
-        carried = [literal(place) ^ reverse for place, reverse in places]
-        spoken = {said >> 1 for said in (*(said for *_, said in shown), *carried)}
-        shorter, bits = reduced(cubes, spoken)
+        part, levels = self.type.part, len(self.encoding.places)
+        bits = {said >> 1 for said in (*(said for *_, said in self.shown), *self.carried)}
+        bits.update(literal >> 1 for t in self.products for literal in self._enabling(t))
+        while True:  # what a rule asks for must be right after each event
+            bits = self._closed(bits)
+            shorter, needed = reduced(cubes, bits)
+            if (bits := self._closed(needed)) <= needed:
+                break
         number = {level: bit for bit, level in enumerate(sorted(bits))}
 
         def renumbered(literal: int) -> int:
-            return 2 * number[literal >> 1] | literal & 1
+            after, level = divmod(literal >> 1, levels)
+            return 2 * (after * len(number) + number[level]) | literal & 1
 
         def bits_of(levels: int) -> tuple[int, ...]:
             return tuple(bit for level, bit in number.items() if levels >> level & 1)
 
         effects: dict[Effect, int] = {}
         rules = []
+
+        def rule(event: int, literals: Iterable[int], effect: Effect) -> None:
+            rules.append(
+                Rule(event, tuple(map(renumbered, literals)), effects.setdefault(effect, len(effects)))
+            )
+
         for event, literals, changes, (actions, to) in shorter:
-            effect = effects.setdefault(Effect(bits_of(changes), actions, to), len(effects))
-            rules.append(Rule(event, tuple(map(renumbered, literals)), effect))
+            rule(event, literals, Effect(bits_of(changes), actions, to))
+        nothing, behind = Effect((), ()), len(events)
+        for t, parts in self.products.items():
+            done = parts.always
+            then = tuple(range(behind - len(events), behind - len(events) + len(parts.all)))
+            effect = Effect(bits_of(done.changes), done.actions, done.to, then)
+            rule(self._number(t, events), self._enabling(t), effect)
+            for each in parts.all:
+                effect = Effect(bits_of(each.changes), each.actions, each.to)
+                for literals, does in each.rules:
+                    rule(behind, literals, effect if does else nothing)
+                behind += 1
         rules.sort(key=lambda rule: rule.event)  # stable
         flips: dict[Element, int] = dict.fromkeys(part.carried, 0)
         for place, (flag, _) in idle_places(self.net).items():
@@ -204,13 +291,46 @@ class _Maker:
             bits_of(sum(1 << level for level in self.encoding.marked_levels(self.net.net.initial))),
             tuple(
                 StatusBits(bits_of(levels), renumbered(said))
-                for levels, said in zip(flips.values(), carried, strict=True)
+                for levels, said in zip(flips.values(), self.carried, strict=True)
             ),
-            tuple(Shown(kind, name, renumbered(said)) for kind, name, said in shown),
+            tuple(Shown(kind, name, renumbered(said)) for kind, name, said in self.shown),
             tuple(rule for rule in rules if rule.event < 0),
-            tuple(rule for rule in rules if rule.event >= 0),
+            tuple(rule for rule in rules if 0 <= rule.event < len(events)),
+            tuple(tuple(of) for event, of in groupby(rules, attrgetter("event")) if event >= len(events)),
             tuple(effects),
         )
+
+    def _closed(self, bits: set[int]) -> set[int]:
+        """Some levels, with those for which parts ask that decide them; they are decided then."""
+        closed, more = set[int](), bits
+        while not more <= closed:
+            closed = closed | more
+            for parts in self.products.values():
+                parts.decide(closed)
+            more = {level for parts in self.products.values() for level in parts.asked}
+        return closed
+
+    def _number(self, transition: int, events: Sequence[Event]) -> int:
+        if transition == self.net.start:
+            return -1
+        return events.index(_event(self.net.net.transitions[transition].event))
+
+    def _enabling(self, transition: int) -> tuple[int, ...]:
+        """Literals that ask for what a transition consumes and reads, but for the start."""
+        safe = self.net.net.safe_transitions[transition]
+        asked = () if transition == self.net.start else (*safe.consume, *safe.read)
+        return tuple({self._literal(place): None for place in asked})
+
+    def _saying(self) -> tuple[list[tuple[str, str, int]], list[int]]:
+        """The literals that say what is shown, and those of the status of what sections hand on."""
+        part, literal = self.type.part, self._literal
+        shown = [
+            (kind, name, literal(place))
+            for place, (role, name) in self.net.roles.items()
+            if (kind := said_as(role)) is not None and kind not in ("out_of_service", "facts")
+        ]
+        places = (self.net.flag_bits[flag] for flag in part.carried)
+        return shown, [literal(place) ^ reverse for place, reverse in places]
 
     # --- big steps, split where actions need it ---
 

@@ -136,7 +136,7 @@ class Runner:
         prepared, names = KernelNet(self.mission_net.net), list(self.control)
         number = {name: i for i, name in enumerate(names)}
         # For the kernel an objective with a timeout is an activity without places.
-        late = {name: i for i, name in enumerate(self._timed.values(), len(names))}
+        late = {name: i for i, name in enumerate(self.timed.values(), len(names))}
         every = [*names, *late]
         kernel_number = np.zeros(len(self._leaving), np.uint32)
         kernel_number[prepared.transitions] = np.arange(len(prepared.transitions), dtype=np.uint32)
@@ -170,7 +170,7 @@ class Runner:
         return {place: name.split(".", 1)[0] for place, name in self.mission_net.saying("active").items()}
 
     @cached_property
-    def _timed(self) -> dict[int, str]:
+    def timed(self) -> dict[int, str]:
         """The objectives and blocks that have a timeout, by the place that says that they run."""
         graph = self.mission_net.graph
         timed = {section.name for section in graph.timed}
@@ -190,7 +190,7 @@ class Runner:
         A block that leads to itself may be left and entered again by one transition.
         """
         return [
-            frozenset(self._timed[p] for p, _ in t.consume if p in self._timed)
+            frozenset(self.timed[p] for p, _ in t.consume if p in self.timed)
             for t in self.mission_net.net.transitions
         ]
 

@@ -195,6 +195,7 @@ RULES = ObjectOf(
                     "to": Nullable(
                         String("The outcome with which the section is left; null where it goes on.")
                     ),
+                    "then": numbers("The parts with which the event goes on, in order: indices in parts."),
                 },
             ),
         ),
@@ -214,6 +215,22 @@ RULES = ObjectOf(
                     "if": numbers("The literals that are true."),
                     "do": Integer("An index in effects."),
                 },
+            ),
+        ),
+        "parts": ListOf(
+            "What effects go on with: each decides some of what an event does.",
+            ListOf(
+                "The first of them that fits is taken; nothing is done where none does.",
+                ObjectOf(
+                    "One rule.",
+                    {
+                        "if": numbers(
+                            "The literals that are true. For bits from the number of bits on they ask what "
+                            "the effects so far have made of a state."
+                        ),
+                        "do": Integer("An index in effects, which goes on with no part."),
+                    },
+                ),
             ),
         ),
         "facts": names("What may be true of its facts."),

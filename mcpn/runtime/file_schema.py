@@ -219,6 +219,18 @@ def _check_rules(row: Mapping[str, Any], where: str) -> None:
         _below(bit, bits, f"{where}: a bit")
     for literal in literals:
         _below(literal, 2 * bits, f"{where}: a literal")
+    for number, effect in enumerate(row["effects"]):
+        for part in effect["then"]:
+            _below(part, len(row["parts"]), f"{where}.effects[{number}].then")
+    for number, part in enumerate(row["parts"]):
+        for rule in part:
+            at = f"{where}.parts[{number}]"
+            _below(rule["do"], effects, f"{at}.do")
+            if row["effects"][rule["do"]]["then"]:
+                raise _wrong(rule["do"], f"{at}.do", "an effect that goes on with no part")
+            for literal in rule["if"]:
+                _below(literal, 4 * bits, f"{at}: a literal")
+            _check_once(rule["if"], f"{at}.if")
     carried = len(row["hardware"]) + len(row["once"]) + len(row["facts"])
     if len(row["status"]) != carried:
         raise _wrong(len(row["status"]), f"{where}.status", "one for each of hardware, handlers, facts")
@@ -226,11 +238,15 @@ def _check_rules(row: Mapping[str, Any], where: str) -> None:
         at = f"{where}.entries and rules[{number}]"
         _below(rule["do"], effects, f"{at}.do")
         _below(rule.get("event", 0), max(events, 1), f"{at}.event")
-        if len({literal >> 1 for literal in rule["if"]}) < len(rule["if"]):
-            raise _wrong(rule["if"], f"{at}.if", "no bit twice")
+        _check_once(rule["if"], f"{at}.if")
     for number, shown in enumerate(row["shown"]):
         if shown["kind"] in MODES and "." not in shown["name"]:
             raise _wrong(shown["name"], f"{where}.shown[{number}].name", "activity.alternative")
+
+
+def _check_once(literals: Collection[int], where: str) -> None:
+    if len({literal >> 1 for literal in literals}) < len(literals):
+        raise _wrong(literals, where, "no bit twice")
 
 
 def _check_section(row: Mapping[str, Any], document: Mapping[str, Any], where: str) -> None:

@@ -8,18 +8,18 @@ members of the same sets: both are called flags, of which some are true.
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterable, Iterator, Mapping, Set
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeAlias
 
 from mcpn.runtime.documents import LISTS, MODES
 
-Moved = tuple[int | str, int, Set[int], Set[int]]
-"""The state after an event, or the outcome with which the section is left; the number of the list of actions;
+Moved = tuple[int | str, tuple[int, ...], Set[int], Set[int]]
+"""The state after an event, or the outcome with which the section is left; the numbers of lists of actions;
 handlers that have happened and flags that became true; flags that became false."""
 
-Entered = tuple[int, int, Set[int], Set[int]]
-"""The state after an entry; the number of the list of actions; handlers that have happened and flags that
+Entered = tuple[int, tuple[int, ...], Set[int], Set[int]]
+"""The state after an entry; the numbers of lists of actions; handlers that have happened and flags that
 became true; flags that became false."""
 
 
@@ -68,7 +68,7 @@ class TableMove:
 
     Args:
         target: The state that it leads to, or the outcome with which the section is left.
-        actions: The number of its list of actions.
+        actions: The number of its list of actions, alone.
         open: Handlers that must not have happened yet, and happen with it, by their numbers.
         happened: Those that must have happened before.
         gained: Flags of facts that become true, by their numbers.
@@ -76,7 +76,7 @@ class TableMove:
     """
 
     target: int | str
-    actions: int
+    actions: tuple[int]
     open: frozenset[int]
     happened: frozenset[int]
     gained: frozenset[int]
@@ -109,12 +109,12 @@ class TypeTables:
             return frozenset(bit[name] for name in item[key]) if key in item else _NOTHING
 
         self.entries: list[Entered | None] = [
-            e and (e["to"], lists.number(e["actions"]), numbers(e, "gained"), numbers(e, "lost"))
+            e and (e["to"], (lists.number(e["actions"]),), numbers(e, "gained"), numbers(e, "lost"))
             for e in row["entries"]
         ]
         for edge in row["edges"]:
             sets = (numbers(edge, key) for key in ("open", "happened", "gained", "lost"))
-            move = TableMove(edge["to"], lists.number(edge["actions"]), *sets)
+            move = TableMove(edge["to"], (lists.number(edge["actions"]),), *sets)
             self.moves[edge["from"]].setdefault(edge["event"], []).append(move)
 
     def entry(self, gone: Set[int], true: Set[int]) -> Entered | None:
@@ -166,8 +166,25 @@ class Bits:
         return state & self.mask == self.value
 
 
-_Effect = tuple[int, int, str | None]
-"""The bits that change, the number of the list of actions, the outcome with which the section is left."""
+@dataclass(frozen=True, slots=True)
+class RuleEffect:
+    """What a rule does.
+
+    Args:
+        changes: The bits that change.
+        actions: The number of its list of actions; none where the list is empty.
+        to: The outcome with which the section is left.
+        then: The rules of the parts with which the event goes on.
+    """
+
+    changes: int
+    actions: tuple[int, ...]
+    to: str | None
+    then: tuple[RuleList, ...] = ()
+
+
+RuleList: TypeAlias = tuple[tuple[Bits, RuleEffect], ...]
+"""Rules of which the first that fits is taken."""
 
 
 class RuleTables:
@@ -184,13 +201,22 @@ class RuleTables:
         status = [(_mask(s["changes"]), Bits.of([s["when"]])) for s in row["status"]]
         self.of_hardware, self.of_flags = status[: len(self.hardware)], status[len(self.hardware) :]
         self.show = [(s["kind"], s["name"], Bits.of([s["when"]])) for s in row["shown"]]
-        self.effects: list[_Effect] = [
-            (_mask(e["changes"]), lists.number(e["actions"]), e["to"]) for e in row["effects"]
+        does = [
+            (_mask(e["changes"]), (lists.number(e["actions"]),) if e["actions"] else (), e["to"])
+            for e in row["effects"]
         ]
-        self.entries = [(Bits.of(rule["if"]), self.effects[rule["do"]]) for rule in row["entries"]]
-        self.rules: list[list[tuple[Bits, _Effect]]] = [[] for _ in row["events"]]
+        parts: list[RuleList] = [
+            tuple((Bits.of(rule["if"]), RuleEffect(*does[rule["do"]])) for rule in part)
+            for part in row["parts"]
+        ]
+        effects = [
+            RuleEffect(*of, tuple(parts[part] for part in e["then"]))
+            for of, e in zip(does, row["effects"], strict=True)
+        ]
+        self.entries = [(Bits.of(rule["if"]), effects[rule["do"]]) for rule in row["entries"]]
+        self.rules: list[list[tuple[Bits, RuleEffect]]] = [[] for _ in row["events"]]
         for rule in row["rules"]:
-            self.rules[rule["event"]].append((Bits.of(rule["if"]), self.effects[rule["do"]]))
+            self.rules[rule["event"]].append((Bits.of(rule["if"]), effects[rule["do"]]))
 
     def entry(self, gone: Set[int], true: Set[int]) -> Entered | None:
         """The first state and the actions, with some hardware out of service, if it may be entered so."""
@@ -198,18 +224,33 @@ class RuleTables:
         for status, so in ((self.of_hardware, gone), (self.of_flags, true)):
             for i in so:
                 state ^= status[i][0]
-        for bits, (changes, actions, _) in self.entries:
-            if bits.hold(state):
-                return state ^ changes, actions, *self._true(state ^ changes)
-        return None
+        taken = self._taken(self.entries, state)
+        return taken and (taken[0], taken[1], *self._true(taken[0]))
 
     def move(self, state: int, event: int, true: Set[int]) -> Moved | None:
         """What an event does; ``None`` where it cannot be taken."""
-        for bits, (changes, actions, to) in self.rules[event]:
-            if bits.hold(state):
-                after = state ^ changes
-                return after if to is None else to, actions, *self._true(after)
-        return None
+        if (taken := self._taken(self.rules[event], state)) is None:
+            return None
+        after, actions, to = taken
+        return after if to is None else to, actions, *self._true(after)
+
+    def _taken(
+        self, rules: Sequence[tuple[Bits, RuleEffect]], state: int
+    ) -> tuple[int, tuple[int, ...], str | None] | None:
+        """What the first rule that fits does, with the parts that it goes on with."""
+        effect = next((effect for bits, effect in rules if bits.hold(state)), None)
+        if effect is None:
+            return None
+        after, actions, to = state ^ effect.changes, effect.actions, effect.to
+        for part in effect.then:
+            both = state | after << self.bits
+            for bits, of in part:
+                if bits.hold(both):
+                    after ^= of.changes
+                    actions += of.actions
+                    to = of.to if to is None else to
+                    break
+        return after, actions, to
 
     def _true(self, state: int) -> tuple[Set[int], Set[int]]:
         """Handlers that have happened and flags that are true in a state; and the flags that are false."""

@@ -152,11 +152,14 @@ class TableSection:
         """Whether a number may be a state inside, with some hardware out of service."""
         return self.machine.whole(state, _numbers(self.hardware, out_of_service), _numbers(self.flags, true))
 
-    def actions(self, number: int) -> tuple[Action, ...]:
-        """A list of actions of the type, in the section's own names."""
-        if number not in self._actions:
-            self._actions[number] = tuple(self._own(action) for action in self.machine.lists[number])
-        return self._actions[number]
+    def actions(self, numbers: Sequence[int]) -> tuple[Action, ...]:
+        """Lists of actions of the type, one after the other, in the section's own names."""
+        found: tuple[Action, ...] = ()
+        for number in numbers:
+            if number not in self._actions:
+                self._actions[number] = tuple(self._own(action) for action in self.machine.lists[number])
+            found += self._actions[number]
+        return found
 
     def state(self, number: int) -> Inside:
         """What a state is, in the section's own names."""

@@ -11,11 +11,13 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, get_args
+from unittest.mock import patch
 
 import pytest
 from hypothesis import HealthCheck, Phase, example, given, settings
 from hypothesis import strategies as st
 
+from mcpn.controller import rules
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.targets import files
 from mcpn.controller.targets.c import Array
@@ -25,6 +27,7 @@ from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
+from mcpn.spaces.stable.big_steps import FEW_STEPS
 from mcpn.testing import missions
 from tests.controller.traces import Place, Traced, canonical, random_events, tour
 
@@ -65,9 +68,11 @@ def run_lines(program: Path, events: list[str]) -> list[str]:
     return [canonical(line) for line in run.stdout.splitlines()]
 
 
-@pytest.fixture(scope="module", params=["flat", "hierarchical", "modular"])
+@pytest.fixture(scope="module", params=["flat", "hierarchical", "modular", "modular in parts"])
 def made(request: pytest.FixtureRequest, ulysse_net: MissionNet) -> tuple[dict[str, str], dict[str, Any]]:
-    controller = generate(ulysse_net, request.param)
+    form, _, parts = request.param.partition(" ")
+    with patch.object(rules, "FEW_STEPS", 0 if parts else FEW_STEPS):
+        controller = generate(ulysse_net, form)
     return files(controller, ulysse_net, "c"), document(controller, ulysse_net)
 
 

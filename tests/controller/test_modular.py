@@ -4,22 +4,25 @@ from __future__ import annotations
 
 import json
 from typing import Any
+from unittest.mock import patch
 
 import pytest
 from hypothesis import event, given
 from hypothesis import strategies as st
 
+from mcpn.controller import rules
 from mcpn.controller.generate import generate
 from mcpn.controller.modular import ModularController
 from mcpn.controller.targets.json import document, write_json
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
-from mcpn.mission.model import Mission, Objective
+from mcpn.mission.model import SUCCEED, Handler, Mission, Objective, Parallel, Recursive
 from mcpn.runtime import Controller as Runtime
 from mcpn.runtime import ControllerFileError, Refused, SnapshotError
 from mcpn.runtime.machines import RuleTables
 from mcpn.runtime.restoring import snapshot_text
 from mcpn.spaces.stable import big_steps
+from mcpn.spaces.stable.big_steps import FEW_STEPS
 from mcpn.testing import elements as drawn
 from mcpn.testing import missions
 from tests.draws import composed, fewer
@@ -82,13 +85,16 @@ def side_by_side(mission_net: MissionNet, modular: ModularController, most: int 
 
 def check(of: Mission) -> None:
     mission_net = composed(of)
-    try:
-        modular = generate(mission_net, "modular")
-        pairs = side_by_side(mission_net, modular)
-    except (LimitError, SemanticsError) as error:
-        event(type(error).__name__)
-        return
-    event("all states" if pairs < MOST else "some states")
+    for few in (FEW_STEPS, 0):  # with none, every event has parts that can have some
+        try:
+            with patch.object(rules, "FEW_STEPS", few):
+                modular = generate(mission_net, "modular")
+            pairs = side_by_side(mission_net, modular)
+        except (LimitError, SemanticsError) as error:
+            event(type(error).__name__)
+            return
+        event("in parts" if any(type_.parts for type_ in modular.types) else "without parts")
+        event("all states" if pairs < MOST else "some states")
 
 
 @fewer(0.25)
@@ -113,6 +119,48 @@ def test_ulysse(ulysse_net: MissionNet) -> None:
     assert side_by_side(ulysse_net, generate(ulysse_net, "modular")) == 260
 
 
+def pausing(branches: int) -> MissionNet:
+    """Branches of two objectives that an event pauses all at once."""
+    of = robot(
+        hw("hatch", *(f"h{b}{t}" for b in range(branches) for t in range(2))),
+        activity("hide", ("hatch",)),
+        *(activity(f"work{b}{t}", (f"h{b}{t}",)) for b in range(branches) for t in range(2)),
+        events=("storm",),
+    )
+    blocks = tuple(
+        Recursive(
+            name=f"branch{b}",
+            blocks=tuple(Objective(name=f"o{b}{t}", activities=(f"work{b}{t}",)) for t in range(2)),
+        )
+        for b in range(branches)
+    )
+    storm = Handler(event="storm", pause="shelter")
+    all_ = Parallel(name="all", blocks=blocks, handlers=(storm,), success=SUCCEED)
+    return compose(mission(of, all_, Objective(name="shelter", activities=("hide",))))
+
+
+def test_what_concerns_all_branches_is_a_sum() -> None:
+    """A pause looks at each branch once: its rules grow as the branches do, not as their states multiply."""
+    small, large = (generate(pausing(branches), "modular") for branches in (3, 6))
+    for rules_, literals in (small.most, large.most):
+        assert rules_ < 2 * 200
+        assert literals < 2 * 400
+    assert large.most[0] < 3 * small.most[0]
+    with patch.object(rules, "FEW_STEPS", 0):
+        assert side_by_side(pausing(2), generate(pausing(2), "modular")) > 100
+
+
+def test_where_an_event_goes_on_without_rules(
+    ulysse_net: MissionNet, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where the reaction is not found from whole sets, or has no parts, big steps are rules one by one."""
+    expected = generate(ulysse_net, "modular")
+    monkeypatch.setattr(rules, "FEW_STEPS", 0)
+    assert generate(ulysse_net, "modular").types[0].parts
+    monkeypatch.setattr(rules, "conditions", lambda *_: None)
+    assert generate(ulysse_net, "modular") == expected
+
+
 def test_where_markings_came_before_the_steps(
     ulysse_net: MissionNet, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -132,8 +180,10 @@ def test_a_section_of_much_hardware_is_not_listed() -> None:
     with pytest.raises(LimitError, match="states: a machine lists every state"):
         generate(mission_net)
     found = generate(mission_net, "modular")
-    # Each activity finds one of eight alternatives, or none.
-    assert [len(type_.entries) for type_ in found.types] == [9**3]
+    # Each activity finds one of eight alternatives, or none, whatever the others find.
+    (type_,) = found.types
+    assert len(type_.entries) == 1
+    assert sum(len(part) for part in type_.parts) < 3 * 9 * len(ways[0])
     runtime = Runtime.from_document(document(found, mission_net))
     for i in range(3):
         for j in range(i):
@@ -211,6 +261,9 @@ def test_the_bound_is_of_the_rules_that_one_event_may_look_at(ulysse_net: Missio
     most = 0
     for type_ in found.types:
         for event_ in range(-1, len(type_.events)):
-            most = max(most, sum(rule.event == event_ for rule in (*type_.entries, *type_.rules)))
+            own = [rule for rule in (*type_.entries, *type_.rules) if rule.event == event_]
+            then = [type_.effects[rule.effect].then for rule in own]
+            follows = max((sum(len(type_.parts[part]) for part in parts) for parts in then), default=0)
+            most = max(most, len(own) + follows)
     assert found.most[0] == 2 * most
     assert f"looks at {2 * most} rules" in found.size

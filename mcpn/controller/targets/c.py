@@ -2,8 +2,8 @@
 
 Constant tables, no allocation, no recursion, no pointers to functions. The time of an event is bounded: two
 searches by halving, one pass over the events of a state, and at most as many actions as the header says. Of
-rules it is one pass over those of the event, and one over those of the entry where a section is left: the
-header says how many literals these have at most.
+rules it is one pass over those of the event and of each part that follows, and the same of the entry where a
+section is left: the header says how many literals these have at most.
 """
 
 from __future__ import annotations
@@ -202,6 +202,7 @@ def _of_rules(n: RuleNumbers) -> list[Array]:
     """All tables of rules."""
     none = n.none
     literal = "2 i: bit i is not set; 2 i + 1: it is"
+    asked = f"{literal}; from the type's bits on: bit i - bits after the parts before" if n.parts else literal
     once, facts = [len(rules.once) for rules in n.types], [len(rules.facts) for rules in n.types]
     return [
         *_of_sections(n),
@@ -213,11 +214,19 @@ def _of_rules(n: RuleNumbers) -> list[Array]:
         Array("rule_start", n.rule_start, "first rule; the next row ends it"),
         Array("rule_literals", n.rule_literals, "first literal of a rule; the next row ends it"),
         Array("rule_effect", n.rule_effect, "effect of a rule"),
-        Array("literals", n.literals, literal),
+        Array("literals", n.literals, asked),
         Array("effect_start", n.effect_start, "first bit that an effect changes; the next row ends it"),
         Array("effect_bits", n.effect_bits, "a bit"),
         Array("effect_list", n.effect_list, "list of actions"),
         Array("effect_target", n.effect_target, f"{none - 1} - i for the section's outcome i, or {none}"),
+        *(
+            [
+                Array("then_start", n.then_start, "first part that follows an effect; the next row ends it"),
+                Array("then_row", n.then_row, "its row in rule_start"),
+            ]
+            if n.parts
+            else []
+        ),
         Array("type_status", n.status_first, "first of its rows in status_start: hardware, then handlers"),
         Array("status_start", n.status_start, "first bit that it changes at the entry; the next row ends it"),
         Array("status_bits", n.status_bits, "a bit"),

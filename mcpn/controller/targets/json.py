@@ -36,9 +36,13 @@ One object with these keys, all of them always, whether there is something to sa
     and ``when``, the literal that says so inside;
   - ``shown``: what is so (``kind``: a key of a state above; ``name``, in modes ``activity.alternative``)
     where the literal ``when`` is true;
-  - ``effects``: ``changes``, ``actions``, and ``to``, the outcome with which the section is left, or null;
+  - ``effects``: ``changes``, ``actions``, ``to``, the outcome with which the section is left, or null, and
+    ``then``, the ``parts`` (indices) with which the event goes on, in order;
   - ``entries`` and ``rules``: where the literals ``if`` are true, ``do`` an effect (an index); the latter on
     an ``event`` (an index); those of one event that fit a state do the same;
+  - ``parts``: lists of rules. Of each the first that fits is taken, and nothing is done where none fits;
+    their effects have no ``then``. Literals of bits from ``bits`` on, *bits* + *i*, ask what bit *i* is after
+    the effects so far, all others what it was before the event;
 - ``facts``: by name and value what is then true of it that was not at the start, as texts; ``changing``: by
   event what it makes ``true`` and ``false``;
 - ``out_of_service``: hardware that is so at the start; ``unrepairable``: hardware that is never repaired;
@@ -191,6 +195,7 @@ def _rules(rules: Rules) -> dict[str, Any]:
                 "changes": list(effect.changes),
                 "actions": [_action(a) for a in effect.actions],
                 "to": effect.to,
+                "then": list(effect.then),
             }
             for effect in rules.effects
         ],
@@ -198,6 +203,7 @@ def _rules(rules: Rules) -> dict[str, Any]:
         "rules": [
             {"event": rule.event, "if": list(rule.literals), "do": rule.effect} for rule in rules.rules
         ],
+        "parts": [[{"if": list(rule.literals), "do": rule.effect} for rule in part] for part in rules.parts],
     }
 
 

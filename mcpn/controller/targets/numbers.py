@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Generic, TypeVar
 
 from mcpn.controller.hierarchy import KINDS, PlacedMachine, SectionMachine
@@ -271,10 +272,17 @@ class Numbers(Generic[Type]):
 
     @property
     def longest(self) -> int:
-        """The most actions of one event."""
-        length = [b - a for a, b in zip(self.list_start, self.list_start[1:], strict=False)]
+        """The most actions of one event: of what it may order, each verb once for each subject."""
+
+        @cache
+        def length(lists: tuple[int, ...]) -> int:
+            rows = (
+                row for of in lists for row in self.action_rows[self.list_start[of] : self.list_start[of + 1]]
+            )
+            return len({row[:2] for row in rows})
+
         entries = [
-            max((length[entry] for entry in self.entry_lists(section.type)), default=0)
+            max((length(tuple(entry)) for entry in self.entry_lists(section.type)), default=0)
             for section in self.controller.sections
         ]
         best = entries[self.initial]
@@ -284,15 +292,15 @@ class Numbers(Generic[Type]):
                 if self.first_outcome <= target < self.none:
                     route = routes[self.none - 1 - target]
                     follows = 0 if route in (self.success, self.failure, self.abort) else entries[route]
-                best = max(best, length[actions] + follows)
+                best = max(best, length(tuple(actions)) + follows)
         return best
 
-    def entry_lists(self, kind: int) -> Iterable[int]:
-        """The lists of actions of a type's entries."""
+    def entry_lists(self, kind: int) -> Iterable[Sequence[int]]:
+        """By entry of a type, the lists of actions that it may give."""
         raise NotImplementedError
 
-    def moved(self, kind: int) -> Iterable[tuple[int, int]]:
-        """Where the events of a type lead, and their lists of actions."""
+    def moved(self, kind: int) -> Iterable[tuple[int, Sequence[int]]]:
+        """Where the events of a type may lead, each with the lists of actions that it may give."""
         raise NotImplementedError
 
     # --- parameters ---

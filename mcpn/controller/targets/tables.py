@@ -91,16 +91,16 @@ class MachineNumbers(Numbers[SectionMachine]):
         """The most events that are possible in one state."""
         return max(b - a for a, b in zip(self.move_start, self.move_start[1:], strict=False))
 
-    def entry_lists(self, kind: int) -> Iterable[int]:
-        """The lists of actions of a type's entries."""
+    def entry_lists(self, kind: int) -> Iterable[Sequence[int]]:
+        """By entry of a type, its list of actions."""
         first = self.type_entries[kind]
-        return self.entry_list[first : first + len(self.types[kind].entries)]
+        return [[of] for of in self.entry_list[first : first + len(self.types[kind].entries)]]
 
-    def moved(self, kind: int) -> Iterator[tuple[int, int]]:
-        """Where the events of a type lead, and their lists of actions."""
+    def moved(self, kind: int) -> Iterator[tuple[int, Sequence[int]]]:
+        """Where the events of a type lead, each with its list of actions."""
         row = self.type_states[kind]
         first, last = self.move_start[row], self.move_start[row + len(self.types[kind].states)]
-        return zip(self.move_target[first:last], self.move_list[first:last], strict=True)
+        return zip(self.move_target[first:last], ([of] for of in self.move_list[first:last]), strict=True)
 
 
 def guard_of(machine: SectionMachine, move: Move) -> tuple[int, ...]:
@@ -132,6 +132,8 @@ class RuleNumbers(Numbers[Rules]):
         self.effect_bits: list[int] = []
         self.effect_list: list[int] = []
         self.effect_target: list[int] = []
+        self.then_start: list[int] = []
+        self.then_row: list[int] = []  # in rule_start
         self.status_first: list[int] = []  # the first row of a type in status_start: hardware, then handlers
         self.status_start: list[int] = []
         self.status_bits: list[int] = []
@@ -160,8 +162,11 @@ class RuleNumbers(Numbers[Rules]):
             self.effect_bits += effect.changes
             self.effect_list.append(self._list(effect.actions, own))
             self.effect_target.append(self.none if effect.to is None else left[effect.to])
+            self.then_start.append(len(self.then_row))
+            behind = len(self.rule_start) + 1 + len(type_.events)
+            self.then_row += [behind + part for part in effect.then]
         self.type_rows.append(len(self.rule_start))
-        for event in range(-1, len(type_.events)):
+        for event in range(-1, len(type_.events) + len(type_.parts)):
             self.rule_start.append(len(self.rule_effect))
             for rule in type_.by_event.get(event, ()):
                 self.rule_literals.append(len(self.literals))
@@ -184,24 +189,37 @@ class RuleNumbers(Numbers[Rules]):
             (self.rule_start, self.rule_effect),
             (self.rule_literals, self.literals),
             (self.effect_start, self.effect_bits),
+            (self.then_start, self.then_row),
             (self.status_start, self.status_bits),
             (self.idle_start, self.idle_bits),
             (self.mode_start, self.modes),
         ):
             starts.append(len(rows))  # one row more, where the last one ends
 
-    def entry_lists(self, kind: int) -> Iterable[int]:
-        """The lists of actions of a type's entries."""
-        row = self.type_rows[kind]
-        return [
-            self.effect_list[e] for e in self.rule_effect[self.rule_start[row] : self.rule_start[row + 1]]
-        ]
+    @property
+    def parts(self) -> bool:
+        """Whether some event goes on with parts."""
+        return bool(self.then_row)
 
-    def moved(self, kind: int) -> Iterator[tuple[int, int]]:
-        """Where the events of a type lead, and their lists of actions."""
+    def entry_lists(self, kind: int) -> Iterable[Sequence[int]]:
+        """By rule of a type's entry, the lists of actions that it may give."""
         row = self.type_rows[kind]
-        first, last = self.rule_start[row + 1], self.rule_start[row + 1 + len(self.types[kind].events)]
-        return ((self.effect_target[e], self.effect_list[e]) for e in self.rule_effect[first:last])
+        return [[self.effect_list[e] for e in effects] for effects in self._effects(row, row + 1)]
+
+    def moved(self, kind: int) -> Iterator[tuple[int, Sequence[int]]]:
+        """Where the rules of a type's events may lead, each with the lists of actions that it may give."""
+        row = self.type_rows[kind] + 1
+        for effects in self._effects(row, row + len(self.types[kind].events)):
+            lists = [self.effect_list[e] for e in effects]
+            yield from ((target, lists) for target in {self.effect_target[e] for e in effects})
+
+    def _effects(self, first: int, end: int) -> Iterator[list[int]]:
+        """By rule of some rows, its effect and those of the parts that may follow."""
+        for effect in self.rule_effect[self.rule_start[first] : self.rule_start[end]]:
+            found = [effect]
+            for row in self.then_row[self.then_start[effect] : self.then_start[effect + 1]]:
+                found += self.rule_effect[self.rule_start[row] : self.rule_start[row + 1]]
+            yield found
 
 
 def _modes(type_: Rules) -> Iterator[tuple[tuple[str, str], int]]:

@@ -43,15 +43,24 @@
     };
     const status = type.status.map((one) => [mask(one.changes), asked([one.when])]);
     const ofOnce = status.slice(type.hardware.length);
-    const effects = type.effects.map((one) => ({ changes: mask(one.changes), actions: one.actions, to: one.to }));
+    const effects = type.effects.map((one) => ({ ...one, changes: mask(one.changes) }));
     const rules = type.events.map(() => []), rule = (one) => [asked(one.if), effects[one.do]];
+    const parts = type.parts.map((part) => part.map(rule));
     for (const one of type.rules) rules[one.event].push(rule(one));
     const entries = type.entries.map(rule);
     const shown = type.shown.map((one) => [one.kind, one.name, asked([one.when])]);
     const taken = (fitting, at) => {
       const found = fitting.find(([fits]) => fits(at));
       if (!found) return null;
-      const { changes, actions, to } = found[1], after = at ^ changes, gained = [], lost = [];
+      let after = at ^ found[1].changes, to = found[1].to;
+      const actions = [...found[1].actions], gained = [], lost = [];
+      for (const part of found[1].then) { // literals from the number of bits on ask for what has been made so far
+        const both = at | after << BigInt(type.bits), taken = parts[part].find(([fits]) => fits(both));
+        if (!taken) continue;
+        after ^= taken[1].changes;
+        actions.push(...taken[1].actions);
+        to ??= taken[1].to;
+      }
       ofOnce.forEach(([, when], i) => {
         if (when(after)) gained.push(i); else if (i >= once.length - facts) lost.push(i);
       });
