@@ -171,7 +171,7 @@ def wanted_of_qt(
     handlers = (s.names["once"].get(h, h) for s in controller.sections for h in controller.types[s.type].once)
     once = identifiers(dict.fromkeys(handlers), prefix="once_")
     tables = Tables(said)
-    facts = identifiers(sorted(tables.true), prefix="fact_")
+    facts = identifiers(sorted(tables.of_facts), prefix="fact_")
     runtime, found, lines = mcpn.runtime.Controller(tables, log=1), [], iter(expected)
     for event in events:
         if not event:

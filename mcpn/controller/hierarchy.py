@@ -34,7 +34,7 @@ from mcpn.controller.sizes import refuse_entries
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.mortal import ALWAYS, Guard
 from mcpn.drawing.sections import LocalPart
-from mcpn.drawing.status import kind_by_kind
+from mcpn.drawing.status import told_as_facts
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.nets.events import START, Event, What
 from mcpn.notebook import Drawn
@@ -338,8 +338,7 @@ def flags_told(mission_net: MissionNet) -> dict[str, tuple[int, bool]]:
 
     Each with a place that says so, and whether it does so while it is empty.
     """
-    told = (flag for flag in kind_by_kind(mission_net.statuses) if flag.told == "facts")
-    return {flag.text: mission_net.flag_bit(flag) for flag in told}
+    return {flag.text: mission_net.flag_bit(flag) for flag in told_as_facts(mission_net.statuses)}
 
 
 class _Flags:

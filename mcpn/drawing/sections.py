@@ -16,7 +16,7 @@ from typing import Any
 
 from mcpn.drawing.compose import MissionNet, Parts, compose_parts
 from mcpn.drawing.mortal import entered_otherwise
-from mcpn.drawing.status import Element, Flag, Status, kind_by_kind, statuses
+from mcpn.drawing.status import Element, Flag, Status, kind_by_kind, statuses, told_as_facts
 from mcpn.drawing.templates import TemplateSet
 from mcpn.errors import InputError, LimitError, Problem
 from mcpn.mission.conditions import touched_by
@@ -214,7 +214,7 @@ class LocalPart:
     @property
     def entry_flags(self) -> tuple[str, ...]:
         """What may be true at its entry that controllers tell beside hardware and handlers."""
-        return tuple(flag.text for flag in self.flags if flag.told == "facts")
+        return tuple(flag.text for flag in told_as_facts(self.statuses))
 
     @cached_property
     def carried(self) -> tuple[Element, ...]:

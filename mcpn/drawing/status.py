@@ -204,3 +204,8 @@ def kind_by_kind(every: Iterable[Status]) -> tuple[Flag, ...]:
     """The flags of some statuses in the order of :data:`KINDS`, but for what says that hardware has died."""
     flags = (flag for status in every for flag in status.flags if flag.kind != "dead")
     return tuple(sorted(flags, key=lambda flag: KINDS.index(flag.kind)))
+
+
+def told_as_facts(every: Iterable[Status]) -> tuple[Flag, ...]:
+    """Those of these flags that controllers tell beside hardware out of service and handlers."""
+    return tuple(flag for flag in kind_by_kind(every) if flag.told == "facts")

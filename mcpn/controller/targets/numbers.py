@@ -20,8 +20,7 @@ from mcpn.controller.hierarchy import KINDS, PlacedMachine, SectionMachine
 from mcpn.controller.machine import PlannedAction, Verb
 from mcpn.controller.modular import AnyController, Rules
 from mcpn.drawing.compose import MissionNet
-from mcpn.mission.conditions import all_flags
-from mcpn.mission.expansion.faults import noticed
+from mcpn.drawing.status import told_as_facts
 from mcpn.mission.graph import ElementarySection, ObjectivesGraph
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Parameter
@@ -92,12 +91,14 @@ class Numbers(Generic[Type]):
         """How many run at a time, at most."""
         self.handlers = sorted({section.names["once"].get(h, h) for section, h in self._handlers()})
         world = self.mission_net.usage.world
-        self.flags = sorted(flag for fact in world.facts.values() for flag in all_flags(fact))
-        self.flags += [noticed(h.name) for h in mission.late]
+        told = told_as_facts(self.mission_net.statuses)
+        self.flags = sorted(flag.text for flag in told if flag.kind == "fact")
+        self.flags += [flag.text for flag in told if flag.kind != "fact"]
         """What may be true of facts, where it was not at the start, and of hardware detected late."""
         self.once = [*self.handlers, *self.flags]
         """Handlers that happen once, and what may be true."""
-        self.known = {self.faulty.index(h.name): self.once.index(noticed(h.name)) for h in mission.late}
+        late = {flag.name: flag.text for flag in told if flag.kind == "known"}
+        self.known = {self.faulty.index(name): self.once.index(text) for name, text in late.items()}
         """Of what can fail and is detected late, the number of what says that its loss is known."""
         self.known_out = [self.known[number] for number in self.out if number in self.known]
         """Those of them that are true at the start."""

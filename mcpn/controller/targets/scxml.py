@@ -34,7 +34,7 @@ from mcpn.controller.machine import PlannedAction
 from mcpn.controller.targets.json import laws
 from mcpn.controller.targets.names import comment, identifiers
 from mcpn.drawing.compose import MissionNet
-from mcpn.mission.conditions import all_flags
+from mcpn.drawing.status import told_as_facts
 from mcpn.mission.expansion.faults import noticed
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.nets.events import START, Event, What
@@ -77,9 +77,12 @@ class Regions:
         self.crashing: dict[str, list[tuple[str, str]]] = {crash.name: [] for crash in crashes}
         once = (s.names["once"].get(h, h) for s in controller.sections for h in controller.types[s.type].once)
         self.once = identifiers(dict.fromkeys(once), prefix="once_")
-        every = [flag for fact in mission_net.usage.world.facts.values() for flag in all_flags(fact)]
-        self.late = {noticed(h.name): h.name for h in mission_net.mission.late}
-        self.facts = identifiers([*sorted(every), *self.late], prefix="fact_")
+        told = told_as_facts(mission_net.statuses)
+        self.late = {flag.text: flag.name for flag in told if flag.kind == "known"}
+        every = sorted(flag.text for flag in told if flag.kind == "fact")
+        self.facts = identifiers(
+            [*every, *(flag.text for flag in told if flag.kind != "fact")], prefix="fact_"
+        )
         timed = [s.name for s in mission_net.graph.timed]
         self.timers = identifiers(timed, prefix="timer_")
         self.ids = identifiers([s.name for s in controller.sections], prefix="section_")
