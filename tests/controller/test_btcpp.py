@@ -75,7 +75,9 @@ def lockstep(mission_net: MissionNet, form: Form, folder: Path, against: list[st
     assert wrong is None, (events[max(0, wrong - 5) : wrong + 1], found[wrong], expected[wrong])
 
 
-@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize(
+    "form", [pytest.param(form, marks=[pytest.mark.slow] * (form == "flat")) for form in FORMS]
+)
 def test_a_tree_in_lockstep_with_the_runtime(
     form: Form, ulysse_net: MissionNet, against: list[str], tmp_path: Path
 ) -> None:
