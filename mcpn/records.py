@@ -21,8 +21,8 @@ class ValueRecord:
     @cache
     def _said(cls) -> Callable[[object], object]:
         """What it says, to compare by."""
-        of: Any = cls
-        return attrgetter(*(each.name for each in fields(of) if each.compare))
+        record: Any = cls
+        return attrgetter(*(each.name for each in fields(record) if each.compare))
 
     def __eq__(self, other: object) -> bool:
         return type(self) is type(other) and (said := self._said())(self) == said(other)
@@ -31,6 +31,6 @@ class ValueRecord:
         return hash(self._said()(self))
 
     def __repr__(self) -> str:
-        of: Any = self
-        values = ", ".join(f"{each.name}={getattr(self, each.name)!r}" for each in fields(of) if each.repr)
+        made: Any = self
+        values = ", ".join(f"{each.name}={getattr(self, each.name)!r}" for each in fields(made) if each.repr)
         return f"{type(self).__name__}({values})"

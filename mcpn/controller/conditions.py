@@ -28,7 +28,7 @@ def conditions(
         ``None`` where it depends on more than the reaction knows.
     """
     order = ordering.order
-    if order is None or not {*order} >= reaction.of.active.keys():
+    if order is None or not {*order} >= reaction.remembering.active.keys():
         return None
     timers = _timers(net, ordering, reaction)
     if timers is None:
@@ -41,7 +41,7 @@ def conditions(
 def _of_activities(
     net: MissionNet, ordering: Ordering, reaction: EventReaction, order: Sequence[str]
 ) -> Iterator[tuple[PlannedAction, Zdd]]:
-    active = reaction.of.active
+    active = reaction.remembering.active
     order = [a for a in order if a in active]
     was = {a: {w: reaction.before(p) for w, p in active[a].items()} for a in order}
     now = {a: {w: reaction.after(p) for w, p in active[a].items()} for a in order}
@@ -55,11 +55,11 @@ def _of_activities(
         yield PlannedAction("stop", a), stopped[a]
     released = dict[str, Zdd]()
     for a in order:
-        of = dict[str, list[Zdd]]()
+        by_resource = dict[str, list[Zdd]]()
         for w, states in changed[a].items():
             for k in ordering.hardware[a, w]:
-                of.setdefault(k, []).append(states)
-        for k, sets in of.items():
+                by_resource.setdefault(k, []).append(states)
+        for k, sets in by_resource.items():
             before = released.get(k, reaction.nothing)
             here = reaction.union(sets) - before
             released[k] = before | here
@@ -95,7 +95,7 @@ def _timers(
     net: MissionNet, ordering: Ordering, reaction: EventReaction
 ) -> tuple[list[tuple[PlannedAction, Zdd]], list[tuple[PlannedAction, Zdd]]] | None:
     """Where timers are disarmed and armed; ``None`` where one firing may leave an objective and enter it."""
-    timed = reaction.of.timed
+    timed = reaction.remembering.timed
     again = {p for t in net.net.transitions for p, _ in t.consume if p in {p for p, _ in t.produce}}
     if any(not again.isdisjoint(places) for places in timed.values()):
         return None

@@ -10,7 +10,7 @@ from mcpn.composite.clash import in_mission_words
 from mcpn.controller.hierarchy import TableController, flat_controller, hierarchical_controller
 from mcpn.controller.modular import AnyController, ModularController
 from mcpn.controller.rules import modular_controller
-from mcpn.controller.sizes import MAX_TABLE_STATES, rather_rules, standing, too_large
+from mcpn.controller.sizes import MAX_TABLE_STATES, rather_rules, representatives, too_large
 from mcpn.errors import LimitError
 from mcpn.spaces.stable.completion import MAX_STABLE_STATES
 
@@ -84,7 +84,7 @@ def generate(
         composite = spaces.composite()
     if form == "modular":
         return modular_controller(composite)
-    name_of_type = standing(composite)
+    name_of_type = representatives(composite)
     if form == "hierarchical":
         if error := too_large(name_of_type, MAX_TABLE_STATES if max_states is None else max_states):
             raise error

@@ -20,7 +20,7 @@ from typing import Literal
 import numpy as np
 
 from mcpn.answers.verdicts.modes import Situation, said_by
-from mcpn.controller.run import Left, Runner
+from mcpn.controller.run import Runner, Stopped
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.sections import section_part
 from mcpn.mission.flatten import ObjectivesGraph, Section
@@ -92,7 +92,7 @@ class Ordering:
         """The activities, consumers before what they consume; ``None`` where there are several sections."""
         return next(iter(self._stops.values())) if len(self._stops) == 1 else None
 
-    def actions(self, before: Situation, after: Situation, passage: Left) -> Iterator[PlannedAction]:
+    def actions(self, before: Situation, after: Situation, passage: Stopped) -> Iterator[PlannedAction]:
         """The actions of one event.
 
         Args:
@@ -103,7 +103,7 @@ class Ordering:
         changed = {
             a
             for a, alternative in before.mode.items()
-            if after.mode.get(a) != alternative or a in passage.left
+            if after.mode.get(a) != alternative or a in passage.activities
         }
         stopped = {a for a in before.mode if a not in after.mode or a in passage.idled}
         first = self._order(before, before.mode)
@@ -310,9 +310,9 @@ class Ordered:
         """By state, the number of all that actions depend on."""
         self._known: dict[object, tuple[PlannedAction, ...]] = {}
 
-    def actions(self, source: int, target: int, passage: Left) -> tuple[PlannedAction, ...]:
+    def actions(self, source: int, target: int, passage: Stopped) -> tuple[PlannedAction, ...]:
         """The actions of an event between two states."""
-        key = self.alike[source], self.alike[target], passage.left, passage.idled, passage.ended
+        key = self.alike[source], self.alike[target], passage.activities, passage.idled, passage.ended
         if key not in self._known:
             before, after = self._states[source], self._states[target]
             self._known[key] = tuple(self._ordering.actions(before, after, passage))

@@ -76,16 +76,16 @@ class EventParts:
     ) -> None:
         self.reaction = reaction
         self.always = EventPart(reaction.states, rules=[((), True)])
-        self.levels = len(reaction.of.level)
+        self.levels = len(reaction.remembering.level)
         self._known: set[int] = set()
         self._decided = list[tuple[int, Rows]]()
         """Levels whose changes are decided, with the rules that do."""
         self._preferred = preferred
-        self._level = {at: level for level, at in enumerate(reaction.of.level)}
+        self._level = {at: level for level, at in enumerate(reaction.remembering.level)}
         self._literal: dict[Zdd, int] = {}
         """By the states in which a literal is true, the literal."""
         for level in preferred:
-            self._know(level, reaction.states.subset([reaction.of.level[level]]))
+            self._know(level, reaction.states.subset([reaction.remembering.level[level]]))
         self._number: dict[tuple[int, ...], int] = {}
         """Of the states that have been looked at."""
         self._pool = reaction.nothing
@@ -129,7 +129,9 @@ class EventParts:
         for level in sorted(levels):
             if level not in self._known and (self._read is None or level in self._read):
                 self._known.add(level)
-                flips.setdefault(self.reaction.flipping(self.reaction.of.level[level]), []).append(level)
+                flips.setdefault(self.reaction.flipping(self.reaction.remembering.level[level]), []).append(
+                    level
+                )
         begun = {part.on: part for part in (self.always, *self._bits)}
         open_ = []
         for on, those in flips.items():
@@ -154,7 +156,7 @@ class EventParts:
         """Notes that the changes of some levels are decided by some rules."""
         self._decided.append((changes, rules))
         for level in levels_of(changes):
-            self._know(self.levels + level, self.reaction.leading(self.reaction.of.level[level]))
+            self._know(self.levels + level, self.reaction.leading(self.reaction.remembering.level[level]))
         for number, sample in enumerate(self._samples):
             after = self._after(sample, changes, rules)
             self._samples[number] |= after
@@ -275,7 +277,7 @@ class EventParts:
             self._samples.append(sample)
             if number % POOL == 0:
                 self._pool = self.reaction.nothing
-            self._pool |= self.reaction.of.encoding.store.singleton(levels)
+            self._pool |= self.reaction.remembering.encoding.store.singleton(levels)
         return number
 
     def _holding(self, literal: int) -> int:
@@ -293,8 +295,8 @@ class EventParts:
         for literal in literals:
             level = literal >> 1
             if level < self.levels:
-                (marked if literal & 1 else unmarked).append(self.reaction.of.level[level])
+                (marked if literal & 1 else unmarked).append(self.reaction.remembering.level[level])
             else:
-                after = self.reaction.leading(self.reaction.of.level[level - self.levels])
+                after = self.reaction.leading(self.reaction.remembering.level[level - self.levels])
                 states = states & after if literal & 1 else states - after
         return states.subset(sorted(marked), sorted(unmarked))

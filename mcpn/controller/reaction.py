@@ -210,15 +210,15 @@ class EventReaction:
     """What an event does in all states that enable its transition, on the store of a remembering net.
 
     Args:
-        of: The net.
+        remembering: The net.
         states: The states, as the event begins.
         steps: Its big steps from them.
     """
 
-    def __init__(self, of: Remembering, states: Zdd, steps: bytes) -> None:
-        self.of = of
+    def __init__(self, remembering: Remembering, states: Zdd, steps: bytes) -> None:
+        self.remembering = remembering
         self.states = states
-        store = of.encoding.store
+        store = remembering.encoding.store
         self._back = choices(store, steps, "back", ())
         self._ahead = choices(store, steps, "ahead", ())
         self.nothing = store.empty()
@@ -244,7 +244,7 @@ class EventReaction:
 
     def after_one(self, state: Sequence[int]) -> Sequence[int]:
         """The marked levels after the event from one of the states, given as its own."""
-        after = self.of.encoding.store.singleton(state).images(self._ahead).pick()
+        after = self.remembering.encoding.store.singleton(state).images(self._ahead).pick()
         assert after is not None, "each of the states enables the event"
         return after
 
@@ -252,21 +252,21 @@ class EventReaction:
 
     def before(self, place: int) -> Zdd:
         """The states that mark a place."""
-        return self.of.encoding.restricted(self.states, [place])
+        return self.remembering.encoding.restricted(self.states, [place])
 
     def after(self, place: int) -> Zdd:
         """The states after which a place is marked."""
-        level, reverse = self.of.encoding.bit(place)
+        level, reverse = self.remembering.encoding.bit(place)
         return self.states - self.leading(level) if reverse else self.leading(level)
 
     def left(self, place: int) -> Zdd:
         """The states in which an alternative or a timed objective runs, given by its place, and is left."""
-        return self.before(place) - self.leading(self.of.left(place))
+        return self.before(place) - self.leading(self.remembering.left(place))
 
     def idled(self, activity: str) -> Zdd:
         """The states in which an activity runs and comes to rest."""
-        running = self.union(map(self.before, self.of.active[activity].values()))
-        return running - self.leading(self.of.idled(activity))
+        running = self.union(map(self.before, self.remembering.active[activity].values()))
+        return running - self.leading(self.remembering.idled(activity))
 
     def union(self, sets: Iterable[Zdd]) -> Zdd:
         """The union of some sets."""

@@ -24,8 +24,8 @@ from mcpn.controller.modular import Effect, ModularController, Rule, Rules, Show
 from mcpn.controller.parts import EventParts
 from mcpn.controller.reaction import EventReaction, Remembering
 from mcpn.controller.reduce import Cube, levels_of, reduced
-from mcpn.controller.run import Left, Runner
-from mcpn.controller.sizes import count_steps, each_step, standing
+from mcpn.controller.run import Runner, Stopped
+from mcpn.controller.sizes import count_steps, each_step, representatives
 from mcpn.drawing.status import Element
 from mcpn.errors import LimitError
 from mcpn.nets.events import Event
@@ -43,7 +43,7 @@ def modular_controller(composite: CompositeSpace) -> ModularController:
     Raises:
         LimitError: A section has no big steps.
     """
-    types = {type_: _Maker(type_, name).rules() for type_, name in standing(composite).items()}
+    types = {type_: _Maker(type_, name).rules() for type_, name in representatives(composite).items()}
     return ModularController(
         composite.mission_net.mission.name,
         composite.layout.hardware,
@@ -124,12 +124,12 @@ class _Shown(_Way):
     Args:
         before: The marking of that state, a bit for each place.
         after: The marking after the run.
-        left: What the run does to activities and objectives.
+        stopped: What the run does to activities and objectives.
     """
 
     before: int
     after: int
-    left: Left
+    stopped: Stopped
 
 
 class _Maker:
@@ -232,7 +232,7 @@ class _Maker:
             safe = self.net.net.safe_transitions[t]
             enabling = 0 if starts else self._mask((*safe.consume, *safe.read))
             to = next((exit_ for exits, exit_ in self.exits.items() if way.changes & exits), None)
-            actions = ordered.actions(2 * i, 2 * i + 1, way.left)
+            actions = ordered.actions(2 * i, 2 * i + 1, way.stopped)
             cubes.append(
                 Cube(event, t, way.asked, way.marked, enabling, way.changes, (actions, to), way.states)
             )
@@ -296,7 +296,9 @@ class _Maker:
             tuple(Shown(kind, name, renumbered(said)) for kind, name, said in self.shown),
             tuple(rule for rule in rules if rule.event < 0),
             tuple(rule for rule in rules if 0 <= rule.event < len(events)),
-            tuple(tuple(of) for event, of in groupby(rules, attrgetter("event")) if event >= len(events)),
+            tuple(
+                tuple(alike) for event, alike in groupby(rules, attrgetter("event")) if event >= len(events)
+            ),
             tuple(effects),
         )
 
@@ -402,7 +404,7 @@ class _Maker:
     def _deciding(self, way: _Shown, before: int) -> int | None:
         """A level without a literal that differs between the states and may change the actions, if any."""
         active, states = self.active, way.states
-        touched = set(way.left.left)
+        touched = set(way.stopped.activities)
         for activity, levels in self._running.items():
             if levels & way.changes:
                 touched.add(activity)
@@ -410,7 +412,7 @@ class _Maker:
         left = self._mask(places) & ~way.asked
         if states.subset(levels_of(before & left), levels_of(~before & left)) != states:
             return self._parting(states, left)
-        for activity in way.left.left:
+        for activity in way.stopped.activities:
             levels, at_rest = self._resting[activity]
             left = levels & ~way.asked
             if not left:

@@ -38,23 +38,23 @@ MAX_FIRINGS = 1_000_000
 
 
 @dataclass(frozen=True, slots=True)
-class Left:
+class Stopped:
     """What one event does to activities and objectives that run.
 
     Args:
-        left: Activities of which an alternative was left: stopped, or evaluated anew.
+        activities: Those of which an alternative was left: stopped, or evaluated anew.
         idled: Those of them that became idle: if they run afterwards, they have been restarted.
-        ended: Objectives and blocks with a timeout that were left: if they run afterwards, they have been
+        ended: Objectives, and blocks with a timeout, that were left: if they run afterwards, they have been
             entered anew.
     """
 
-    left: frozenset[str]
+    activities: frozenset[str]
     idled: frozenset[str]
     ended: frozenset[str]
 
 
 @dataclass(frozen=True, slots=True)
-class Passage(Left):
+class Passage(Stopped):
     """What one event does to a stable marking.
 
     Args:
@@ -124,7 +124,7 @@ class Runner:
                     idled.add(activity)
         return Passage(frozenset(left), frozenset(idled), frozenset(ended), marking, tuple(fired))
 
-    def passages(self, graph: StateGraph) -> tuple[Ints, list[Left]]:
+    def passages(self, graph: StateGraph) -> tuple[Ints, list[Stopped]]:
         """What the events between stable markings of the net do to activities.
 
         Args:
@@ -158,7 +158,7 @@ class Runner:
         def those(numbers: Iterable[int], ended: bool) -> frozenset[str]:
             return frozenset(every[i] for i in numbers if (i >= len(names)) == ended)
 
-        done = [Left(those(left, False), those(idled, False), those(left, True)) for left, idled in kinds]
+        done = [Stopped(those(left, False), those(idled, False), those(left, True)) for left, idled in kinds]
         assert not len(found) or found.max() < len(done), "an edge ends where its run to completion does"
         return found.astype(np.int64), done
 

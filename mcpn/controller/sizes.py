@@ -53,7 +53,7 @@ def count_steps(rows: bytes) -> int:
     return sum(1 for _ in each_step(rows))
 
 
-def standing(composite: CompositeSpace) -> dict[SectionType, str]:
+def representatives(composite: CompositeSpace) -> dict[SectionType, str]:
     """The types of sections, each with the name of the section that stands for it."""
     names: dict[SectionType, str] = {}
     for placed in composite.sections.values():
@@ -99,7 +99,7 @@ def foreseen(composite: CompositeSpace, max_states: int | None = None) -> str:
         composite: The mission's composite.
         max_states: How many states a machine may have.
     """
-    names = standing(composite)
+    names = representatives(composite)
     try:
         error = rather_rules(names, max_states)
     except LimitError as found:

@@ -210,8 +210,8 @@ class RuleTables:
             for part in row["parts"]
         ]
         effects = [
-            RuleEffect(*of, tuple(parts[part] for part in e["then"]))
-            for of, e in zip(does, row["effects"], strict=True)
+            RuleEffect(*fields, tuple(parts[part] for part in e["then"]))
+            for fields, e in zip(does, row["effects"], strict=True)
         ]
         self.entries = [(Bits.of(rule["if"]), effects[rule["do"]]) for rule in row["entries"]]
         self.rules: list[list[tuple[Bits, RuleEffect]]] = [[] for _ in row["events"]]
@@ -244,11 +244,11 @@ class RuleTables:
         after, actions, to = state ^ effect.changes, effect.actions, effect.to
         for part in effect.then:
             both = state | after << self.bits
-            for bits, of in part:
+            for bits, more in part:
                 if bits.hold(both):
-                    after ^= of.changes
-                    actions += of.actions
-                    to = of.to if to is None else to
+                    after ^= more.changes
+                    actions += more.actions
+                    to = more.to if to is None else to
                     break
         return after, actions, to
 

@@ -142,7 +142,11 @@ def test_what_activities_leave_on_an_edge_is_what_one_event_after_the_other_show
     ):
         passage = runner.fire(packed[source], label)
         found = kinds[numbers[edge]]
-        assert (passage.marking, passage.left, passage.idled) == (packed[target], found.left, found.idled)
+        assert (passage.marking, passage.activities, passage.idled) == (
+            packed[target],
+            found.activities,
+            found.idled,
+        )
     event(f"restarts: {any(kind.idled for kind in kinds)}")
 
 

@@ -278,7 +278,9 @@ class Numbers(Generic[Type]):
         @cache
         def length(lists: tuple[int, ...]) -> int:
             rows = (
-                row for of in lists for row in self.action_rows[self.list_start[of] : self.list_start[of + 1]]
+                row
+                for number in lists
+                for row in self.action_rows[self.list_start[number] : self.list_start[number + 1]]
             )
             return len({row[:2] for row in rows})
 

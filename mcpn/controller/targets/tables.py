@@ -94,13 +94,15 @@ class MachineNumbers(Numbers[SectionMachine]):
     def entry_lists(self, kind: int) -> Iterable[Sequence[int]]:
         """By entry of a type, its list of actions."""
         first = self.type_entries[kind]
-        return [[of] for of in self.entry_list[first : first + len(self.types[kind].entries)]]
+        return [[number] for number in self.entry_list[first : first + len(self.types[kind].entries)]]
 
     def moved(self, kind: int) -> Iterator[tuple[int, Sequence[int]]]:
         """Where the events of a type lead, each with its list of actions."""
         row = self.type_states[kind]
         first, last = self.move_start[row], self.move_start[row + len(self.types[kind].states)]
-        return zip(self.move_target[first:last], ([of] for of in self.move_list[first:last]), strict=True)
+        return zip(
+            self.move_target[first:last], ([number] for number in self.move_list[first:last]), strict=True
+        )
 
 
 def guard_of(machine: SectionMachine, move: Move) -> tuple[int, ...]:
