@@ -1,14 +1,12 @@
-"""Declared events interrupt what runs: the net against the mission's text, and what is left behind."""
+"""Declared events interrupt what runs: where the net goes on, and what is left behind."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from random import Random
 
 import numpy as np
 from hypothesis import event, given, settings
-from hypothesis import strategies as st
 
 from mcpn.answers.spaces import spaces_of
 from mcpn.answers.verdicts.mission import check
@@ -18,69 +16,15 @@ from mcpn.logic.questions import Questions
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import FAIL, SUCCEED, Handler, Mission, Objective, Parallel
 from mcpn.mission.robot import DeclaredEvent
-from mcpn.nets.events import START, Event, What
+from mcpn.nets.events import Event, What
 from mcpn.nets.petri import Marking
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.testing import missions
 from tests import small
-from tests.drawing.interpreter import Series, Spent
-from tests.drawing.settling import stabilise
 from tests.shares import returns_early
 
 HARDWARE = ("GPS_sensor", "IMU_sensor", "thruster_actuator")
-
-
-class Walk:
-    """A run of a mission's net, beside the same run of its text."""
-
-    def __init__(self, found: MissionNet) -> None:
-        self.found = found
-        self.net = found.net
-        self.marking: Marking = stabilise(self.net, self.net.initial)
-        mission = found.mission
-        self.text = Series(mission, mission.blocks, ("", ""), Spent(), mission.handlers)
-        self.interruptions = 0
-
-    def said(self, *kinds: str) -> list[str]:
-        return [n for p, (k, n) in self.found.roles.items() if k in kinds and self.marking[p]]
-
-    def events(self) -> dict[Event, int]:
-        enabled = [(self.net.transitions[t].event, t) for t in self.net.enabled(self.marking)]
-        found = {e: t for e, t in enabled if e is not None}
-        assert len(found) == len(enabled)  # one outcome of an event
-        return found
-
-    def take(self, taken: Event, transition: int) -> bool:
-        """Takes an event; says whether the mission goes on."""
-        out = self.said("oos")
-        self.marking = stabilise(self.net, self.net.fire(self.marking, transition))
-        if taken.what in (What.SUCCESS, What.FAILURE):
-            outcome = self.text.end(taken.element, taken.what is What.SUCCESS)
-        elif taken.what is What.DECLARED:
-            self.interruptions += 1
-            handled, outcome = self.text.happens(taken.element)
-            assert handled
-            assert self.said("oos") == out
-        else:
-            outcome = None
-        if outcome is None:
-            self.compare()
-            return True
-        ended = self.found.success if outcome else self.found.failure
-        assert self.marking[ended]
-        assert self.found.not_idle(self.marking) == []
-        return False
-
-    def compare(self) -> None:
-        if self.marking[self.found.beginning]:
-            return
-        assert sorted(self.said("objective", "pending")) == sorted(self.text.running())
-        spent = {".".join(filter(None, written)) for written in self.text.spent.before}
-        once = self.found.graph.once()
-        assert set(self.said("happened")) == spent & {*once}
-        assert set(self.said("open")) == {*once} - spent
-        nothing_left(self.found, self.marking)
 
 
 def said(found: MissionNet, marking: Marking, *kinds: str) -> set[str]:
@@ -155,35 +99,6 @@ def _inside(section: Section) -> Iterator[Section]:
     if isinstance(section, ParallelSection):
         for branch in section.branches:
             yield from branch.graph.walk()
-
-
-@given(missions(max_events=2), st.randoms(use_true_random=False))
-def test_events_interrupt_as_the_text_says(mission: Mission, random: Random) -> None:
-    try:
-        found = compose(mission)
-    except LimitError:
-        return
-    walk = Walk(found)
-    for _ in range(40):
-        events = walk.events()
-        if not events:
-            break
-        declared = [e for e in events if e.what is What.DECLARED]
-        if START not in events:
-            for e in mission.events:
-                twin = Event(What.DECLARED, e.name)
-                assert (twin in events) == handles(walk, e.name)
-        taken = random.choice(declared if declared and random.random() < 0.4 else sorted(events))
-        if not walk.take(taken, events[taken]):
-            break
-    event(f"interruptions: {min(walk.interruptions, 3)}")
-
-
-def handles(walk: Walk, name: str) -> bool:
-    """Whether the text handles an event now; asked of a copy."""
-    from copy import deepcopy
-
-    return deepcopy(walk.text).event(name)[0]
 
 
 def leaking(ulysse: Mission) -> Mission:

@@ -35,7 +35,7 @@ def test_any_mission(of: Mission) -> None:
     check(of)
 
 
-@fewer(0.25)
+@fewer(0.5)
 @given(drawn.INTERRUPTED)
 def test_missions_with_declared_events(of: Mission) -> None:
     check(of)
