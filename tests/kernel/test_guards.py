@@ -13,9 +13,10 @@ from tests.conftest import ROOT
 
 @pytest.mark.skipif(shutil.which("c++") is None, reason="needs a C++ compiler")
 def test_operations_keep_what_their_callers_hold(tmp_path: Path) -> None:
-    sources = sorted((ROOT / "kernel/src/diagrams").glob("*.cpp"))
+    needed = ("store", "unions", "counting", "saturation")
+    sources = [ROOT / f"kernel/src/diagrams/{name}.cpp" for name in needed]
     program = tmp_path / "guards"
-    flags = ["-std=c++20", "-O0", "-D_GLIBCXX_ASSERTIONS", f"-I{ROOT / 'kernel/src'}"]
+    flags = ["-std=c++20", "-O1", "-D_GLIBCXX_ASSERTIONS", f"-I{ROOT / 'kernel/src'}"]
     subprocess.run(
         ["c++", *flags, *sources, Path(__file__).with_name("guards.cpp"), "-o", program], check=True
     )
