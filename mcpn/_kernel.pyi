@@ -436,10 +436,11 @@ class BigSteps:
             not end.
         """
 
-    def function(self, markings: Zdd, firings: Firings) -> bytes | None:
-        """What firings make of each of the markings in which they happened, as one function of these.
+    def function(self, markings: Zdd, firings: Firings, wide: bool = False) -> bytes | None:
+        """What firings make of each of the markings in which they happened, as one function.
 
-        It is ``None`` where it is too large.
+        It is of these markings alone, unless it may be wide: then it is of others, too, where that makes it
+        smaller, and is asked of reachable ones only. It is ``None`` where it is too large.
         """
 
 @disjoint_base

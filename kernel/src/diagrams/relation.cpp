@@ -23,7 +23,8 @@ void Relations::Cache::put(Id a, Id b, Id result) {
   entries_[at(a, b)] = {a, b, result};
 }
 
-void Relations::clear() {
+void Relations::clear(std::size_t most) {
+  most_ = most;
   parts_.assign(2, {std::numeric_limits<Level>::max(), {kNever, kNever, kNever, kNever}});
   index_.assign(1u << 10, 0);
   then_.clear();

@@ -24,9 +24,9 @@ class Relations {
 
   struct Full : std::runtime_error { Full() : std::runtime_error("too many functions") {} };
 
-  explicit Relations(std::size_t most) : most_(most) { clear(); }
+  explicit Relations(std::size_t most) { clear(most); }
 
-  void clear();
+  void clear(std::size_t most);
   std::size_t size() const { return parts_.size(); }
 
   Id way(std::span<const Touched> way);
@@ -95,7 +95,7 @@ class Relations {
     return {kNever, kNever, of, of};
   }
 
-  const std::size_t most_;
+  std::size_t most_ = 0;
   std::vector<Part> parts_;
   std::vector<Id> index_;  // by hash; 0: nothing
   Cache then_, either_;

@@ -13,6 +13,7 @@ constexpr std::size_t kMostFirings = 100'000;  // behind one event
 constexpr std::uint32_t kOften = 4;            // of one transition: it is looked ahead from then on
 constexpr std::size_t kMostParts = 2'000'000;  // of functions
 constexpr std::size_t kMostCases = 300;        // in which a transition may not fire alone
+constexpr std::size_t kWide = 4;               // so many parts of a function for each level are few
 constexpr std::size_t kAtATime = 16;           // functions that are composed before they are with those before them
 
 bool by_level(const Touched& a, const Touched& b) {
@@ -58,22 +59,39 @@ std::optional<SetEvolution::Evolved> SetEvolution::after(Store& store, Node mark
   return Evolved{at, store.meet(left, markings), std::move(fired_)};
 }
 
-std::optional<SetEvolution::Table> SetEvolution::function(Store& store, Node markings, const std::vector<Fired>& fired) {
+std::optional<SetEvolution::Table> SetEvolution::function(Store& store, Node markings, const std::vector<Fired>& fired, bool wide) {
   begin(store);
-  relations_.clear();
-  among_.clear();
-  try {
-    Id whole = among(store, markings, 0), some = Relations::kSame;
-    for (std::size_t i = 0; i < fired.size(); ++i) {
-      some = relations_.then(some, fires(relations_, store, fired[i], false));
-      if (i && i % kAtATime && i + 1 < fired.size()) continue;
-      whole = relations_.then(whole, some);
-      some = Relations::kSame;
+  const auto made = [&](std::size_t most, bool beyond) -> std::optional<Table> {
+    relations_.clear(most);
+    among_.clear();
+    try {
+      const Id domain = beyond ? hull(store, markings) : among(store, markings, 0);
+      Id whole = relations_.then(domain, relations_.way(step(store, fired.front().t).way)), some = Relations::kSame;
+      for (std::size_t i = 1; i < fired.size(); ++i) {
+        some = relations_.then(some, fires(relations_, store, fired[i], false));
+        if (i % kAtATime && i + 1 < fired.size()) continue;
+        whole = relations_.then(whole, some);
+        some = Relations::kSame;
+      }
+      return relations_.table(whole);
+    } catch (const Relations::Full&) {
+      return std::nullopt;
     }
-    return relations_.table(whole);
-  } catch (const Relations::Full&) {
-    return std::nullopt;
-  }
+  };
+  const std::size_t most = kWide * store.levels + fired.size() * store.size(markings) / 4;
+  std::optional<Table> found = wide ? made(std::min(kMostParts, most), true) : std::nullopt;
+  return found ? found : made(kMostParts, false);
+}
+
+// Leaves markings as they are that mark no place which none of some does.
+SetEvolution::Id SetEvolution::hull(Store& store, Node markings) {
+  if (markings == 0) return Relations::kNever;
+  const std::vector<Word> marked = clashes_.marked_in(store, markings);
+  Way way;
+  for (std::uint32_t p = 0; p < levels_.size(); ++p)
+    if (!has_bit(marked.data(), p)) way.push_back(literal(p, false));
+  sort(way);
+  return relations_.way(way);
 }
 
 void SetEvolution::begin(Store& store) {

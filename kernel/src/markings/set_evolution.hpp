@@ -42,9 +42,10 @@ class SetEvolution {
   };
   // Nothing where a firing is unsafe, or where there is no end.
   std::optional<Evolved> after(Store& store, Node markings, std::uint32_t event);
-  // What firings make of some markings, and of no others, in which they happened: a table of Relations that leaves levels of
-  // no place alone; nothing where it has too many parts.
-  std::optional<Table> function(Store& store, Node markings, const std::vector<Fired>& fired);
+  // What an event and firings behind it make of some markings in which they happened: a table of Relations that leaves levels
+  // of no place alone; nothing where it has too many parts. It is of no other markings, unless it may be wide, for it is
+  // asked of no others: then it is of all that mark no more places than these together, if that has few parts.
+  std::optional<Table> function(Store& store, Node markings, const std::vector<Fired>& fired, bool wide);
 
  private:
   using Id = Relations::Id;
@@ -79,6 +80,7 @@ class SetEvolution {
   Node before(Store& store, Node markings, std::size_t firings);
   Step& step(Store& store, std::uint32_t t);
   void begin(Store& store);
+  Id hull(Store& store, Node markings);
   Id among(Store& store, Node markings, Level from);
   Touched literal(std::uint32_t place, bool marked) const {
     return {levels_[place].first, marked != levels_[place].second ? Touch::read : Touch::zero};

@@ -180,13 +180,13 @@ class PyBigSteps {
     if (!found) return std::nullopt;
     return std::tuple(made, *left, Firings{&net_, std::move(found->fired)});
   }
-  std::optional<nb::bytes> function(const Handle& markings, const Firings& firings) {
+  std::optional<nb::bytes> function(const Handle& markings, const Firings& firings, bool wide) {
     check(*markings.owner);
     if (firings.net != &net_) throw std::invalid_argument("firings of another net");
     std::optional<Numbers> table;
     markings.owner->run([&] {
       evolved_ = markings.owner;
-      table = evolution_.function(markings.owner->store, markings.node, firings.fired);
+      table = evolution_.function(markings.owner->store, markings.node, firings.fired, wide);
     });
     if (!table) return std::nullopt;
     table->insert(table->begin(), {kFunction, std::uint32_t(table->size())});
@@ -254,7 +254,7 @@ void bind_steps(nb::module_& module) {
       .def("start", &PyBigSteps::start, nb::arg("store"))
       .def("cover", &PyBigSteps::cover, nb::arg("markings"), nb::arg("event"), nb::arg("most"))
       .def("after", &PyBigSteps::after, nb::arg("markings"), nb::arg("event"))
-      .def("function", &PyBigSteps::function, nb::arg("markings"), nb::arg("firings"));
+      .def("function", &PyBigSteps::function, nb::arg("markings"), nb::arg("firings"), nb::arg("wide") = false);
   module.def("choices", [](const std::shared_ptr<PyStore>& s, const nb::bytes& ways, const std::string& as,
                            const std::vector<std::int64_t>& marked) { return choices(*s, ways, as, marked); },
              nb::arg("store"), nb::arg("ways"), nb::arg("as_"), nb::arg("marked"));

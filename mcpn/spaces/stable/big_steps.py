@@ -266,7 +266,7 @@ class _Reaching:
         for label, t in self._events:
             if t in self._fired:
                 asked, firings = self._fired[t]
-                function = self._kernel.function(asked, firings)
+                function = self._kernel.function(asked, firings, wide=not self._known[t])
                 if function is not None:
                     self._steps[t] = function + self._steps.get(t, b"")
                 elif not self._cover(label, t, asked):
@@ -309,6 +309,7 @@ class BigStepSpace(DiagramAlternatives):
     ) -> Zdd:
         """States that an edge leads to from some states."""
         free, guarded = self._asked(self._ahead, transitions, guards)
+        states &= self.everything  # functions may be of more
         targets = states.images(distinct(chain.from_iterable(free.values())))
         for events, where in guarded:
             targets |= (states & where).images(events)
