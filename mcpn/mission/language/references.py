@@ -76,7 +76,7 @@ def references(refers: str, text: str) -> Iterator[Reference]:
     Examples:
         >>> [(each.kind, each.name) for each in references("condition", "!holding done(survey) door=open")]
         [('fact', 'holding'), ('objective', 'survey'), ('fact', 'door'), ('value', 'open')]
-        >>> [(each.kind, each.name, each.of) for each in references("formula", "AG !alternative(a)=b")]
+        >>> [(each.kind, each.name, each.owner) for each in references("formula", "AG !alternative(a)=b")]
         [('activity', 'a', ''), ('alternative', 'b', 'a')]
     """
     if refers == "formula":
