@@ -255,10 +255,9 @@ def test_a_family_grows_and_an_engine_that_gave_up_is_asked_no_more(tmp_path: Pa
     assert [of["symbolic"]["sizes"]["states"] for of in by_engine] == [18, 76, 322]
     assert [of["explicit"]["sizes"] is None for of in by_engine] == [False, False, True]
     assert by_engine[0]["pyeda"]["repeats"] == 2
-    arguments = ("compare", "--family", "philosophers", "2..3", "--repeat", "2", "--max-states", "50")
     told = mcpn(*arguments, "--format", "latex").stdout
-    assert told.count(r"\\") == 1 + 2 * 3
-    assert "% philosophers-3, explicit: more than 50 " in told
+    assert told.count(r"\\") == 1 + 3 * 3
+    assert "% philosophers-4, explicit: more than 100 " in told
     assert "; runs of each: 2;" in told.splitlines()[0]
     (heads,) = (line for line in told.splitlines() if line.startswith("name & "))
     assert "median cpu seconds" in heads

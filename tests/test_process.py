@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -13,7 +12,6 @@ from pathlib import Path
 import pytest
 
 from mcpn.cli.line import run as run_command
-from mcpn.steps import Doing
 from mcpn.workers import executor_of
 from tests.conftest import ULYSSE, interruptible
 
@@ -116,7 +114,7 @@ class Late:
         if name == {module!r}:
             os.kill(os.getpid(), {int(number)})
 sys.meta_path.insert(0, Late())
-sys.argv = ["mcpn", "check", {str(ULYSSE)!r}]
+sys.argv = ["mcpn", {"alternatives" if module == "numpy" else "check"!r}, {str(ULYSSE)!r}]
 from mcpn.cli import main
 main()
 """
@@ -124,10 +122,7 @@ main()
         [sys.executable, "-c", script], capture_output=True, text=True, check=False, preexec_fn=interruptible
     )
     code, said = ENDS[number]
-    assert (run.returncode, run.stdout) == (code, "")
-    # Arrays are loaded by the step that lists states in them, which is told then.
-    step = rf"\nwhile {Doing.LISTING.value} \(\d+ s of \d+ s\)\nanother engine may be quicker: .*"
-    assert re.fullmatch(said + (step if module == "numpy" else ""), run.stderr.strip())
+    assert (run.returncode, run.stdout, run.stderr.strip()) == (code, "", said)
 
 
 @pytest.mark.parametrize("unbuffered", ["", "1"])
@@ -217,7 +212,7 @@ main()
 def test_too_little_memory_is_told_in_a_sentence(arguments: list[str]) -> None:
     """OpenBLAS, which numpy and scipy load, ends a process with code 1 where it has no room."""
     codes = []
-    for megabytes in (60, 90, 105, 120, 220, 1_000):
+    for megabytes in (35, 60, 90, 105, 120, 220, 1_000):
         command = [sys.executable, "-c", LIMITED.replace("ROOM", str(megabytes << 20)), *arguments]
         run = subprocess.run(command, capture_output=True, text=True, check=False)
         codes.append(run.returncode)
