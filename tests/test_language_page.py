@@ -151,7 +151,8 @@ def test_init_writes_a_mission_that_runs(tmp_path: Path) -> None:
     ran = run("run", *written, "--journal", "log.jsonl", folder=tmp_path)
     assert (ran.returncode, ran.stderr) == (0, "")
     said = [line.strip() for line in ran.stdout.splitlines()]
-    places = [line.removeprefix("drive: to ") for line in said if line.startswith("drive: ")]
+    # On a busy machine it is said, too, that a start waits.
+    places = [line.removeprefix("drive: to ") for line in said if line.startswith("drive: to ")]
     assert places == ["a", "b", "c", "base"]
     assert [line.split() for line in said if line.startswith(("outcome", "refused"))] == [
         ["outcome", "success"],

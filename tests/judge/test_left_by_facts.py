@@ -286,7 +286,7 @@ WRONG: dict[str, tuple[Mission, str]] = {
     ),
     "a handler of what changes facts": (
         mission(ROBOT, one("a", Handler(event="sinks", goto="g")), END),
-        "the event sinks changes facts: it interrupts nothing by itself; name the facts, <on when=...>",
+        "the event sinks changes facts: it interrupts nothing by itself; handle what the facts become",
     ),
 }
 
