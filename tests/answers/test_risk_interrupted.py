@@ -325,6 +325,18 @@ def test_a_late_loss_beside_a_section(factor: float) -> None:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
+def test_late_hardware_beside_sections_that_lead_to_each_other(engine: Engine) -> None:
+    """Of the two bits of what is detected late one never is, not even where the section is left at once."""
+    hardware = (Hardware(name="h"), Hardware(name="late", detected="late"))
+    of = robot(hardware, activity("hold", ("h",)), activity("go", ("late",)))
+    first = Objective(name="x", activities=("hold",), duration=7.0)
+    both = Objective(name="both", activities=("hold", "go"), duration=1.0)
+    again = Recursive(name="r", blocks=(both,), routes=(FactRoute(goto="x", when=("b=true",)),))
+    found = by(engine, mission(replace(of, facts=(Fact(name="b"),)), first, again))
+    assert (found.success, found.failure) == (1, 0)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
 def test_the_small_probabilities_of_a_file(faults: Path, engine: Engine) -> None:
     of = read_mission(faults / "risk_small_probabilities.xml")
     _, failure, _ = exact_ends(Dense(found := compose(of), direct(found.net, proof=False)))

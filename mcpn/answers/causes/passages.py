@@ -190,8 +190,10 @@ class WayThrough:
         if not self.beside:
             return self.chain.may_come_to(flags[0])
         at_once, later = (pairs.T.astype(np.float64) for pairs in self.chain.possible)
-        before = flags.astype(np.float64)
-        after = self._each_beside(before, (other.possible for other in self.beside))
+        flagged = flags.astype(np.float64)
+        # Not even at once is anything possible in the one status that never is.
+        before = self._each_beside(flagged, (np.diag(other.possible.diagonal()) for other in self.beside))
+        after = self._each_beside(flagged, (other.possible for other in self.beside))
         return np.asarray(before @ at_once + after @ later > 0, np.bool_).reshape(-1)
 
     @property
