@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import TypeAlias
 
 from mcpn.errors import LimitError
@@ -105,39 +106,46 @@ def says_paths(formula: Formula) -> bool:
     return any(isinstance(inside, SomePath) for inside in formula.walk())
 
 
-def some_path(formula: Formula) -> Formula:
+def some_path(formula: Formula, *, fair: bool = False) -> Formula:
     """The formula on states that some path from here satisfies a formula on paths.
 
     Args:
         formula: On paths; on states it is what it is.
+        fair: Whether not all paths count: then some path that does must begin here.
 
     Returns:
         A formula of CTL as far as single states tell; where they do not, :class:`SomePath` of what is left.
     """
-    return _some(normal(formula))
+    return _some(normal(formula), EG(TRUE) if fair else TRUE)
 
 
-def every_path(formula: Formula) -> Formula:
-    """The formula on states that every path from here satisfies a formula on paths."""
-    return ~_some(normal(formula, wanted=False))
+def every_path(formula: Formula, *, fair: bool = False) -> Formula:
+    """The formula on states that every path from here, or each that counts, satisfies one on paths."""
+    return ~_some(normal(formula, wanted=False), EG(TRUE) if fair else TRUE)
 
 
-def _some(formula: Formula) -> Formula:
-    """See :func:`some_path`, of a formula in normal form."""
+def _some(formula: Formula, begins: Formula) -> Formula:
+    """See :func:`some_path`, of a formula in normal form.
+
+    Args:
+        formula: The formula.
+        begins: Where some path begins that counts.
+    """
     if not is_of_paths(formula):
-        return formula
+        return formula if begins == TRUE else And(formula, begins)
+    some = partial(_some, begins=begins)
     match formula:
         case Or(operands):
-            return Or(*map(_some, operands))
+            return Or(*map(some, operands))
         case And(operands) if len(on_paths := [f for f in operands if is_of_paths(f)]) == 1:
-            return And(*(f for f in operands if f not in on_paths), _some(on_paths[0]))
+            return And(*(f for f in operands if f not in on_paths), some(on_paths[0]))
         case Next((operand,)):
-            after = _some(operand)
+            after = some(operand)
             return Or(And(DEADLOCK, after), EX(after))
         case Until((left, right)) if not is_of_paths(left):
-            return EU(left, _some(right))
+            return EU(left, some(right))
         case Release((left, right)) if not is_of_paths(right):
-            return Or(EU(right, And(right, _some(left))), EG(right)) if left != FALSE else EG(right)
+            return Or(EU(right, And(right, some(left))), EG(right)) if left != FALSE else EG(right)
     return SomePath(formula)
 
 

@@ -86,6 +86,7 @@ class Questions:
         self._steps = FIRST_STEPS
         self._begun = self._for_space = 0.0
         self.names = self.spaces.names()
+        self.fair: tuple[Justice, ...] = ()  # a constraint speaks of all paths itself
         self.fair = tuple(
             constraint
             for text in fair
@@ -98,7 +99,7 @@ class Questions:
 
     def formula(self, text: str) -> Formula:
         """The formula of a text; it raises what :func:`mcpn.logic.syntax.parse` does."""
-        return parse(text, self.names)
+        return parse(text, self.names, fair=bool(self.fair))
 
     @property
     def searchable(self) -> bool:

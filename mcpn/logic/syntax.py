@@ -36,6 +36,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 from typing import NamedTuple, NoReturn, TypeVar
 
 from mcpn.errors import InputError
@@ -61,12 +62,13 @@ MAX_LENGTH = 1_000_000
 MAX_DIGITS = 18
 
 
-def parse(text: str, names: Names) -> Formula:
+def parse(text: str, names: Names, *, fair: bool = False) -> Formula:
     """Reads a formula.
 
     Args:
         text: For example ``AG EF (success | failure)``.
         names: Look up what the text names.
+        fair: Whether it is asked of some paths only, which need not begin in each state.
 
     Raises:
         InputError: The text is no formula, or names are unknown; the messages have the columns.
@@ -80,8 +82,8 @@ def parse(text: str, names: Names) -> Formula:
     """
     if len(text) > MAX_LENGTH:
         raise InputError.at(None, f"formula of more than {MAX_LENGTH} characters: the limit was hit")
-    formula, on_path = _Parser(text, names).formula()
-    return within_limit(every_path(formula) if on_path else formula)
+    formula, on_path = _Parser(text, names, fair=fair).formula()
+    return within_limit(every_path(formula, fair=fair) if on_path else formula)
 
 
 def parse_open(text: str, names: Names) -> Formula:
@@ -155,9 +157,10 @@ Found = TypeVar("Found")
 class _Parser:
     """Parses by operator precedence (Dijkstra's shunting yard): a stack of operands and one of operators."""
 
-    def __init__(self, text: str, names: Names) -> None:
+    def __init__(self, text: str, names: Names, *, fair: bool = False) -> None:
         self._text = text
         self._lookup = names
+        self._fair = fair
         # With the number of operators, one in the other, and whether the operand speaks of a path.
         self._operands: list[tuple[Formula, int, bool]] = []
         self._operators: list[str] = []  # openings among them
@@ -216,9 +219,10 @@ class _Parser:
             said = f"{operator[0]}[ U ]" if operator[1] == "U" else operator
             message = f"{said} is of states, and here of a path: write A(...) or E(...) around what is inside"
             raise InputError.at(None, f"formula: {message}")
+        make = {**OPERATORS, **ON_PATH}[operator]
         if quantified:
-            formulas = tuple(map(within_limit, formulas))
-        made: Formula = {**OPERATORS, **ON_PATH}[operator](*formulas)
+            formulas, make = tuple(map(within_limit, formulas)), partial(make, fair=self._fair)
+        made: Formula = make(*formulas)
         self._operands[-count:] = [(made, max(depths) + 1, of_path and not quantified)]
 
     # --- operands ---

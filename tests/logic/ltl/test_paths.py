@@ -24,6 +24,7 @@ from mcpn.spaces.algebra import Space
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.diagrams.spaces import DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import reach
+from mcpn.spaces.engines import Asked
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.names import Names
 from mcpn.spaces.search.goal import Formula
@@ -188,12 +189,30 @@ def test_paths_that_do_not_count_are_left_out(net: PetriNet, data: st.DataObject
         return
     expected = tableau.satisfying(written, net, edges, met)
     alone = SomePath(normal(tableau.read(written, net)))
+    # What single states say is written in CTL; where no path counts, no state begins one.
+    asked = parse(f"E ({tableau.text(written)})", Names(net), fair=bool(justice))
     for space in spaces(net):
         evaluation = Evaluation(space, justice)
         assert satisfy(evaluation, alone) == expected
+        assert satisfy(evaluation, asked) == expected
         assert Evaluation(space, justice).holds(alone) == (net.initial in expected)
         if net.initial in expected:
             assert_shown(evaluation, alone, written, edges)
+
+
+@pytest.mark.parametrize("engine", ["explicit", "symbolic", "auto"])
+def test_where_no_path_counts_every_path_satisfies_all(engine: Asked) -> None:
+    builder = NetBuilder("never fair")
+    builder.place("p", initial=1)
+    builder.place("q")
+    builder.transition("a", consume=["p"], produce=["p"])
+    questions = Questions(builder.build(), engine=engine, fair=["q"])
+    for some in ("EG true", "E (G true)", "E (true)", "E (p)", "E (X p)", "E (q | F p)", "E (F (p | X p))"):
+        assert not questions.answer(some).holds, some
+    for every in ("AG q", "A (G q)", "A (F q)", "A (q)", "A (q & F p)", "A (false)", "F q", "G false", "X q"):
+        assert questions.answer(every).holds, every
+    assert questions.answer("p").holds
+    assert not questions.answer("q").holds
 
 
 def test_a_path_that_ends_counts_whatever_must_happen_again_and_again() -> None:
