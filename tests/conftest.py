@@ -69,6 +69,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         ("--btcpp", "MCPN_BTCPP", "sources of BehaviorTree.CPP"),
     ):
         parser.addoption(option, default=os.environ.get(variable), help=f"folder of the {what} (${variable})")
+    python = os.environ.get("MCPN_PYTHON310")
+    parser.addoption("--python310", default=python, help="a CPython 3.10 that runs what is generated")
 
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int | None:

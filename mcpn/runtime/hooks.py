@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import inspect
 import logging
-from collections.abc import Callable, Iterator
+import sys
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -14,6 +15,24 @@ Hook = Callable[[Action], object]
 """Called with an action; :class:`mcpn.runtime.AsyncController` awaits what it returns, if it can be."""
 
 _log = logging.getLogger("mcpn.runtime")
+
+if sys.version_info < (3, 11):  # what ROS 2 Humble has
+
+    class ExceptionGroup(Exception):
+        """Several errors as one: what Python 3.11 has, as far as it is used here."""
+
+        message: str
+        exceptions: tuple[Exception, ...]
+
+        def __new__(cls, message: str, exceptions: Sequence[Exception]) -> ExceptionGroup:
+            """The errors, with what they have in common."""
+            made = super().__new__(cls, message, exceptions)
+            made.message, made.exceptions = message, tuple(exceptions)
+            return made
+
+        def __str__(self) -> str:
+            several = "s" * (len(self.exceptions) != 1)
+            return f"{self.message} ({len(self.exceptions)} sub-exception{several})"
 
 
 @dataclass(frozen=True, slots=True)

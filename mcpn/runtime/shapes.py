@@ -10,7 +10,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from copy import copy
 from math import inf
-from typing import Any, Self
+from typing import Any, TypeVar
+
+_Shape = TypeVar("_Shape", bound="JsonShape")
 
 
 class Misfit(ValueError):
@@ -28,7 +30,7 @@ class Misfit(ValueError):
         super().__init__(found, expected)
         self.found, self.expected, self.where = found, expected, ""
 
-    def below(self, step: str) -> Self:
+    def below(self, step: str) -> Misfit:
         """The same fault, seen from the value around."""
         self.where = step + self.where
         return self
@@ -62,7 +64,7 @@ class JsonShape:
     def _check(self, value: Any) -> None:
         """What :meth:`check` does, of each kind of value."""
 
-    def meant(self, meaning: str) -> Self:
+    def meant(self: _Shape, meaning: str) -> _Shape:
         """The same shape, for a value that means something else."""
         other = copy(self)
         other.meaning = meaning
