@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
-from typing import ClassVar, get_args
+from typing import Any, ClassVar, get_args
 
 import pytest
 from hypothesis import given
@@ -44,10 +44,10 @@ from mcpn.testing.kit.running import (
     without_leftovers,
 )
 from mcpn.testing.kit.subject import Subject, Violation
-from mcpn.testing.kit.units import MACHINES
+from mcpn.testing.kit.units import MACHINES, driven
 from mcpn.testing.shape import Shape, activity, hw, robot
 from mcpn.testing.shape import mission as written_mission
-from tests.conftest import ULYSSE
+from tests.conftest import ROOT, ULYSSE
 from tests.draws import fewer
 from tests.shares import returns_early
 
@@ -586,6 +586,28 @@ def test_the_plugin_runs_the_kit(pytester: pytest.Pytester, monkeypatch: pytest.
     result.assert_outcomes(passed=1, failed=1, deselected=2 * (len(ALL) - 1 + len(MACHINES)))
     result.stdout.fnmatch_lines(["*hardware h0 does not hold one token*", "*<mission *", "*</mission>*"])
     result.stdout.no_fnmatch_line("*Traceback*")
+
+
+def test_the_plugin_runs_beside_that_of_pytest_lsp(
+    pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its wrapper around the call ends before its ``yield`` where an item has no arguments."""
+    pytest.importorskip("pytest_lsp", reason="needs pytest-lsp")
+    monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
+    plugins = ["-p", "pytest_asyncio.plugin", "-p", "pytest_lsp", "-p", "mcpn.pytest_plugin"]
+    asked = ["--mcpn-templates", "paper", "--mcpn-profile", "dev", "-k", "unit"]
+    result = pytester.runpytest_subprocess(*plugins, "-p", "no:cacheprovider", *asked)
+    result.assert_outcomes(passed=1, deselected=len(ALL) + len(MACHINES) - 1)
+
+
+def test_the_first_example_of_the_page_passes_the_kit() -> None:
+    page = (ROOT / "docs" / "templates.md").read_text()
+    names: dict[str, Any] = {}
+    exec(page.split("```python\n", 2)[1].partition("```")[0], names)
+    assert type(names["Mine"]()) is not PaperTemplates
+    assert broken(names["Mine"](), profile="dev") is None
+    for machine in ("hardware", "shared hardware"):
+        assert driven(names["Mine"](), profile="dev", only=machine) is None
 
 
 def test_the_plugin_drives_templates_alone(
