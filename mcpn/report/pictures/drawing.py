@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from importlib import import_module
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,10 @@ from mcpn.files import write_atomically
 from mcpn.report.assets import environment
 
 KNOWN = (".svg", ".png")
+
+FAMILY = "DejaVu Sans"
+"""What PNG files are drawn with, from files of the package, ticks and crosses in it. Of a family that the
+machine lacks resvg draws no letter, without an error; letters that this one lacks come from the machine's."""
 
 MOST_PIXELS = 40_000_000
 """Pixels of a PNG file: where a picture would have more at twice its size, it is made smaller."""
@@ -55,15 +60,13 @@ class Drawing:
         """The picture as a PNG file, in the colours of paper.
 
         Raises:
-            LimitError: The extra ``pictures`` or a font is missing.
+            LimitError: The extra ``pictures`` is missing.
         """
         resvg = needed("resvg_py", "a PNG file")
         text = _on_paper(self.svg)
-        if not _has_font(resvg):
-            raise LimitError("a PNG file needs a font, and this machine has none: install one (fonts-dejavu)")
         width, height = (int(n) for n in _SIZE.findall(text)[:2])
         zoom = min(2.0, (MOST_PIXELS / (width * height)) ** 0.5)
-        return bytes(resvg.svg_to_bytes(svg_string=text, zoom=zoom, font_family="DejaVu Sans"))
+        return bytes(resvg.svg_to_bytes(svg_string=text, zoom=zoom, font_family=FAMILY, font_files=_fonts()))
 
     def save(self, path: Path | str) -> None:
         """Writes the picture, whole or not at all.
@@ -104,12 +107,10 @@ def _on_paper(svg: str) -> str:
     return _STYLE.sub(resolved, svg, count=1)
 
 
-def _has_font(resvg: Any) -> bool:
-    """Whether any font is installed: then the picture of a letter is not empty."""
-    frame = '<svg xmlns="http://www.w3.org/2000/svg" width="20" height="20">{}</svg>'
-    letter = '<text x="2" y="16">M</text>'
-    drawn = [resvg.svg_to_bytes(svg_string=frame.format(text)) for text in ("", letter)]
-    return bool(drawn[0] != drawn[1])
+def _fonts() -> list[str]:
+    """The files of :data:`FAMILY`, regular and bold."""
+    folder = files("mcpn.report") / "assets" / "fonts"
+    return [str(folder / f"DejaVuSans{style}.ttf") for style in ("", "-Bold")]
 
 
 def rendered(template: str, **values: object) -> str:
