@@ -1,6 +1,6 @@
 """Prints the oldest versions that pyproject.toml allows, as constraints for pip.
 
-After ``python .ci/lower_bounds.py > oldest.txt``, ``pip install -c oldest.txt ".[test]"`` takes them.
+After ``python .ci/lower_bounds.py > oldest.txt``, ``pip install -c oldest.txt ".[test-all]"`` takes them.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Prints what the package and some of its extras need, for pip: ``python .ci/requirements.py docs test``."""
+"""Prints what the package and some extras need, for pip: ``python .ci/requirements.py docs test-all``."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Makes the pictures of the README and of docs/.
 
-Run: ``python docs/images.py``, where mcpn[pictures,test] and Chromium are installed.
+Run: ``python docs/images.py``, where mcpn[pictures,test-all] and Chromium are installed.
 
 ``objectives.svg`` is what ``mcpn convert mission.xml objectives.svg --draw objectives`` writes for Ulysse;
 ``report.png`` is the report of the same mission in a browser, after the GPS has failed during the dive.

@@ -13,8 +13,8 @@ import pytest
 
 PACKAGE = Path(__file__).resolve().parents[1] / "mcpn"
 BASE = (
-    "_kernel",
     "errors",
+    "_kernel",
     "files",
     "xmlio",
     "notebook",

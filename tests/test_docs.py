@@ -18,7 +18,7 @@ import pytest
 
 from mcpn.cli.line import command_line
 from tests.commands import mcpn, output
-from tests.conftest import ROOT
+from tests.conftest import ROOT, ULYSSE
 from tests.drivers.robots import until
 
 PAGES = sorted((ROOT / "docs").glob("*.md"))
@@ -89,7 +89,7 @@ def commanded(line: str) -> str:
     assert command == "mcpn"
     found = mcpn(*(rest[:-1] if target else rest))
     if found.returncode == 2 and ("pip install" in found.stderr or "named 'pyrobosim'" in found.stderr):
-        pytest.skip(found.stderr)  # an extra that is not installed; the extra "test" has them all
+        pytest.skip(found.stderr)  # an extra that is not installed; the extra "test-all" has them all
     assert found.returncode == (int(expected[1]) if expected else 0), f"{line}: {found.stderr}"
     if target is not None:
         Path(target).write_text(found.stdout)
@@ -131,10 +131,48 @@ def spoken(text: str, names: dict[str, Any]) -> None:
     assert not told or out.getvalue().splitlines() == told
 
 
-def test_the_python_of_the_readme_is_true(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(ROOT)
-    (text,) = (m["text"] for m in BLOCK.finditer((ROOT / "README.md").read_text()) if m["kind"] == "python")
-    spoken(text, {})
+README = (ROOT / "README.md").read_text()
+FIRST, SECOND, *TOUR = (found["text"] for found in BLOCK.finditer(README) if found["kind"] == "sh")
+"""The two commands that set mcpn up and test it, and what the tour shows."""
+
+
+@pytest.fixture
+def clone(folder: Path) -> Path:
+    """A checkout, as far as the page speaks of it."""
+    (folder / "experiments").symlink_to(ROOT / "experiments")
+    return folder
+
+
+def test_the_readme_begins_with_what_mcpn_answers() -> None:
+    """An activity of the mission, and what the program prints; then two commands."""
+    begins = README[: README.index("## Set-up")]
+    written, shown = (found["text"] for found in BLOCK.finditer(begins))
+    robot = " ".join(ULYSSE.with_name("robot.xml").read_text().split())
+    assert " ".join(written.split()) in robot
+    assert set(shown.splitlines()) <= set(mcpn("causes", ULYSSE).stdout.splitlines())
+    assert README.index("![The report") < README.index(FIRST) < README.index(SECOND)
+    assert (FIRST + SECOND).count("\n") == 2
+    install = re.compile(r"\.venv/bin/pip install (\S+)")
+    assert [*install.findall(FIRST), *install.findall(SECOND)] == [".", '"mcpn[test]"']  # built once
+
+
+def test_the_shell_of_the_readme_runs(clone: Path) -> None:
+    for command in FIRST.split(" && ")[2:]:
+        commanded(command.removeprefix(".venv/bin/"))
+    assert (clone / "build" / "ulysse" / "controller.json").is_file()
+    for line in "".join(TOUR).splitlines():
+        if line != ". .venv/bin/activate":
+            commanded(line)
+
+
+def test_the_python_of_the_readme_is_true_in_a_script_in_the_checkout() -> None:
+    (text,) = (found["text"] for found in BLOCK.finditer(README) if found["kind"] == "python")
+    unsafe = {name: value for name, value in os.environ.items() if name != "PYTHONSAFEPATH"}
+    run = subprocess.run(
+        [sys.executable, "-c", text], cwd=ROOT, env=unsafe, capture_output=True, text=True, check=False
+    )
+    assert run.returncode == 0, run.stderr
+    assert run.stdout.splitlines() == re.findall(r"  # (.*)", text)
 
 
 @pytest.mark.parametrize(("line", "table"), KEYS.findall(COMMANDS.read_text()))

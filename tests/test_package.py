@@ -47,6 +47,20 @@ def test_every_extra_that_is_spoken_of_exists_and_every_users_extra_is_spoken_of
     assert set(USERS) <= spoken
 
 
+def test_the_tests_bring_what_everybody_runs_and_no_more() -> None:
+    """What brings worlds, Storm or a browser is left to ``test-all``, which has all of ``test``."""
+    extras = project()["optional-dependencies"]
+
+    def brought(extra: str) -> set[str]:
+        inner = [name for line in extras[extra] for name in re.findall(r"^mcpn\[(.*)\]", line)]
+        own = {re.split(r"[>\[<=; ]", line)[0] for line in extras[extra] if not line.startswith("mcpn[")}
+        return own.union(*(brought(name) for names in inner for name in names.split(",")))
+
+    heavy = {"pandas", "playwright", "pyrobosim", "stormpy", "eclipse-zenoh", "matplotlib", "mypy"}
+    assert not heavy & brought("test")
+    assert heavy | brought("test") <= brought("test-all")
+
+
 def test_one_version_everywhere() -> None:
     citation = (ROOT / "CITATION.cff").read_text()
     (cited,) = re.findall(r"^version: (\S+)$", citation, re.MULTILINE)
