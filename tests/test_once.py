@@ -143,13 +143,13 @@ def test_it_happens_once_in_all_copies(copies: str, tmp_path: Path) -> None:
     found = drawn(tmp_path, text)
     assert found.graph.once() == [written]
     assert [s.name for s in found.graph.walk()] == [first, second]
-    run = happens(found, "MISSION_EV_START", "leak_EV")
+    run = happens(found, "MISSION_EV_START", "leak")
     assert run == [(first,), (second,)]
     simulation = Simulation(found)
-    for event in ("MISSION_EV_START", "leak_EV"):
+    for event in ("MISSION_EV_START", "leak"):
         simulation.take(Event.parse(event))
-    assert simulation.take(Event.parse("leak_EV")) is None  # it has happened
-    other = happens(found, "MISSION_EV_START", f"OBJ_{first}_EV_OK", "leak_EV")
+    assert simulation.take(Event.parse("leak")) is None  # it has happened
+    other = happens(found, "MISSION_EV_START", f"OBJ_{first}_EV_OK", "leak")
     assert other == [(first,), (second,), ()]
     # By hand, each doubled by the hardware: before, first, second with and without the leak, success
     # with it and without, failure with it and without.
@@ -163,27 +163,27 @@ def test_missions_in_which_it_once_happened_twice(name: str, faults: Path, tmp_p
     found = compose(read_mission(faults / f"{name}.xml"))
     simulation = Simulation(found)
     assert simulation.take(Event.parse("MISSION_EV_START"))
-    assert simulation.take(Event.parse("leak_EV"))
+    assert simulation.take(Event.parse("leak"))
     assert simulation.situation.outcome is None
-    assert simulation.take(Event.parse("leak_EV")) is None
+    assert simulation.take(Event.parse("leak")) is None
     hold_together(found, tmp_path)
 
 
 def test_it_happens_once_in_all_tries(tmp_path: Path) -> None:
     found = drawn(tmp_path, IN_TRIES)
-    run = happens(found, "MISSION_EV_START", "OBJ_o_try1_EV_FAIL", "leak_EV", "OBJ_p_EV_OK")
+    run = happens(found, "MISSION_EV_START", "OBJ_o_try1_EV_FAIL", "leak", "OBJ_p_EV_OK")
     assert run == [("o_try1",), ("o_try2",), ("p",), ("o_try1",)]
     simulation = Simulation(found)
-    for event in ("MISSION_EV_START", "OBJ_o_try1_EV_FAIL", "leak_EV", "OBJ_p_EV_OK"):
+    for event in ("MISSION_EV_START", "OBJ_o_try1_EV_FAIL", "leak", "OBJ_p_EV_OK"):
         simulation.take(Event.parse(event))
-    assert simulation.take(Event.parse("leak_EV")) is None
+    assert simulation.take(Event.parse("leak")) is None
     hold_together(found, tmp_path)
 
 
 def test_then_the_next_handler_outwards_counts(tmp_path: Path) -> None:
     found = drawn(tmp_path, STACKED)
     assert found.graph.once() == ["inner.leak", "middle.leak"]
-    run = happens(found, "MISSION_EV_START", "leak_EV", "leak_EV", "OBJ_spare_EV_OK", "leak_EV")
+    run = happens(found, "MISSION_EV_START", "leak", "leak", "OBJ_spare_EV_OK", "leak")
     assert run == [("inner",), ("inner",), ("spare",), ("inner",), ("last",)]
     # What stands before it in the chain has not happened where the next one is met from elsewhere.
     hold_together(found, tmp_path)
@@ -192,7 +192,7 @@ def test_then_the_next_handler_outwards_counts(tmp_path: Path) -> None:
 def test_branches_with_handlers_of_their_own(tmp_path: Path) -> None:
     found = drawn(tmp_path, BRANCHES)
     assert found.graph.once() == ["both.leak", "P.way.leak", "R.way.leak"]
-    run = happens(found, "MISSION_EV_START", "leak_EV", "leak_EV", "OBJ_after_EV_OK", "call_EV")
+    run = happens(found, "MISSION_EV_START", "leak", "leak", "OBJ_after_EV_OK", "call")
     assert run[0] == run[1] == ("u.way", "w.way")
     assert run[2] == ("after",)  # both branches' have happened: that of the block counts
     hold_together(found, tmp_path)
@@ -201,10 +201,10 @@ def test_branches_with_handlers_of_their_own(tmp_path: Path) -> None:
 def test_one_written_handler_in_two_branches_is_taken_by_both_at_one_event(tmp_path: Path) -> None:
     found = drawn(tmp_path, MEETING)
     assert found.graph.once() == ["P.o.leak"]
-    run = happens(found, "MISSION_EV_START", "OBJ_x_EV_OK", "leak_EV", "leak_EV")
+    run = happens(found, "MISSION_EV_START", "OBJ_x_EV_OK", "leak", "leak")
     # The second waits for the activity of the first. Both branches end, so that the block begins again.
     assert run == [("u.o", "x"), ("u.o", "w.o"), ("u.o", "x"), ("after",)]
-    apart = happens(found, "MISSION_EV_START", "leak_EV", "OBJ_x_EV_OK", "leak_EV")
+    apart = happens(found, "MISSION_EV_START", "leak", "OBJ_x_EV_OK", "leak")
     assert apart == [("u.o", "x"), ("x",), ("w.o",), ("after",)]
     hold_together(found, tmp_path)
 

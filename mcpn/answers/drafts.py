@@ -16,6 +16,7 @@ from mcpn.mission.requirement import Requirement, formulas_of
 from mcpn.mission.xml import InvalidMission, in_place
 from mcpn.nets.events import ENDING, Event, What
 from mcpn.nets.petri import NetBuilder
+from mcpn.runtime.tables import spelled
 from mcpn.spaces.names import ENDINGS, Names, unknown
 from mcpn.spaces.search.goal import Formula, marked
 
@@ -109,7 +110,7 @@ class _DraftNames(Names):
             return
         if event.what in (What.OUT_OF_SERVICE, What.REPAIRED) and not self._is(event.element, "objective"):
             return  # of hardware, or of a fault or a crash
-        if event.what is not What.DECLARED or not self._is(event.element, "happens"):
+        if not self._is(spelled(name, self._by_word.get("happens", ())), "happens"):
             unknown(name, [*self._by_word.get("happens", ())], "event")
 
     def _is(self, name: str, *words: str) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NoReturn
 
 from mcpn.answers.verdicts.modes import WAITING
@@ -19,6 +20,7 @@ from mcpn.mission.robot import BOOLEAN_VALUES
 from mcpn.nets.events import ENDING, START, Event, What
 from mcpn.nets.petri import PetriNet
 from mcpn.records import ValueRecord
+from mcpn.runtime.tables import spelled
 from mcpn.spaces.names import ENDINGS, Names, known, unknown
 from mcpn.spaces.search.goal import FALSE, TRUE, Fires, Formula, marked
 
@@ -54,6 +56,11 @@ class MissionNames(Names):
         super().__init__(mission_net.net if net is None else net)
         self.within = within
         self.mission_net = mission_net
+
+    @cached_property
+    def declared(self) -> tuple[str, ...]:
+        """The events that the mission declares."""
+        return tuple(event.name for event in self.mission_net.mission.events)
 
     def place(self, name: str) -> int:
         """The index of a place; of an element of the mission the error says by which word it is named."""
@@ -120,8 +127,8 @@ class MissionNames(Names):
     def _events(self, name: str) -> set[Event]:
         """The events that a name says: one, or that of all copies of an objective or a block."""
         known = {t.event for t in self.net.transitions if t.event}
-        declared, said = Event(What.DECLARED, name), Event.parse(name)
-        if declared in known or name in {e.name for e in self.mission_net.mission.events}:
+        declared, said = Event(What.DECLARED, spelled(name, self.declared)), Event.parse(name)
+        if declared in known or declared.element in self.declared:
             return {declared}
         if said.what not in ENDING:
             return {Event.parse(self._element(name, sorted(map(str, known)), "event"))}
@@ -170,8 +177,8 @@ class MissionNames(Names):
 
     def _unknown(self, name: str, names: Collection[str], what: str) -> NoReturn:
         """Says which known name is near, all copies of one by one name."""
-        declared = [e.name for e in self.mission_net.mission.events] if what == "event" else []
-        unknown(name, names, what, [*declared, *self.folded(names)])
+        declared = self.declared if what == "event" else ()
+        unknown(name, names, what, [*dict.fromkeys([*declared, *self.folded(names)])])
 
     def _element(self, name: str, names: Collection[str], what: str) -> str:
         """The name of what is no block in full: what qualifies it may be left out where one name fits."""
@@ -214,7 +221,7 @@ def expected(name: str, mission: Mission, also: Collection[str] = ()) -> NoRetur
     for element, word in words_of(mission):
         by_name.setdefault(element, []).append(word)
     words = list(dict.fromkeys(by_name.get(name.rpartition(".")[2], ())))
-    if not words and Event.parse(name).what is not What.NAMED:
+    if not words and Event.parse(name).what is not What.DECLARED:
         words = [f"happens({name})"]
     if words:
         said = " or ".join(word.replace(f"({name.rpartition('.')[2]})", f"({name})") for word in words)

@@ -19,6 +19,7 @@ from mcpn.nets.game import TokenGame
 from mcpn.report.nets import arcs_in_words, marking_in_words, tokens_of
 from mcpn.report.terminal import plain
 from mcpn.runtime.journal import JournalError, read_journal
+from mcpn.runtime.tables import spelled
 
 if TYPE_CHECKING:
     from mcpn.controller.simulator import Change, Simulation
@@ -66,11 +67,10 @@ def events_of_file(path: Path) -> Iterator[tuple[int, Event | None, bool]]:
         within_step = identifier is None and (within_step or re.fullmatch(r"\d+\.", words[0]) is not None)
         if identifier is not None or within_step:
             continue
-        event = Event.parse(words[0])
-        if event.what is not What.NAMED:
-            yield number, event, False
-        elif line.rstrip().endswith(":") or words[0] == "run":
+        if line.rstrip().endswith(":") or words[0] == "run":
             yield number, None, False
+        elif len(words) == 1 or Event.parse(words[0]).what is not What.DECLARED:
+            yield number, Event.parse(words[0]), False
         else:
             expected = "expected an event, or a heading that ends in a colon"
             raise InputError.at(Source(str(path), number), f"found {words[0][:80]!r}, {expected}")
@@ -276,7 +276,9 @@ class EventSession(Prompt):
             InputError: A line holds no event, one that is not possible there, or one that was refused by a
                 controller and is possible.
         """
-        for line, event, refused in events_of_file(path):
+        known = {str(t.event) for t in self.simulation.mission_net.net.transitions if t.event is not None}
+        for line, said, refused in events_of_file(path):
+            event = None if said is None else Event.parse(spelled(str(said), known))
             if event is None:
                 self.simulation.restart()
                 self.taken.clear()

@@ -257,7 +257,7 @@ def outside(name: str, mission_net: MissionNet, layout: Layout) -> Stage:
         builder.place(place, initial=int(place == "before"))
     builder.transition("entered", consume=["before"], produce=["here"], event=START)
     if name == BEGIN:
-        left, origin = Event(What.NAMED, "left"), Provenance("mission", name)
+        left, origin = Event(What.DECLARED, BEGIN), Provenance("mission", name)
         builder.transition("left", consume=["here"], produce=["success"], event=left, provenance=origin)
     net, mission = builder.build(), mission_net.mission.name
     local = replace(mission_net, net=net, roles={2: ("success", mission), 3: ("failure", mission)})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import signal
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -15,7 +15,7 @@ from mcpn.drivers.processes import program_of
 from mcpn.errors import InputError, Problem, Source
 from mcpn.mission.near import did_you_mean
 from mcpn.nets.events import Event, What
-from mcpn.runtime.tables import START, Tables
+from mcpn.runtime.tables import START, Tables, spelled
 
 Kind = Literal["process", "python", "mqtt", "zenoh", "nothing"]
 KINDS: tuple[Kind, ...] = ("process", "python", "mqtt", "zenoh", "nothing")
@@ -189,9 +189,10 @@ def ended(event: Event) -> str | None:
     return how and f"{how} {event.reason}".rstrip()
 
 
-def event_of(text: str, known: Iterable[str]) -> str | None:
+def event_of(text: str, known: Collection[str]) -> str | None:
     """The event that a file of drivers names: by its text, or one that the mission declares by its name."""
-    return next((event for event in (text, f"{text}_EV") if event in known), None)
+    event = next((each for each in (text, str(Event(What.DECLARED, text))) if each in known), text)
+    return event if (event := spelled(event, known)) in known else None
 
 
 def check_plan(plan: Plan, tables: Tables) -> None:

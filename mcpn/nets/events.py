@@ -6,6 +6,8 @@
 Event(what=<What.SUCCESS: 'success'>, element='diving', reason='')
 >>> Event.parse("OBJ_diving_EV_FAIL_too_deep").reason
 'too_deep'
+>>> str(Event(What.DECLARED, "battery_low"))
+'battery_low'
 """
 
 from __future__ import annotations
@@ -38,9 +40,7 @@ class What(StrEnum):
     DETECTED = "detected"
     """The robot learns that a hardware resource is out of service which is detected late."""
     DECLARED = "declared"
-    """An event that the mission declares by name."""
-    NAMED = "named"
-    """Anything else that a net from a file, or a template of a user's own, calls by a name."""
+    """An event that the mission, a net from a file, or a template of a user's own calls by a name."""
 
 
 ENDING = (What.SUCCESS, What.FAILURE, What.TIMEOUT)
@@ -55,10 +55,11 @@ _FORMS = {
     What.LOST: ("", "_EV_DEATH"),
     What.EARLIER: ("", "_EARLIER"),
     What.DETECTED: ("", "_EV_DETECTED"),
-    What.DECLARED: ("", "_EV"),
 }
-"""Text before and after the element; no text ends like two of them."""
+"""Text before and after the element; no text ends like two of them. That of a declared event is its name."""
 
+_DECLARED = "_EV"
+"""Behind a declared name that else would be read as another event."""
 _START = "MISSION_EV_START"
 _REASON = re.compile(r"OBJ_(.+)_EV_FAIL_([A-Za-z_][A-Za-z0-9_]*)", re.ASCII)
 """A failure with its reason, in which no other form of an event may occur."""
@@ -71,8 +72,7 @@ class Event:
 
     Args:
         what: What happens.
-        element: To which element: an objective, hardware, the declared name; of a named event its whole
-            text, of the start nothing.
+        element: To which element: an objective, hardware, the declared name; of the start nothing.
         reason: Of a failure for which the mission has a name, that name; else nothing.
 
     Raises:
@@ -86,14 +86,12 @@ class Event:
     def __post_init__(self) -> None:
         if self.reason and (self.what is not What.FAILURE or not self.element):
             raise ValueError(f"{self.what.name} of {self.element!r} has a reason: only a failure has one")
-        if self.what is What.NAMED and _parse(self.element) is not None:
-            raise ValueError(f"{self.element!r} is the text of a typed event: parse it")
-        if (self.what is What.START) != (not self.element) and self.what is not What.NAMED:
+        if (self.what is What.START) != (not self.element) and self.what is not What.DECLARED:
             raise ValueError(f"{self.what.name} of {self.element!r}: only the start is of no element")
 
     def __str__(self) -> str:
-        if self.what is What.NAMED:
-            return self.element
+        if self.what is What.DECLARED:
+            return self.element + _DECLARED * _reads_otherwise(self.element)
         if self.what is What.START:
             return _START
         before, after = _FORMS[self.what]
@@ -105,22 +103,29 @@ class Event:
     @staticmethod
     def parse(text: str) -> Event:
         """The event that a text from a file or from people says."""
-        return Event(*(_parse(text) or (What.NAMED, text)))
+        return Event(*_parse(text))
 
     def of(self, element: str) -> Event:
         """The same of another element."""
         return Event(self.what, element, self.reason)
 
 
-def _parse(text: str) -> tuple[What, str, str] | None:
-    """What happens, to which element and for what reason, or ``None`` for a text of no typed event."""
+def _parse(text: str) -> tuple[What, str, str]:
+    """What happens, to which element and for what reason."""
     if text == _START:
         return What.START, "", ""
     for what, (before, after) in _FORMS.items():
         if text.startswith(before) and text.endswith(after) and len(text) > len(before) + len(after):
             return what, text[len(before) : -len(after)], ""
+    if text.endswith(_DECLARED) and _reads_otherwise(name := text.removesuffix(_DECLARED)):
+        return What.DECLARED, name, ""
     named = _REASON.fullmatch(text)
-    return None if named is None else (What.FAILURE, named[1], named[2])
+    return (What.DECLARED, text, "") if named is None else (What.FAILURE, named[1], named[2])
+
+
+def _reads_otherwise(name: str) -> bool:
+    """Whether a declared name is the text of another event, or of another declared one."""
+    return _parse(name) != (What.DECLARED, name, "")
 
 
 START = Event(What.START)

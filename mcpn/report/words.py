@@ -81,8 +81,6 @@ def what_happens(event: Event, mission: str) -> str:
             return f"{name} works again"
         case What.DECLARED:
             return f"event {name} happens"
-        case What.NAMED:
-            return name
 
 
 _WRONG = (What.FAILURE, What.TIMEOUT, What.OUT_OF_SERVICE, What.LOST, What.DECLARED)

@@ -23,6 +23,7 @@ from mcpn.runtime.tables import (
     Tables,
     TableSection,
     read,
+    spelled,
 )
 
 
@@ -307,6 +308,8 @@ class Controller:
         """
         with self._lock:
             before, started = self.where, perf_counter()
+            if isinstance(event, str):
+                event = spelled(event, self._tables.known)
             actions = self._take(event)
             seconds = perf_counter() - started
             self.count += 1

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -27,6 +27,12 @@ class Refused(Exception):
         self.possible = possible
         what = "is not possible now" if known else "is no event of this mission"
         super().__init__(f"{str(event)[:200]!r} {what}; possible: {', '.join(possible) or 'none'}")
+
+
+def spelled(event: str, known: Container[str]) -> str:
+    """The text of an event; that of a declared one once was its name with ``_EV`` behind it."""
+    plain = event.removesuffix("_EV")
+    return plain if event not in known and plain in known else event
 
 
 @dataclass(frozen=True, slots=True)

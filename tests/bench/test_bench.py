@@ -341,10 +341,11 @@ def test_the_command_s_traces_are_replayed(written: str, tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("script", "message"),
     [
+        ("1 OBJ_x_EV_OK\n", "which is no event of the mission"),
         ("0.5 GPS_EV_OOS x", "found '0.5 GPS_EV_OOS x', expected hours and an event"),
         ("# nothing\n-1 GPS_EV_OOS", ":2: found '-1 GPS_EV_OOS'"),
         ("soon GPS_EV_OOS", "found 'soon GPS_EV_OOS'"),
-        ("1 dance", "found '1 dance'"),
+        ("1 dance", ":1: found 'dance', which is no event of the mission"),
     ],
 )
 def test_scripts_that_are_none(script: str, message: str, tmp_path: Path) -> None:

@@ -164,7 +164,7 @@ BODIES = {
     board->set("door", std::string("closed")); tick();
     board->set("door", std::string("ajar")); tick(); tick();
     board->set("gps", false); tick(); board->set("gps", true); tick();
-    tell("OBJ_watch_EV_SUCC ; nothing;; leak_EV");
+    tell("OBJ_watch_EV_SUCC ; nothing;; leak");
     std::cout << text("outcome") << '[' << text("events") << ']' << text("mode") << '\\n';
     """,
     "time": """
@@ -178,7 +178,7 @@ BODIES = {
     auto act = robot->act;
     robot->act = [&](const twice_action &action) {
         act(action);
-        if (action.verb == TWICE_START) { robot->tell("leak_EV"); }
+        if (action.verb == TWICE_START) { robot->tell("leak"); }
     };
     for (int i = 0; i < 2; i++) { std::cout << BT::toStr(tree.tickExactlyOnce()) << '\\n'; }
     """,
@@ -206,7 +206,7 @@ def test_ports_tell_events(player: Path) -> None:
         "refused fact_door=ajar",
         "refused service_gps=true",
     ]
-    assert "taken closes_EV" in found
+    assert "taken closes" in found
     assert "taken gps_EV_OOS" in found
     assert "refused nothing" in found
     assert found[-2:] == ["FAILURE", "abort[]"]
@@ -223,7 +223,7 @@ def test_time_passes_between_ticks(player: Path) -> None:
 
 def test_what_a_driver_tells_at_once_is_for_the_next_tick(player: Path) -> None:
     found = played(player, "at once")
-    assert found.index("RUNNING") < found.index("taken leak_EV")
+    assert found.index("RUNNING") < found.index("taken leak")
     assert found[-1] == "FAILURE"
 
 
@@ -263,7 +263,7 @@ def test_monitors_are_conditions(twice: MissionNet, against: list[str], tmp_path
         "</ReactiveSequence>"
     )
     body = """
-    tick(); tell("closes_EV"); std::cout << "halts\\n"; tell(""); tell("");
+    tick(); tell("closes"); std::cout << "halts\\n"; tell(""); tell("");
     monitors->begin(); tell(""); std::cout << (monitors->value(0) == TWICE_OPEN) << '\\n';
     """
     watching = "auto monitors = std::make_shared<twice_bt::Monitors>(); monitors->watch(*robot);"
@@ -273,7 +273,7 @@ def test_monitors_are_conditions(twice: MissionNet, against: list[str], tmp_path
     program = compiled_to_play(twice, tmp_path / "node", options, {"all": body}, **more)
     found = played(program, "all", tree)
     assert sorted(found[: found.index("RUNNING")][-2:]) == ["start go", "start look"]
-    violated = found.index("taken closes_EV")
+    violated = found.index("taken closes")
     assert found[violated + 1 : found.index("halts")] == ["stop go", "release gps", "RUNNING"]
     again = found.index("FAILURE") + 1
     assert found[found.index("halts") + 1 : again] == ["stop look", "release camera", "FAILURE"]

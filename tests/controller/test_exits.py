@@ -68,16 +68,16 @@ def test_an_exit_stops_all_that_runs(both: list[TableController]) -> None:
 def test_an_inner_handler_comes_first(watch: MissionNet, both: list[TableController]) -> None:
     for controller in both:
         runtime = Runtime.from_document(document(controller, watch))
-        for event in ("MISSION_EV_START", "OBJ_out_EV_OK", "leak_EV"):
+        for event in ("MISSION_EV_START", "OBJ_out_EV_OK", "leak"):
             runtime.handle(event)
         assert set(runtime.state.objectives) == {"second", "see"}
         with pytest.raises(Refused):
             runtime.handle("no_such_EV")
-        runtime.handle("leak_EV")  # now the block's own handler
+        runtime.handle("leak")  # now the block's own handler
         assert runtime.state.objectives == ("out",)
         with pytest.raises(Refused):
-            runtime.handle("leak_EV")  # nothing handles it a second time, nor out there
-        runtime.handle("call_EV")
+            runtime.handle("leak")  # nothing handles it a second time, nor out there
+        runtime.handle("call")
         assert (runtime.outcome, runtime.section) == ("failure", None)
 
 
@@ -100,7 +100,7 @@ def test_every_edge_in_every_target(
         traced = Traced(document(controller, watch))
         events, edges = tour(traced)
         taken = {event for _, event in edges}
-        assert {"storm_EV", "leak_EV", "call_EV"} <= taken
+        assert {"storm", "leak", "call"} <= taken
         events += random_events(traced, random.Random(1), 200)
         if target == "scxml":
             if controller.form == "flat":
@@ -183,7 +183,7 @@ def test_more_outcomes_than_a_byte_has_numbers(tmp_path: Path) -> None:
     mission_net = compose(read_mission(path))
     controller = generate(mission_net)
     traced = Traced(document(controller, mission_net))
-    given = [text for name in names for text in ("", "MISSION_EV_START", f"{name}_EV", "OBJ_a_EV_OK")]
+    given = [text for name in names for text in ("", "MISSION_EV_START", name, "OBJ_a_EV_OK")]
     expected = traced.lines(given)
     assert sum("| failure" in line for line in expected) == 2 * 130
     program = build(files(controller, mission_net, "c"), tmp_path / "c")

@@ -165,7 +165,8 @@ def test_events_as_json(tmp_path: Path) -> None:
     ("text", "told"),
     [
         ("MISSION_EV_START\nGPS_sensor_EV_RD\n", ":2: found GPS_sensor_EV_RD, which is not possible here"),
-        ("hello\n", ":1: found 'hello', expected an event"),
+        ("hello\n", ":1: found hello, which is not possible here; expected one of"),
+        ("hello there\n", ":1: found 'hello', expected an event"),
         ("[1]", "expected a JSON list of events"),
         ('["a"', "no JSON"),
         ("\xff", "expected text in UTF-8"),

@@ -100,7 +100,7 @@ def test_a_block_that_is_entered_again_has_all_its_time(form: Form) -> None:
     controller.handle("OBJ_a_EV_OK")
     controller.handle("OBJ_b_EV_OK")
     assert controller.timers == pytest.approx({"whole": 1.137})  # a route inside leads back to its first
-    assert [str(a) for a in controller.handle("leak_EV")][-1] == "arm whole"
+    assert [str(a) for a in controller.handle("leak")][-1] == "arm whole"
     assert controller.timers == pytest.approx({"whole": 2.137})  # it has been left, and entered again
     controller.handle("OBJ_a_EV_FAIL")
     prefix = "both_try1."

@@ -181,7 +181,7 @@ def test_a_fact_that_changes_while_it_waits_is_heard() -> None:
     net = compose(drawn, EVERYWHERE).net
     game = TokenGame(net)
     fired = list[str]()
-    for event_ in ("MISSION_EV_START", "OBJ_z_EV_OK", "close_EV"):
+    for event_ in ("MISSION_EV_START", "OBJ_z_EV_OK", "close"):
         (taken,) = (t for t in game.enabled if str(net.transitions[t].event) == event_)
         game.fire(taken)
         fired = [net.transitions[t].name for t in game.settle()]

@@ -114,7 +114,7 @@ def test_a_program_that_cannot_be_run_was_not_started(program: str, made: Made) 
     _, err = run.communicate(timeout=120)
     told = [json.loads(line)["event"] for line in log.read_text().splitlines()]
     absent = "no/such" in program
-    assert told[1] == ("called_back_EV" if absent else "OBJ_travel_EV_FAIL")
+    assert told[1] == ("called_back" if absent else "OBJ_travel_EV_FAIL")
     assert ("the program './drives' cannot be run" in err) == absent
 
 

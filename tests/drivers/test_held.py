@@ -14,7 +14,7 @@ from mcpn.drivers.starts import Started
 from mcpn.runtime.controller import Controller
 from mcpn.runtime.tables import Tables
 
-X, Y, ROOM = "OBJ_x_EV_OK", "OBJ_y_EV_OK", "room_EV"
+X, Y, ROOM = "OBJ_x_EV_OK", "OBJ_y_EV_OK", "room"
 
 
 class Scripted:

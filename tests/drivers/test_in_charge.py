@@ -286,7 +286,7 @@ def test_a_terminal_that_stands_still_stops_no_robot(made: Made) -> None:
     until(lambda: runs.runs("drive") and runs.runs("panel"))
     for event in ("called back",):
         (runs.folder / "panel.order").write_text(event)
-    until(lambda: "called_back_EV" in (runs.folder / "log.jsonl").read_text())
+    until(lambda: "called_back" in (runs.folder / "log.jsonl").read_text())
     run.send_signal(signal.SIGTERM)
     until(lambda: not runs.left, 120)
     run.communicate(timeout=120)
@@ -329,7 +329,7 @@ def test_a_deaf_driver_delays_no_event(made: Made) -> None:
     log = runs.folder / "log.jsonl"
     until(lambda: "lidar_EV_OOS" in log.read_text())
     (runs.folder / "panel.order").write_text("called back")
-    until(lambda: "called_back_EV" in log.read_text())
+    until(lambda: "called_back" in log.read_text())
     assert runs.runs("localisation")  # which has 1000 seconds
     assert numbers(runs.folder, "odometry") == []
     until(lambda: "localisation (by_odometry): start waits for localisation" in shown())

@@ -95,7 +95,7 @@ def test_a_good_one(tmp_path: Path) -> None:
         ('"hand:over"', '"hand:under"', [":10: hand:under: AttributeError"]),
         ('"hand:over"', '"no_hands:over"', [":10: no_hands:over: ModuleNotFoundError"]),
         ("called_back", "calledback", [
-            ": no driver reports the event called_back_EV",
+            ": no driver reports the event called_back",
             ":1: never: 'calledback' is no event",
         ]),
         ("[activities.hand", "[release.wings]\nnothing = true\n[activities.hand", [

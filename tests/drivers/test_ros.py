@@ -223,7 +223,7 @@ def test_activities_are_actions_and_events_come_from_a_topic(ros: Ros) -> None:
         "MISSION_EV_START",
         "lidar_EV_OOS",
         "OBJ_travel_EV_OK",
-        "called_back_EV",
+        "called_back",
         "OBJ_home_EV_OK",
     ]
     assert ros.node.controller.outcome == "success"

@@ -177,7 +177,7 @@ def test_a_source_tells_events_and_people_see_what_runs(
     out, err = run.communicate(timeout=60)
     assert run.returncode == 1, err
     assert "runs travel: drive, localisation (by_scan), lidar_driver" in out
-    assert "called_back_EV: stop drive" in out
+    assert "called_back: stop drive" in out
     assert "drive: drive_base runs" in out
     assert "outcome      failure" in out
 

@@ -180,7 +180,7 @@ def test_what_is_entered_twice_by_two_ways_is_entered_twice() -> None:
     (watched,) = monitors_of(
         Study(replace(LED_TO["failure"], requirements=(never,))).mission_spaces()
     ).monitors
-    events = ["MISSION_EV_START", "rain_EV", "OBJ_shelter_at_work_EV_OK", "OBJ_work_EV_FAIL"]
+    events = ["MISSION_EV_START", "rain", "OBJ_shelter_at_work_EV_OK", "OBJ_work_EV_FAIL"]
     assert watched.run(events) == ["open", "open", "open", "open", "violated"]
 
 

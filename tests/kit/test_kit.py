@@ -405,7 +405,7 @@ def test_what_places_say_is_declared_or_private() -> None:
 
 def test_every_event_is_of_some_kind_of_element() -> None:
     """By what it says; no set draws losses for good and what was before a part, and a set may name others."""
-    assert {*What} - {*HAPPENING} == {What.NAMED, What.LOST, What.EARLIER}
+    assert {*What} - {*HAPPENING} == {What.LOST, What.EARLIER}
     drawn = {
         (transition.event.what, drawer(transition.provenance)[0])
         for mission in MISSIONS.values()

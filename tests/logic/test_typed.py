@@ -133,7 +133,7 @@ def test_what_leads_nowhere_is_left_out() -> None:
     failed, repaired = Event(What.OUT_OF_SERVICE, "h"), Event(What.REPAIRED, "h")
     builder.transition("fail", consume=["works"], produce=["broken"], event=failed)
     builder.transition("repair", consume=["broken"], produce=["works"], event=repaired)
-    builder.transition("leave", consume=["go"], produce=["there"], event=Event(What.NAMED, "leave"))
+    builder.transition("leave", consume=["go"], produce=["there"], event=Event(What.DECLARED, "leave"))
     net = builder.build()
     fail, repair, leave = range(3)
     there = net.place_index["there"]

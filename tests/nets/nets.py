@@ -170,7 +170,7 @@ def state_machines(draw: st.DrawFn) -> tuple[PetriNet, int]:
 
 def events(names: st.SearchStrategy[str]) -> st.SearchStrategy[Event]:
     """Events of every kind: of an element, or of whatever a text says."""
-    of_elements = [what for what in What if what not in (What.START, What.NAMED)]
+    of_elements = [what for what in What if what is not What.START]
     typed = st.builds(Event, st.sampled_from(of_elements), names.filter(bool))
     return st.just(START) | typed | names.map(Event.parse)
 

@@ -126,11 +126,11 @@ def test_the_page_shows_what_the_robot_does(browser: Any, robot: Robot) -> None:
     seen(tab, robot)
     late, also_wrong = visited(browser, robot.address)  # it is told what came before
     seen(late, robot)
-    tab.locator('#events button[data-event="called_back_EV"]').click()
+    tab.locator('#events button[data-event="called_back"]').click()
     robot.says("hand_over", "done", "OBJ_give_EV_OK")
     seen(late, robot)
     tab.locator("#robot-told", has_text=f": {len(robot.events)} events").wait_for()
-    assert steps(tab) == [*robot.events[:-1], "called_back_EV"]
+    assert steps(tab) == [*robot.events[:-1], "called_back"]
     assert not tab.locator("#robot-follows").is_checked()
     tab.locator("#robot-follows").check()
     seen(tab, robot)

@@ -177,8 +177,8 @@ def test_a_fact_has_one_value_in_files_and_snapshots(
         else:
             with pytest.raises(SnapshotError, match="what cannot be"):
                 controller.restore(text)
-    said["changing"]["switch_EV"]["true"].append("light=blue")
-    with pytest.raises(ControllerFileError, match=r"changing\.switch_EV: found 'light=blue'"):
+    said["changing"]["switch"]["true"].append("light=blue")
+    with pytest.raises(ControllerFileError, match=r"changing\.switch: found 'light=blue'"):
         Controller.from_document(signed(said))
 
 

@@ -112,7 +112,7 @@ def agree(net: PetriNet, few: int, cases: int, order: Order | None = None) -> No
                 break
 
 
-@example(PetriNet("net", (Place("p0", 0),), (Transition("t0", (), (), (), Event(What.NAMED, "e")),)), 0, 0)
+@example(PetriNet("net", (Place("p0", 0),), (Transition("t0", (), (), (), Event(What.DECLARED, "e")),)), 0, 0)
 @given(nets(), FEW, CASES)
 def test_big_steps_of_nets(net: PetriNet, few: int, cases: int) -> None:
     agree(replace(net, priorities=True), few, cases)

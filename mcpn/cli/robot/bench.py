@@ -72,12 +72,12 @@ def bench(
     from mcpn.mission.static.intervals import at_their_means
     from mcpn.runtime.tables import Tables
 
-    script = [] if faults is None else read_script(faults)
     study = question.study(mission)
     mission_net = study.mission_net
     untimed = duration is None and any(section.duration is None for section in mission_net.graph.walk())
     controller = study.controller("auto", max_states=question.max_states)
     world = World(mission_net, Tables(document(controller, mission_net)), duration)
+    script = [] if faults is None else read_script(faults, world.places.tables.known)
     nominal = nominal_run_of(world)
     started = time.perf_counter()
     found = played(world, runs, seed, script)
