@@ -10,6 +10,7 @@ from lxml import etree
 
 from mcpn.errors import InputError, Source
 from mcpn.files import read_bounded
+from mcpn.misread import sentence
 
 
 def parse_xml(path: Path, limit: int, text: str | None = None) -> etree._Element:
@@ -131,9 +132,9 @@ def _located(path: Path, fed: etree.XMLPullParser | None = None) -> Iterator[Non
         line, said = error.lineno, error.msg
         if not line and fed is not None:
             line, said = next(((e.line, e.message) for e in fed.feed_error_log), (1, said))
-        raise InputError.at(Source(str(path), line or 1), f"not well-formed XML: {said}") from error
+        raise InputError.at(Source(str(path), line or 1), sentence(str(said))) from error
     except (ValueError, LookupError) as error:
-        raise InputError.at(Source(str(path), 1), f"not well-formed XML: {error}") from error
+        raise InputError.at(Source(str(path), 1), sentence(str(error))) from error
 
 
 def _refuse_dtd(path: Path, element: etree._Element) -> None:

@@ -1,0 +1,64 @@
+"""What is wrong with a text that is no XML, in sentences: the parser's own words reach nobody."""
+
+from __future__ import annotations
+
+import re
+
+_SENTENCES = (
+    (r"Document is empty|Start tag expected", "found no element, expected one as <name>"),
+    (r"Extra content at the end", "found more after the root element, expected the end of the file"),
+    (
+        r"Opening and ending tag mismatch: (\S+) line (\d+) and (\S+)",
+        "found </{2}>, expected </{0}>, which ends the element of line {1}",
+    ),
+    (r"Premature end of data in tag (\S+) line (\d+)", "the file ends inside <{0}> of line {1}"),
+    (r"Couldn't find end of Start Tag (\S+)", "found no > at the end of <{0}>"),
+    (r"Specification mandates value for attribute (\S+)", "the attribute {0} has no value"),
+    (r"AttValue: . or . expected", "the value of an attribute does not begin with a quote"),
+    (r"AttValue", "the value of an attribute does not end with its quote"),
+    (r"Attribute (?:\S+:)?(\S+) redefined", "the attribute {0} is given twice"),
+    (r"Unescaped '<'", "found < in the value of an attribute, expected &lt;"),
+    (r"xmlParseEntityRef: no name", "found & alone, expected &amp;"),
+    (r"EntityRef: expecting", "found & without a ; behind the name, expected &amp;"),
+    (r"Entity '(.*)' not defined", "found &{0}; which is not defined, expected &amp; for the sign"),
+    (r"xmlParseCharRef|CharRef", "found a reference to a character that XML does not have"),
+    (r"[iI]nvalid Char|invalid character|Invalid character", "found a character that XML does not have"),
+    (r"Invalid bytes|not proper UTF-8|Input is not", "found bytes that are not of the encoding of the file"),
+    (
+        r"Namespace prefix (\S+)(?: for (\S+))? on (\S+) is not defined",
+        "the prefix {0} of <{2}> is not declared",
+    ),
+    (r"Empty XML namespace", "a prefix is declared with no namespace"),
+    (r"Excessive depth", "elements stand more than 256 deep in each other: the limit was hit"),
+    (r"XML declaration allowed only", "found an XML declaration after the start of the file"),
+    (r"CData section not finished", "the file ends inside a CDATA section"),
+    (r"Comment not terminated", "the file ends inside a comment"),
+    (r"Double hyphen|Comment must not contain", "found -- inside a comment"),
+    (r"Sequence ']]>'", "found ]]> in a text, expected ]]&gt;"),
+    (r"StartTag: invalid element name", "found < without the name of an element behind it, expected &lt;"),
+    (r"Unsupported encoding:? *(\S+)", "the encoding {0} is not known"),
+    (r"Unsupported version '(.*)'", "XML of version {0}, expected 1.0"),
+    (
+        r"Blank needed|attributes construct error",
+        "found no space, quote or > after the value of an attribute",
+    ),
+    (r"[Ll]imit exceeded|XML_PARSE_HUGE|too long", "a name, text or value is too long: the limit was hit"),
+)
+"""By pattern of the parser's message, what to say; names and lines are those of its groups."""
+
+
+def sentence(message: str) -> str:
+    """What a message of the parser says, with the column where it has one.
+
+    >>> sentence("Opening and ending tag mismatch: b line 1 and a, line 3, column 11")
+    'not well-formed XML: column 11: found </a>, expected </b>, which ends the element of line 1'
+    >>> sentence("something new")
+    'not well-formed XML'
+    """
+    column = re.search(r"column (\d+)\s*\Z", message)
+    where = f": column {column[1]}" if column else ""
+    for pattern, said in _SENTENCES:
+        if found := re.search(pattern, message):
+            groups = [(group or "").rstrip(",") for group in found.groups()]
+            return f"not well-formed XML{where}: {said.format(*groups)}"
+    return f"not well-formed XML{where}"
