@@ -72,8 +72,8 @@ OPERATORS: Mapping[str, Callable[..., Formula]] = {
 }
 """By operator as people write it, the function that makes a formula of its operands."""
 
-Sum: TypeAlias = tuple[int, tuple[int, ...]]
-"""A constant and the tokens of some places, by index; a place that stands twice counts twice."""
+Sum: TypeAlias = tuple[int, Mapping[int, int]]
+"""A constant and how often the tokens of places count, by index."""
 
 
 def compare(left: Sum, relation: str, right: Sum) -> Formula:
@@ -83,7 +83,7 @@ def compare(left: Sum, relation: str, right: Sum) -> Formula:
         return equal if relation == "=" else Not(equal)
     if relation in (">", ">="):
         left, right = right, left
-    weights = Counter(left[1])
+    weights = Counter(dict(left[1]))
     weights.subtract(right[1])
     terms = tuple(sorted((place, weight) for place, weight in weights.items() if weight))
     bound = right[0] - left[0] - ("=" not in relation)

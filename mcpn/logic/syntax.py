@@ -7,10 +7,11 @@
 >>> parse("AG (off | on)", names) == parse("A G (off | on)", names)
 True
 
-Connectives, loosest first: ``<->``, ``->``, ``|`` or ``or``, ``&`` or ``and``, then ``U``, ``W`` and ``R``
-between formulas on paths, then ``!`` or ``not`` and the temporal operators ``EX AX EF AF EG AG`` before their
-operand, ``E[f U g]`` and ``A[f U g]``. ``X``, ``F`` and ``G`` alone speak of one path; ``A`` and ``E`` before
-such a formula of all paths and of some, and where neither stands, all are meant. Atoms:
+Connectives, loosest first: ``<->``, ``->``, ``|``, ``||`` or ``or``, ``&``, ``&&`` or ``and``, then ``U``,
+``W`` and ``R`` between formulas on paths, then ``!`` or ``not`` and the temporal operators ``EX AX EF AF EG
+AG`` before their operand, ``E[f U g]`` and ``A[f U g]``. ``<->`` binds to the left, the others between two
+operands to the right. ``X``, ``F`` or ``<>`` and ``G`` or ``[]`` alone speak of one path; ``A`` and ``E``
+before such a formula of all paths and of some, and where neither stands, all are meant. Atoms:
 ``true``, ``false``, ``deadlock``, ``stable``, sums of tokens compared (``tokens(p, q) + r <= 1``), a place
 alone (it is marked), ``enabled(t, u)``, ``fires(t, u)`` (the next step of a path is one of them), and the
 mission's words (:data:`mcpn.spaces.names.WORDS`). Names that hold anything but letters, digits, ``_``
@@ -35,6 +36,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from typing import NamedTuple, NoReturn, TypeVar
@@ -117,14 +119,45 @@ _CLOSING = {"": "", "(": ")", "E[": "U", "A[": "U", "EU": "]", "AU": "]"}
 """What stands behind the formula that each opening begins; nothing behind the whole."""
 
 _QUOTED = r'"(?:[^"\\]|\\.)*"'
-_SIGN = r"<->|->|<=|>=|!=|[][<>=!&|+,()]"
+_SIGN = r"<->|->|<=>|=>|=<|<=|>=|!=|==|&&|\|\||\[\]|<>|[][<>=!&|+,()]"
 _TOKEN = re.compile(
     rf"\s*(?:(?P<name>[A-Za-z_][A-Za-z0-9_.]*)|(?P<quoted>{_QUOTED})|(?P<integer>[0-9]+)"
     rf"|(?P<sign>{_SIGN})|(?P<end>\Z)|(?P<other>\S))"
 )
-_SHOWN = re.compile(rf"{_QUOTED}|<->|->|<=|>=|!=|[\w.]+|\S")
-_ROLES = {"and": "&", "or": "|", **dict.fromkeys(("<=", ">=", "!=", ">"), "<")}
+_SHOWN = re.compile(rf"{_QUOTED}|{_SIGN}|[\w.]+|\S")
+_ROLES = {
+    "and": "&",
+    "&&": "&",
+    "or": "|",
+    "||": "|",
+    "==": "=",
+    **dict.fromkeys(("<=", ">=", "!=", ">"), "<"),
+}
 """The role of some tokens behind an operand, by their text: all comparisons have one role."""
+_BOXES = {"[]": "G", "<>": "F"}
+"""Operators on one path before their operand, as signs."""
+_INSTEAD = {
+    "=>": "write -> for 'implies', >= for 'at least'",
+    "=<": "write <= for 'at most'",
+    "<=>": "write <-> for 'equivalent'",
+    "<>": "write != for 'not equal'; <> stands before what holds some time",
+    "[]": "[] stands before what always holds",
+    "/": "write & for 'and', | for 'or'",
+    "\\": "write & for 'and', | for 'or'",
+    "~": "write ! for 'not'",
+    "¬": "write ! for 'not'",
+    "∧": "write & for 'and'",
+    "∨": "write | for 'or'",
+    "→": "write -> for 'implies'",
+    "^": "write !(f <-> g) where one alone holds",
+    "-": "write the sums so that no number is negative, and names with - in double quotes",
+    "*": "write a sum, as tokens(p, p) for twice p",
+    ";": "write one formula in each argument",
+    "AND": "write & or and",
+    "OR": "write | or or",
+    "NOT": "write ! or not",
+}
+"""What people write that is no sign of ours, and what to write instead."""
 _IN_WORDS = {"U": "U", "": "the end", ")": "')'", "]": "']'", ",": "','", "+": "'+'", "=": "'='"}
 _IN_WORDS |= {"<": "a comparison", "&": "an operator"}
 
@@ -230,12 +263,16 @@ class _Parser:
     def _operand(self) -> None:
         """Reads up to the end of an atom, with what stands before it."""
         while True:
-            token = self._term("a formula", "integer", "!", "(")
+            token = self._term("a formula", "integer", "!", "(", *_BOXES)
             text, end = token.text, token.at + len(token.text)
             behind = self._text[end : end + 1]
             if text in ("!", "not"):
                 self._operators.append("!")
-            elif text == "(" or (text in _UNARY and (behind in '(!"' or behind.isspace())):
+            elif text in _BOXES:
+                self._operators.append(_BOXES[text])
+            elif text == "(" or (
+                text in _UNARY and (behind in '(!"' or behind.isspace() or self._next.text in _BOXES)
+            ):
                 self._operators.append(text)
             elif text in ("E", "A") and self._next.text == "[":
                 self._step()
@@ -252,7 +289,7 @@ class _Parser:
         """Whether what comes next begins an operand."""
         behind = self._next
         named = behind.kind in ("name", "quoted", "integer") and behind.role not in _BINARY
-        return named or behind.text in ("(", "!")
+        return named or behind.text in ("(", "!", *_BOXES)
 
     def _atom(self, token: _Token) -> Formula:
         text, behind, longer = token.text, self._next, ("+", "=", "<")
@@ -277,7 +314,7 @@ class _Parser:
             self._longer = longer
             return marked(self._named(self._lookup.place, 0, token))
         left = self._sum(token)
-        relation = self._take(*longer).text
+        relation = self._take(*longer).text.replace("==", "=")
         right = self._sum(self._term("a sum of tokens", "integer"))
         self._longer = ("+",)
         return compare(left, relation, right)
@@ -287,7 +324,7 @@ class _Parser:
         token = self._term("a name")
         self._take(")")
         value: list[str] = []
-        if self._next.text == "=":
+        if self._next.role == "=":
             self._step()
             value = [self._named(str, "", self._term("a name", *(["integer"] if kind == "fact" else [])))]
         self._longer = () if value else ("=",)
@@ -307,7 +344,7 @@ class _Parser:
             else:
                 places.append(self._named(self._lookup.place, 0, token))
             if self._next.text != "+":
-                return constant, tuple(places)
+                return constant, Counter(places)
             self._step()
             token = self._term("a sum of tokens", "integer")
 
@@ -365,7 +402,9 @@ class _Parser:
                 expected = ", ".join(fitting[:-1]) + " or " + fitting[-1]
         begin = text.rfind("\n", 0, at) + 1
         shown = text[begin:].split("\n", 1)[0]
-        message = f"found {found}, expected {expected}{_hint(text, at)}"
+        instead = _INSTEAD.get(word.group()) if word else None
+        hint = f"; {instead}" if instead else _hint(text, at)
+        message = f"found {found}, expected {expected}{hint}"
         raise self._error(at, f"{message}\n  {shown}\n  {' ' * (at - begin)}^")
 
 
@@ -374,6 +413,8 @@ def _hint(text: str, at: int) -> str:
     from difflib import get_close_matches
 
     for word in (*re.findall(r"^\w+", text[at:]), *re.findall(r"(?<!\w)\w++(?=\s*$)", text[:at])):
+        if word in _INSTEAD:
+            return f"; {_INSTEAD[word]}"
         if word not in _KEYWORDS and (near := get_close_matches(word, _KEYWORDS, n=1)):
             return f"; did you mean {near[0]}?"
     return ""

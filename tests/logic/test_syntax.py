@@ -187,3 +187,63 @@ def test_a_mistake_is_shown_in_its_own_line() -> None:
         read("p & q &   ")
     assert "found the end" in str(caught.value)
     assert str(caught.value).splitlines()[-1] == " " * 2 + " " * len("p & q &") + "^"
+
+
+@pytest.mark.parametrize(
+    ("text", "same"),
+    [
+        ("a && b || !c", "(a & b) | !c"),
+        ("a == 1", "a = 1"),
+        ("tokens(a) + b == p", "a + b = p"),
+        ("[] a", "G a"),
+        ("<>a", "F a"),
+        ("[]<>a", "G F a"),
+        ("[](a -> <> b)", "G (a -> F b)"),
+        ("![]a", "!(G a)"),
+        ("A[] a", "AG a"),
+        ("A[](a)", "AG a"),
+        ("E<> a", "EF a"),
+        ("A<>a", "AF a"),
+        ("E[] a", "EG a"),
+        ("AG(a&&b)", "AG (a & b)"),
+        # Precedence and associativity, as docs/commands.md says them.
+        ("p U q & c", "(p U q) & c"),
+        ("p U q U c", "p U (q U c)"),
+        ("p R q W c", "p R (q W c)"),
+        ("a -> b -> c", "a -> (b -> c)"),
+        ("a <-> b <-> c", "(a <-> b) <-> c"),
+        ("a | b & c", "a | (b & c)"),
+        ("a <-> b -> c", "a <-> (b -> c)"),
+        ("a -> b | c", "a -> (b | c)"),
+        ("AG a -> b", "(AG a) -> b"),
+        ("!a & b", "(!a) & b"),
+    ],
+)
+def test_operators_that_people_type(text: str, same: str) -> None:
+    assert read(text) == read(same)
+
+
+def test_to_the_left_and_to_the_right_differ() -> None:
+    assert read("a -> b -> c") != read("(a -> b) -> c")
+    assert read("p U q U c") != read("(p U q) U c")
+    assert read("AG a -> b") != read("AG (a -> b)")
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("a => b", "column 3: found '=>', .*; write -> for 'implies', >= for 'at least'"),
+        ("a =< 1", "found '=<', .*; write <= for 'at most'"),
+        ("a <=> b", "found '<=>', .*; write <-> for 'equivalent'"),
+        ("a <> b", "found '<>', .*; write != for 'not equal'"),
+        ("a AND b", "found 'AND', .*; write & or and"),
+        ("NOT a", "found 'a', .*; write ! or not"),
+        ("~a", "found '~', expected a formula; write ! for 'not'"),
+        ("a - b >= 0", "found '-', .*; write the sums so that no number is negative"),
+        ("2 * a = 2", r"found '\*', .*; write a sum, as tokens\(p, p\) for twice p"),
+        ("a /\\ b", "found '/', .*; write & for 'and', | for 'or'"),
+    ],
+)
+def test_other_signs_are_told_with_what_to_write(text: str, told: str) -> None:
+    with pytest.raises(InputError, match=told.replace("|", r"\|")):
+        read(text)
