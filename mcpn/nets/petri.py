@@ -66,11 +66,13 @@ class Place(ValueRecord):
         name: Unique among the places of its net; any characters.
         initial: Tokens of the initial marking.
         provenance: What made it, for nets composed from missions.
+        label: What people call it, where a file says that beside the name.
     """
 
     name: str
     initial: int = 0
     provenance: Provenance | None = field(default=None, compare=False)
+    label: str | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -86,6 +88,7 @@ class Transition(ValueRecord):
         rank: Of an internal transition: in nets with priorities those of a lower rank fire before it. From 0
             to 65,534; events come after all ranks, and have none of their own.
         provenance: What made it, for nets composed from missions.
+        label: What people call it, where a file says that beside the name.
     """
 
     name: str
@@ -95,6 +98,7 @@ class Transition(ValueRecord):
     event: Event | None = None
     rank: int = 0
     provenance: Provenance | None = field(default=None, compare=False)
+    label: str | None = field(default=None, compare=False)
 
     @property
     def internal(self) -> bool:
@@ -158,6 +162,16 @@ class PetriNet(Drawn, ValueRecord):
     def transition_index(self) -> Mapping[str, int]:
         """Index of each transition by name."""
         return {transition.name: index for index, transition in enumerate(self.transitions)}
+
+    @cached_property
+    def place_labels(self) -> Mapping[str, Sequence[int]]:
+        """Indices of the places that have each label."""
+        return _labelled(self.places)
+
+    @cached_property
+    def transition_labels(self) -> Mapping[str, Sequence[int]]:
+        """Indices of the transitions that have each label."""
+        return _labelled(self.transitions)
 
     @cached_property
     def largest(self) -> int:
@@ -253,6 +267,14 @@ class PetriNet(Drawn, ValueRecord):
         return frozenset(place.name for place, tokens in zip(self.places, marking, strict=True) if tokens)
 
 
+def _labelled(nodes: Iterable[Place | Transition]) -> dict[str, list[int]]:
+    found: dict[str, list[int]] = {}
+    for number, node in enumerate(nodes):
+        if node.label is not None:
+            found.setdefault(node.label, []).append(number)
+    return found
+
+
 def _safe(transition: Transition) -> SafeTransition:
     consume, produce, read = dict(transition.consume), dict(transition.produce), dict(transition.read)
     needed = consume.keys() | read.keys()
@@ -287,9 +309,17 @@ class NetBuilder:
         self.priorities = priorities
         self._places: dict[str, Place] = {}
         self._transitions: dict[str, _Draft] = {}
+        self._labels: dict[str, str] = {}
         self._units: list[list[str]] = []
 
-    def place(self, name: str, *, initial: int = 0, provenance: Provenance | None = None) -> str:
+    def place(
+        self,
+        name: str,
+        *,
+        initial: int = 0,
+        provenance: Provenance | None = None,
+        label: str | None = None,
+    ) -> str:
         """Declares a place and returns its name.
 
         Raises:
@@ -297,7 +327,7 @@ class NetBuilder:
         """
         if name in self._places:
             raise InputError.at(provenance.source if provenance else None, f"place {name} is declared twice")
-        self._places[name] = Place(name, initial, provenance)
+        self._places[name] = Place(name, initial, provenance, label)
         return name
 
     def transition(
@@ -327,6 +357,11 @@ class NetBuilder:
             )
         arcs = _weights(consume), _weights(produce), _weights(read)
         self._transitions[name] = arcs, event, rank, provenance
+
+    def label(self, transition: str, label: str | None) -> None:
+        """Notes what people call a transition."""
+        if label is not None:
+            self._labels[transition] = label
 
     def unit(self, places: Iterable[str]) -> None:
         """Notes a group of places of which at most one is meant to be marked."""
@@ -365,7 +400,9 @@ class NetBuilder:
         for name, (arcs, event, rank, origin) in self._transitions.items():
             consume, produce, read = (resolve(side, f"transition {name}", origin) for side in arcs)
             order = number[rank] if self.priorities and event is None else 0
-            transitions.append(Transition(name, consume, produce, read, event, order, origin))
+            transitions.append(
+                Transition(name, consume, produce, read, event, order, origin, self._labels.get(name))
+            )
         units = tuple(
             tuple(p for p, _ in resolve(dict.fromkeys(unit, 1), "a unit", None)) for unit in self._units
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from itertools import islice
 from typing import NoReturn
 
@@ -55,15 +55,25 @@ class Names:
         self.said: dict[Formula, tuple[str, ...]] = {}
 
     def place(self, name: str) -> int:
-        """The index of a place."""
-        return self.net.place_index[known(name, self.net.place_index, "place", self._also_places)]
+        """The index of the place that has a name: its id in the net, or its label if it is the only one."""
+        net = self.net
+        return _one(name, net.place_index, net.place_labels, "place", self._also_places)
 
     _also_places: Sequence[str] = ()
     """What else may be written where a place is expected."""
 
     def transition(self, name: str) -> int:
-        """The index of a transition."""
-        return self.net.transition_index[known(name, self.net.transition_index, "transition")]
+        """The index of the transition that has a name, as of :meth:`place`."""
+        return _one(name, self.net.transition_index, self.net.transition_labels, "transition")
+
+    def place_of_file(self, name: str) -> int:
+        """As :meth:`place`, where files mean ids: one that is also the label of another is no doubt."""
+        return self.net.place_index[name] if name in self.net.place_index else self.place(name)
+
+    def transition_of_file(self, name: str) -> int:
+        """As :meth:`transition`, where files mean ids."""
+        index = self.net.transition_index
+        return index[name] if name in index else self.transition(name)
 
     def word(self, *said: str) -> Formula:
         """What a word about an element means.
@@ -74,6 +84,27 @@ class Names:
                 :data:`ENDINGS` alone.
         """
         raise InputError.at(None, f"{said[0]} is a word of missions, and this net is of none")
+
+
+def _one(
+    name: str,
+    ids: Mapping[str, int],
+    labels: Mapping[str, Sequence[int]],
+    what: str,
+    also: Sequence[str] = (),
+) -> int:
+    """The only node with an id or a label; else an error."""
+    meant = list(dict.fromkeys([*([ids[name]] if name in ids else []), *labels.get(name, ())]))
+    if len(meant) == 1:
+        return meant[0]
+    if not meant:
+        unknown(name, {**ids, **labels}, what, also)
+    names = list(ids)
+    shown = [names[each] for each in meant]
+    them = " and ".join(shown[:3]) + (f" and {len(shown) - 3} more" if len(shown) > 3 else "")
+    raise InputError.at(
+        None, f"{name} may mean the {what}s {them}, expected an id that is not a label of another"
+    )
 
 
 def known(name: str, names: Collection[str], what: str, also: Sequence[str] = ()) -> str:

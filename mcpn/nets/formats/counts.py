@@ -19,20 +19,26 @@ def read_count(text: str) -> int | None:
     return int(text) if text.isascii() and text.isdigit() and len(text) <= MAX_DIGITS else None
 
 
-def check_counts(net: PetriNet) -> None:
+def check_counts(net: PetriNet, digits: int = MAX_DIGITS) -> None:
     """Sees to it that what is written can be read back.
+
+    Args:
+        net: What is to be written.
+        digits: The most digits of a number in the format.
 
     Raises:
         InputError: A place holds, or an arc moves, more tokens than files may say.
     """
+    most, said = 10**digits - 1, f"files say whole numbers of at most {digits} digits"
     for place in net.places:
-        if not 0 <= place.initial <= MAX_COUNT:
-            raise InputError.at(None, f"place {place.name} holds {place.initial} tokens, files say {_RANGE}")
+        if not 0 <= place.initial <= most:
+            raise InputError.at(None, f"place {place.name} holds {_shown(place.initial)} tokens, {said}")
     for t in net.transitions:
         for p, weight in (*t.consume, *t.produce, *t.read):
-            if not 1 <= weight <= MAX_COUNT:
+            if not 1 <= weight <= most:
                 between = f"transition {t.name} and place {net.places[p].name}"
-                raise InputError.at(None, f"weight {weight} between {between}, files say {_RANGE}")
+                raise InputError.at(None, f"weight {_shown(weight)} between {between}, {said}")
 
 
-_RANGE = f"whole numbers of at most {MAX_DIGITS} digits"
+def _shown(number: int) -> str:
+    return str(number) if abs(number) < 10**60 else "too many"

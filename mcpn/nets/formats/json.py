@@ -1,9 +1,8 @@
 """Nets as JSON: the one reader and the one writer.
 
-One object: ``format`` (``mcpn-net``), ``version`` (1), ``name``, ``priorities``, ``places`` (each with
-``name``, ``initial``), ``transitions`` (each with ``name``, ``event`` or null, and ``consume``, ``produce``,
-``read``: weights by place) and ``units`` (lists of places). Places and transitions of missions carry
-``from``: the ``kind``, ``name``, ``file`` and ``line`` of the element that made them.
+One object, whose keys :data:`KNOWN` declares: any other is refused. Places and transitions of missions carry
+``from``: the ``kind``, ``name``, ``file`` and ``line`` of the element that made them. Numbers are exact up to
+:data:`MAX_DIGITS` digits.
 """
 
 from __future__ import annotations
@@ -16,8 +15,20 @@ from typing import Any, NoReturn
 
 from mcpn.errors import InputError, Source
 from mcpn.nets.events import Event
-from mcpn.nets.formats.counts import MAX_COUNT, MAX_DIGITS, check_counts
+from mcpn.nets.formats.counts import check_counts
 from mcpn.nets.petri import Arcs, NetBuilder, PetriNet, Provenance
+from mcpn.sentences import quoted
+
+MAX_DIGITS = 4_000
+"""Of a number: Python reads no more without being asked to."""
+
+KNOWN = {
+    "net": "format version name priorities places transitions units",
+    "place": "name initial label? from?",
+    "transition": "name event rank? label? consume produce read from?",
+    "origin": "kind name file? line?",
+}
+"""By object its keys; one with a question mark may be missing."""
 
 
 def write_json(net: PetriNet) -> str:
@@ -32,18 +43,22 @@ def write_json(net: PetriNet) -> str:
     Raises:
         InputError: A number is beyond what files may say.
     """
-    check_counts(net)
+    check_counts(net, MAX_DIGITS)
     document = {
         "format": "mcpn-net",
         "version": 1,
         "name": net.name,
         "priorities": net.priorities,
-        "places": [{"name": p.name, "initial": p.initial, **_origin(p.provenance)} for p in net.places],
+        "places": [
+            {"name": p.name, "initial": p.initial, **_label(p.label), **_origin(p.provenance)}
+            for p in net.places
+        ],
         "transitions": [
             {
                 "name": t.name,
                 "event": None if t.event is None else str(t.event),
                 **({"rank": t.rank} if t.rank else {}),
+                **_label(t.label),
                 "consume": _weights(net, t.consume),
                 "produce": _weights(net, t.produce),
                 "read": _weights(net, t.read),
@@ -58,6 +73,10 @@ def write_json(net: PetriNet) -> str:
 
 def _weights(net: PetriNet, arcs: Arcs) -> dict[str, int]:
     return {net.places[place].name: weight for place, weight in arcs}
+
+
+def _label(label: str | None) -> dict[str, str]:
+    return {} if label is None else {"label": label}
 
 
 def _origin(provenance: Provenance | None) -> dict[str, Any]:
@@ -90,9 +109,17 @@ def read_json(path: Path, data: bytes) -> PetriNet:
     try:
         document = json.loads(data, object_pairs_hook=_object)
     except json.JSONDecodeError as error:
-        raise InputError.at(Source(str(path), error.lineno), f"not JSON: {error}") from error
-    except (ValueError, RecursionError) as error:  # also bytes that are not UTF-8, and endless numbers
-        raise InputError.at(Source(str(path), 1), f"not JSON: {error}") from error
+        raise InputError.at(Source(str(path), error.lineno), _misread(error)) from error
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise InputError.at(Source(str(path), line), "not JSON: found bytes that are not UTF-8") from error
+    except RecursionError as error:
+        raise InputError.at(
+            Source(str(path), 1), "not JSON: lists or objects too deep in each other"
+        ) from error
+    except ValueError as error:
+        said = str(error) if isinstance(error, _GivenTwice) else f"a number of more than {MAX_DIGITS} digits"
+        raise InputError.at(Source(str(path), 1), f"not JSON: found {said}") from error
     try:
         return _net(_Value(document, "the document"))
     except InputError as error:
@@ -103,9 +130,35 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     members: dict[str, Any] = {}
     for key, value in pairs:
         if key in members:
-            raise ValueError(f"the key {key!r} is given twice")
+            raise _GivenTwice(f"the key {key!r} twice in an object")
         members[key] = value
     return members
+
+
+class _GivenTwice(ValueError):
+    """An object has two members of one key."""
+
+
+_EXPECTED = {
+    "Expecting value": "a value",
+    "Expecting property name": "a key in double quotes",
+    "Expecting ':'": "':' after a key",
+    "Expecting ','": "',' or the end of the list or object",
+    "Extra data": "the end of the file",
+    "Unterminated string": "a text that ends with a double quote",
+    "Invalid control character": "a text without line breaks and control characters",
+    "Invalid \\": "an escape of JSON after the backslash",
+    "Illegal trailing comma": "no comma before the end of the list or object",
+}
+"""By how the parser begins its message, what it expected."""
+
+
+def _misread(error: json.JSONDecodeError) -> str:
+    """What is wrong with a text that is no JSON, with its column."""
+    expected = next((words for begin, words in _EXPECTED.items() if error.msg.startswith(begin)), "JSON")
+    rest = error.doc[error.pos :].split(maxsplit=1)
+    found = quoted(rest[0], 20) if rest else "the end of the file"
+    return f"not JSON: column {error.colno}: found {found}, expected {expected}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,11 +176,24 @@ class _Value:
             kind = shown if len(shown) < 40 else f"{shown[:40]}…"
         raise InputError.at(None, f"{self.way} is {kind}, expected {expected}")
 
-    def get(self, key: str, *, optional: bool = False) -> _Value:
+    def known(self, kind: str) -> _Value:
+        """Itself, an object of some kind with the keys that it must have and no others."""
         if not isinstance(self.value, dict):
             self.fail("an object")
-        if key not in self.value and not optional:
-            raise InputError.at(None, f"{self.way} has no {key!r}")
+        words = KNOWN[kind].split()
+        names = [word.removesuffix("?") for word in words]
+        for key in self.value:
+            if key not in names:
+                said = f"{self.way} has the key {quoted(key, 40)}, expected one of {', '.join(names)}"
+                raise InputError.at(None, said)
+        for word in words:
+            if word not in self.value and not word.endswith("?"):
+                raise InputError.at(None, f"{self.way} has no {word!r}")
+        return self
+
+    def get(self, key: str) -> _Value:
+        if not isinstance(self.value, dict):
+            self.fail("an object")
         return _Value(self.value.get(key), f"{self.way}.{key}".removeprefix("the document."))
 
     def items(self) -> Iterator[_Value]:
@@ -147,9 +213,12 @@ class _Value:
 
     def count(self, least: int) -> int:
         number = self.value
-        if not isinstance(number, int) or isinstance(number, bool) or not least <= number <= MAX_COUNT:
-            self.fail(f"a whole number from {least} of at most {MAX_DIGITS} digits")
+        if not isinstance(number, int) or isinstance(number, bool) or number < least:
+            self.fail(f"a whole number from {least}")
         return number
+
+    def label(self) -> str | None:
+        return None if self.value is None else self.text()
 
     def weights(self) -> dict[str, int]:
         if not isinstance(self.value, dict):
@@ -160,31 +229,38 @@ class _Value:
 def _net(document: _Value) -> PetriNet:
     if (document.get("format").value, document.get("version").value) != ("mcpn-net", 1):
         document.fail('an object with "format": "mcpn-net", "version": 1')
+    document.known("net")
     builder = NetBuilder(document.get("name").text(), priorities=document.get("priorities").truth())
     for place in document.get("places").items():
-        name, initial = place.get("name").text(), place.get("initial").count(0)
-        builder.place(name, initial=initial, provenance=_provenance(place))
+        place.known("place")
+        name, initial, label = (
+            place.get("name").text(),
+            place.get("initial").count(0),
+            place.get("label").label(),
+        )
+        builder.place(name, initial=initial, provenance=_provenance(place), label=label)
     for t in document.get("transitions").items():
-        event = t.get("event")
+        event = t.known("transition").get("event")
         builder.transition(
             t.get("name").text(),
             consume=t.get("consume").weights(),
             produce=t.get("produce").weights(),
             read=t.get("read").weights(),
             event=None if event.value is None else Event.parse(event.text()),
-            rank=0 if (rank := t.get("rank", optional=True)).value is None else rank.count(0),
+            rank=0 if (rank := t.get("rank")).value is None else rank.count(0),
             provenance=_provenance(t),
         )
+        builder.label(t.get("name").text(), t.get("label").label())
     for unit in document.get("units").items():
         builder.unit(place.text() for place in unit.items())
     return builder.build()
 
 
 def _provenance(node: _Value) -> Provenance | None:
-    origin = node.get("from", optional=True)
+    origin = node.get("from")
     if origin.value is None:
         return None
-    file, line = origin.get("file"), origin.get("line")
+    file, line = origin.known("origin").get("file"), origin.get("line")
     source = None
     if file.value is not None:
         source = Source(file.text(), None if line.value is None else line.count(1))

@@ -146,6 +146,7 @@ NET = Document(
                     {
                         "name": String("Its name."),
                         "initial": Integer("Its tokens at first."),
+                        "label?": Nullable(String("What people call it.")),
                         "from?": _MADE_BY,
                     },
                 ),
@@ -161,6 +162,7 @@ NET = Document(
                             "Of an internal transition: those of a lower rank fire before it. 0 where it is "
                             "left out."
                         ),
+                        "label?": Nullable(String("What people call it.")),
                         "consume": MapOf("Weights by place.", Integer("A weight.", least=1)),
                         "produce": MapOf("Weights by place.", Integer("A weight.", least=1)),
                         "read": MapOf("Weights by place.", Integer("A weight.", least=1)),

@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -15,6 +16,7 @@ from mcpn.errors import InputError, Source
 from mcpn.nets.events import Event
 from mcpn.nets.formats.json import read_json, write_json
 from mcpn.nets.petri import NetBuilder, PetriNet, Provenance
+from mcpn.report.documents import FORMATS, json_schema
 from tests.nets.nets import odd_nets
 
 HERE = Path("n.json")
@@ -90,7 +92,13 @@ BROKEN = {
     "places[0].initial is -1": broken("places", 0, "initial", value=-1),
     "places[1].initial is 1.5": broken("places", 1, "initial", value=1.5),
     "places[1].initial is true": broken("places", 1, "initial", value=True),
-    "at most 18 digits": broken("places", 1, "initial", value=10**30),
+    "the document has the key 'extra', expected one of format, version": broken("extra", value=1),
+    "places[1] has the key 'capacity', expected one of name, initial": broken(
+        "places", 1, "capacity", value=1
+    ),
+    "transitions[0] has the key 'inhibit'": broken("transitions", 0, "inhibit", value={"q": 1}),
+    "places[0].from has the key 'column'": broken("places", 0, "from", "column", value=1),
+    "places[0].label is 1, expected a text": broken("places", 0, "label", value=1),
     "places[0].name is null": broken("places", 0, "name", value=None),
     "places is an object, expected a list": broken("places", value={}),
     "places[0] is 3, expected an object": broken("places", 0, value=3),
@@ -105,13 +113,17 @@ BROKEN = {
     "places[0].from.line is 0": broken("places", 0, "from", "line", value=0),
     "places[0].from.kind is 1": broken("places", 0, "from", "kind", value=1),
     '"version": 1': broken("version", value=2),
-    "'format'": b"{}",
-    "the key 'a' is given twice": b'{"a": 1, "a": 2}',
+    "an object with": b"{}",
+    "the document has no 'name'": b'{"format": "mcpn-net", "version": 1}',
+    "found the key 'a' twice in an object": b'{"a": 1, "a": 2}',
     "expected an object": b"[]",
-    "n.json:2: not JSON": b'{\n"a": }',
-    "not JSON: 'utf-8'": b'"\xff"',
-    "not JSON: maximum recursion": b"[" * 100_000,
-    "not JSON: Exceeds the limit": b"9" * 10_000,
+    "n.json:2: not JSON: column 6: found '}', expected a value": b'{\n"a": }',
+    "not JSON: column 10: found 'oops', expected the end of the file": b'{"a": 1} oops',
+    "not JSON: column 2: found 'a:', expected a key in double quotes": b"{a: 1}",
+    "not JSON: column 2: found the end of the file, expected a value": b"[",
+    "n.json:2: not JSON: found bytes that are not UTF-8": b'\n"\xff"',
+    "not JSON: lists or objects too deep in each other": b"[" * 100_000,
+    "not JSON: found a number of more than 4000 digits": b"9" * 10_000,
 }
 
 
@@ -121,6 +133,23 @@ def test_broken_documents_are_told(message: str) -> None:
         read_json(HERE, BROKEN[message])
     assert message in str(caught.value)
     assert str(caught.value).startswith("n.json")
+
+
+def test_what_the_schema_allows_is_read() -> None:
+    """Places of unknown origin, and numbers of any size: JSON has no largest integer."""
+    document = json.loads(write_json(small()))
+    del document["places"][0]["from"]["file"], document["places"][0]["from"]["line"]
+    document["places"][1] = {"name": "q", "initial": 10**30, "label": None}
+    document["transitions"][0]["consume"] = {"p": 10**19}
+    document["transitions"][0]["label"] = "take off"
+    jsonschema.Draft202012Validator(json_schema(FORMATS["net"])).validate(document)
+    net = read_json(HERE, json.dumps(document).encode())
+    assert net.places[0].provenance == Provenance("activity", "a")
+    assert net.initial == (1, 10**30)
+    assert net.transitions[0].consume == ((0, 10**19),)
+    assert net.transitions[0].label == "take off"
+    again = read_json(HERE, write_json(net).encode())
+    assert (again, again.transitions[0].label) == (net, "take off")
 
 
 @given(data=st.data())
