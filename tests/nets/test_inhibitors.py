@@ -1,0 +1,138 @@
+"""Inhibitor arcs: nets that read complement places against firing by the definition of the arcs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pytest
+from hypothesis import assume, event, given
+from hypothesis import strategies as st
+
+from mcpn.errors import InputError, Source
+from mcpn.nets.bounds import coarse_bounds, listed_bounds, proved_bounds
+from mcpn.nets.inhibitors import Inhibitor, without_inhibitors
+from mcpn.nets.petri import Marking, NetBuilder, PetriNet
+from mcpn.nets.structure import place_bounds
+from tests.nets.nets import token_nets
+
+Edges = dict[Marking, set[tuple[str, Marking]]]
+
+
+def by_definition(net: PetriNet, arcs: Sequence[Inhibitor], most: int) -> Edges | None:
+    """The markings graph where a transition is disabled by as many tokens as an arc says; None if larger."""
+    found: Edges = {net.initial: set()}
+    todo = [net.initial]
+    while todo:
+        marking = todo.pop()
+        for number, t in enumerate(net.transitions):
+            held = [marking[net.place_index[arc.place]] for arc in arcs if arc.transition == t.name]
+            weights = [arc.weight for arc in arcs if arc.transition == t.name]
+            if net.covers(marking, number) and all(h < w for h, w in zip(held, weights, strict=True)):
+                after = net.fire(marking, number)
+                found[marking].add((t.name, after))
+                if after not in found:
+                    found[after] = set()
+                    todo.append(after)
+        if len(found) > most:
+            return None
+    return found
+
+
+def by_arcs(net: PetriNet, places: int) -> Edges:
+    found: Edges = {net.initial[:places]: set()}
+    todo = [net.initial]
+    while todo:
+        marking = todo.pop()
+        for t in net.enabled(marking):
+            after = net.fire(marking, t)
+            found[marking[:places]].add((net.transitions[t].name, after[:places]))
+            if after[:places] not in found:
+                found[after[:places]] = set()
+                todo.append(after)
+    return found
+
+
+@given(token_nets(), st.data())
+def test_markings_and_firings_are_those_of_the_definition(net: PetriNet, data: st.DataObject) -> None:
+    assume(net.transitions)
+    place = st.sampled_from([p.name for p in net.places])
+    transition = st.sampled_from([t.name for t in net.transitions])
+    arcs = data.draw(st.lists(st.builds(Inhibitor, place, transition, st.integers(1, 3)), max_size=4))
+    expected = by_definition(net, arcs, 400)
+    assume(expected is not None)
+    found = without_inhibitors(net, arcs)
+    event(f"{len(found.places) - len(net.places)} complements")
+    assert found.places[: len(net.places)] == net.places
+    assert by_arcs(found, len(net.places)) == expected
+
+
+def growing() -> NetBuilder:
+    builder = NetBuilder("n")
+    builder.place("p")
+    builder.place("q")
+    builder.transition("t", produce=["p"])
+    builder.transition("u", produce=["q"])
+    return builder
+
+
+def test_a_place_that_inhibits_what_fills_it_is_bounded_by_that() -> None:
+    net = without_inhibitors(growing().build(), [Inhibitor("p", "t", 3)])  # q is unbounded beside it
+    assert [(place.name, place.initial) for place in net.places[2:]] == [("complement of p", 3)]
+    marking = net.initial
+    for _ in range(3):
+        assert 0 in net.enabled(marking)
+        marking = net.fire(marking, 0)
+    assert net.enabled(marking) == [1]
+
+
+def test_an_unbounded_place_beside_is_counted_as_far_as_arcs_tell() -> None:
+    builder = growing()
+    builder.place("r")
+    builder.transition("v", consume=["p"], produce=["r"])
+    net = without_inhibitors(builder.build(), [Inhibitor("p", "t", 1), Inhibitor("r", "t", 1)])
+    first = net.fire(net.initial, 0)
+    second = net.fire(first, net.transition_index["v"])
+    assert net.enabled(first) == [1, 2]
+    assert net.enabled(second) == [1]
+
+
+def test_an_arc_that_never_disables_needs_no_complement() -> None:
+    builder = NetBuilder("n")
+    builder.place("p", initial=1)
+    builder.transition("t", consume=["p"])
+    net = builder.build()
+    assert without_inhibitors(net, [Inhibitor("p", "t", 2)]) == net
+
+
+def test_a_place_without_a_proved_bound_is_refused_with_its_line() -> None:
+    here = Source("n.pnml", 7)
+    with pytest.raises(
+        InputError, match=r"n.pnml:7: found an inhibitor arc from p to u, expected a bound of p"
+    ):
+        without_inhibitors(growing().build(), [Inhibitor("p", "u", 1, here)])
+
+
+@given(token_nets(), st.data())
+def test_coarse_bounds_hold_of_every_marking(net: PetriNet, data: st.DataObject) -> None:
+    assume(net.transitions and net.places)
+    pairs = st.tuples(st.sampled_from(range(len(net.places))), st.integers(1, 3))
+    some = st.dictionaries(
+        st.sampled_from(range(len(net.transitions))), st.lists(pairs, max_size=2), max_size=3
+    )
+    blocked = data.draw(some)
+    exact, known = listed_bounds(net, blocked), [float("inf"), *place_bounds(net)[1:]]
+    assume(exact is not None)
+    assert exact is not None
+    coarse = coarse_bounds(net, blocked, known, {0})
+    if coarse is not None:
+        assert all(bound >= most for bound, most in zip(coarse, exact, strict=True))
+
+
+@given(token_nets())
+def test_bounds_hold_of_every_marking(net: PetriNet) -> None:
+    markings = by_definition(net, (), 400)
+    assume(markings is not None)
+    assert markings is not None
+    most = [max(tokens) for tokens in zip(*markings, strict=True)]
+    assert listed_bounds(net) == most
+    assert all(bound >= at_most for bound, at_most in zip(proved_bounds(net), most, strict=True))
