@@ -529,10 +529,11 @@ def open_study(
 
 
 def _read(file: Path, root: Path | None) -> Mission | PetriNet:
-    from mcpn.nets.formats import READABLE, read_net
+    from mcpn.nets.formats import READABLE, read_net, refuse_foreign
 
     if file.suffix.lower() in READABLE:
         return read_net(file)
+    refuse_foreign(file)
     from mcpn.mission.xml import read_mission  # which a question about a net does not load
 
     try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from mcpn.errors import InputError, Source
@@ -10,6 +11,44 @@ from mcpn.nets.petri import PetriNet
 
 READABLE = (".pnml", ".net", ".json")
 WRITABLE = (".pnml", ".net", ".dot", ".json")
+
+_FOREIGN = {
+    ".ndr": "a drawing of TINA: its program ndrio writes it as .net (ndrio FILE.ndr FILE.net)",
+    ".tpn": "a net with time of TINA or Romeo, which is not read",
+    ".tapn": "a file of TAPAAL's editor: it exports nets without time as .pnml (File, Export)",
+    ".xtapn": "a file of TAPAAL's editor: it exports nets without time as .pnml (File, Export)",
+    ".lola": "a net of LoLA, which is not read: write it as .net or .pnml",
+    ".llnet": "a net of LoLA or PEP, which is not read: write it as .net or .pnml",
+    ".ll_net": "a net of PEP, which is not read: write it as .net or .pnml",
+    ".pnpro": "a file of GreatSPN's editor: it exports nets as .pnml (File, Export)",
+    ".gspn": "a net of GreatSPN: its editor exports nets as .pnml (File, Export)",
+    ".cpn": "a coloured net of CPN Tools: colours are not read",
+    ".spept": "a net of Snoopy: it exports nets as .pnml or .net",
+    ".spn": "a net of Snoopy: it exports nets as .pnml or .net",
+    ".pn": "a net of another tool, which is not read: write it as .net or .pnml",
+}
+"""By suffix of files that other tools keep nets in, what they are and what to do."""
+
+
+_BEGINS_AS_PNML = rb"(?:\xef\xbb\xbf)?\s*(?:<\?[^>]*>\s*|<!--(?:(?!-->).)*-->\s*)*<pnml\b"
+
+
+def refuse_foreign(path: Path) -> None:
+    """Refuses files that other tools keep nets in, by a sentence that says what to do.
+
+    Raises:
+        InputError: It is such a file; or PNML by a name that says something else.
+    """
+    if known := _FOREIGN.get(path.suffix.lower()):
+        raise InputError.at(Source(str(path)), f"{known}; read are {', '.join(READABLE)}")
+    try:
+        with path.open("rb") as file:
+            begin = file.read(4096)
+    except OSError:
+        return  # which is told where it is read
+    if re.match(_BEGINS_AS_PNML, begin, re.DOTALL):
+        said = f"found <pnml> in a file {path.suffix or 'without a suffix'}, expected the suffix .pnml"
+        raise InputError.at(Source(str(path)), said)
 
 
 def read_net(path: Path | str) -> PetriNet:
@@ -38,6 +77,7 @@ def read_net(path: Path | str) -> PetriNet:
         from mcpn.nets.formats.json import read_json
 
         return read_json(path, read_bounded(path))
+    refuse_foreign(path)
     known = ", ".join(READABLE)
     raise InputError.at(Source(str(path)), f"unknown kind of net {suffix or path.name!r}, expected {known}")
 

@@ -1,10 +1,12 @@
 """PNML, the ISO/IEC 15909-2 exchange format, for place/transition nets: the one reader and the one writer.
 
-Names are the ``id`` attributes, which property files refer to. Standard PNML has neither read arcs, events
-nor priorities: they are written as ``toolspecific`` elements of ``mcpn``, which other tools skip; a read arc
-is a consuming and a producing arc to them. A name that is no id in XML is kept in such an element too. Units
-of NUPN (``toolspecific tool="nupn"``) are read as hints. What else could change the meaning of the net is
-refused, never skipped.
+Names are the ``id`` attributes, which property files refer to; what ``<name>`` says is kept as the label.
+:data:`KNOWN` declares the elements and attributes that are read, those that are without meaning, and those
+that may only say what changes nothing: what it does not have is refused. Standard PNML has neither read arcs,
+events nor priorities: they are written as ``toolspecific`` elements of ``mcpn``, which other tools skip; a
+read arc is a consuming and a producing arc to them. A name that is no id in XML is kept in such an element
+too. Units of NUPN (``toolspecific tool="nupn"``) are read as hints. Read arcs and inhibitor arcs of other
+tools are read where their kind is declared (:data:`KINDS`).
 
 Reference: the 2009 grammar, http://www.pnml.org/version-2009/grammar/ptnet.
 """
@@ -19,10 +21,13 @@ from typing import NamedTuple, NoReturn
 
 from lxml import etree
 
+from mcpn.declared import Declared, ElementRule, ElementTable, name_of, refuse, text_of
 from mcpn.errors import InputError, Source
 from mcpn.nets.events import Event
 from mcpn.nets.formats.counts import MAX_DIGITS, check_counts, read_count
+from mcpn.nets.inhibitors import Inhibitor, without_inhibitors
 from mcpn.nets.petri import EVENTS, NetBuilder, PetriNet
+from mcpn.sentences import quoted
 from mcpn.steps import Doing, step
 from mcpn.xmlio import stream_xml
 
@@ -30,20 +35,89 @@ NAMESPACE = "http://www.pnml.org/version-2009/grammar/pnml"
 NET_TYPE = "http://www.pnml.org/version-2009/grammar/ptnet"
 MAX_FILE_BYTES = 256 << 20
 
-_NODES = {"place", "transition", "referencePlace", "referenceTransition", "arc"}
-_SKIPPED = {"name", "graphics", "toolspecific"}
-_LABELS = {"place": {"initialMarking"}, "arc": {"inscription", "type"}}
+NET_TYPES = (
+    NET_TYPE,
+    "http://www.pnml.org/version-2009/grammar/pnmlcoremodel",  # pm4py, ProM
+    "http://www.informatik.hu-berlin.de/top/pntd/ptNetb",  # WoPeD, after a draft of the standard
+    "http://www.informatik.hu-berlin.de/top/pnml/ptNetb",
+    "http://www.informatik.hu-berlin.de/top/pntd/ptNet",
+    "http://www.yasper.org/specs/epnml-1.1",  # Yasper, ProM 5
+    "PTNet",  # Petri Net Kernel, LoLA
+    "P/T net",  # PIPE, TAPAAL
+)
+"""Types of nets whose places hold tokens that are all alike."""
+
+_DRAWN = "-graphics -toolspecific"
+_DRAWN_BY_TAPAAL = (
+    "-displayName -nameOffsetX -nameOffsetY -positionX -positionY -markingOffsetX -markingOffsetY"
+)
+_NODES = "page place transition arc referencePlace referenceTransition"
+_LABEL = Declared("", f"text value {_DRAWN}")
+
+KNOWN = {
+    "pnml": Declared("", "net -toolspecific -k-bound -query -queries feature"),
+    "feature": Declared("-isTimed isGame=false isColored=false isStochastic=false"),
+    "net": Declared("id type name active=true", f"name {_NODES} {_DRAWN} token -labels -finalmarkings"),
+    "token": Declared("id=Default -enabled -red -green -blue"),
+    "page": Declared("id name", f"name {_NODES} {_DRAWN}"),
+    "place": Declared(
+        f"id name initialMarking capacity=0|inf invariant=<_inf|<inf {_DRAWN_BY_TAPAAL}",
+        f"name initialMarking capacity=0 {_DRAWN}",
+    ),
+    "transition": Declared(
+        f"id name priority=0 urgent=false player=0 -infiniteServer -angle -invisible {_DRAWN_BY_TAPAAL}",
+        f"name timed=false priority=0|1 -infiniteServer -rate -orientation {_DRAWN}",
+    ),
+    "arc": Declared(
+        f"id source target type weight inscription=1|[0,inf) {_DRAWN_BY_TAPAAL}",
+        f"name inscription type arctype tagged=false -arcpath {_DRAWN}",
+    ),
+    "referencePlace": Declared("id ref", f"name {_DRAWN}"),
+    "referenceTransition": Declared("id ref", f"name {_DRAWN}"),
+    "name": _LABEL,
+    "initialMarking": _LABEL,
+    "inscription": _LABEL,
+    "capacity": _LABEL,
+    "timed": _LABEL,
+    "priority": _LABEL,
+    "tagged": _LABEL,
+    "type": Declared("value", f"text value {_DRAWN}"),
+    "arctype": _LABEL,
+    "text": Declared(text=True),
+    "value": Declared(text=True),
+}
+"""What the reader knows, as :mod:`mcpn.declared` says it.
+
+``capacity``, ``invariant``, ``urgent``, ``priority``, ``timed``, ``player`` and ``tagged`` may only say that
+there is none. Where a net ends (``finalmarkings``), how it is drawn, and what tools note for themselves
+changes nothing of it.
+"""
+
+KINDS = {
+    "normal": "normal",
+    "timed": "normal",  # of TAPAAL; its table has no interval but [0,inf)
+    "inhibitor": "inhibitor",
+    "tapninhibitor": "inhibitor",
+    "read": "read",
+    "test": "read",
+}
+"""By kind of an arc, as its ``type`` or ``arctype`` says it in small letters, how it is read."""
+
+_REMARKS = ("name", "event", "rank", "read", "priorities")
+_TABLE = ElementTable(KNOWN, "pnml")
 _Sides = tuple[dict[str, int], dict[str, int], dict[str, int]]
 
 
 class _Place(NamedTuple):
     name: str
+    label: str | None
     initial: int
     line: int | None
 
 
 class _Transition(NamedTuple):
     name: str
+    label: str | None
     event: str | None
     rank: str | None
     line: int | None
@@ -60,7 +134,8 @@ class _Arc(NamedTuple):
     source: str
     target: str
     weight: int
-    read: bool
+    kind: str
+    half: bool
     line: int | None
 
 
@@ -69,6 +144,7 @@ class _PnmlReader:
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        self.file = str(path)
         self.net: str | None = None
         self.places: dict[str, _Place] = {}
         self.transitions: dict[str, _Transition] = {}
@@ -79,17 +155,25 @@ class _PnmlReader:
         self.priorities = False
 
     def fail(self, line: int | None, message: str) -> NoReturn:
-        raise InputError.at(Source(str(self.path), line), message)
+        raise InputError.at(Source(self.file, line), message)
 
     def read(self) -> PetriNet:
-        holds: list[bool] = []  # of each open element, whether it is the net or one of its pages
+        rules: list[ElementRule | None] = []  # of each open element, None where it is without meaning
+        holds: list[bool] = []  # whether it is the net or one of its pages
         root: int | None = 1
         for event, element in stream_xml(self.path, MAX_FILE_BYTES, self.far):
             if event == "start":
-                if not holds:
+                if not rules:
                     root = _line(element)
-                holds.append(self.begins(element, holds))
+                inert = bool(rules) and rules[-1] is None
+                rule = None if inert else _TABLE.entered(self.file, element, rules[-1] if rules else None)
+                holds.append(rule is not None and name_of(element) in ("net", "page"))
+                rules.append(rule)
+                if rule is not None and len(rules) == 2:
+                    self.begin_net(element)
                 continue
+            if (rule := rules.pop()) is not None:
+                _TABLE.left(self.file, element, rule)
             holds.pop()
             if holds and holds[-1]:
                 self.ends(element, of_net=len(holds) == 2)
@@ -102,35 +186,25 @@ class _PnmlReader:
     def far(self, read: int, size: int) -> None:
         step(Doing.READING, question=f"{self.path.name} ({read >> 20} of {size >> 20} MiB)")
 
-    def begins(self, element: etree._Element, holds: list[bool]) -> bool:
-        """Whether nodes stand in an element that begins; refuses what may not stand where it does."""
-        tag = _tag(element)
-        if not holds:
-            if tag != "pnml":
-                self.fail(_line(element), f"expected <pnml> with one <net>, found <{tag}>")
-            return False
-        if len(holds) == 1:
-            if tag != "net":
-                return False
-            if self.net is not None:
-                self.fail(_line(element), "expected <pnml> with one <net>, found a second")
-            kind = element.get("type", "")
-            if not kind.endswith(("/ptnet", "#ptnet", "PTNet", "P/T net")):
-                said = f"expected a place/transition net (type {NET_TYPE}), found type {kind!r}"
-                self.fail(_line(element), said)
-            self.net = element.get("id", "")
-            return True
-        if holds[-1] and tag != "page" and tag not in _NODES and tag not in _SKIPPED:
-            self.fail(_line(element), f"found <{tag}>, which place/transition nets do not have")
-        return holds[-1] and tag == "page"
+    def begin_net(self, element: etree._Element) -> None:
+        """Takes the net's name, and sees to it that there is one net and that its type is known."""
+        if name_of(element) != "net":
+            return
+        if self.net is not None:
+            refuse(self.file, element, "expected <pnml> with one <net>, found a second")
+        kind = element.get("type", "")
+        if _of_scheme(kind) not in NET_TYPES:
+            said = f"expected a place/transition net (type {NET_TYPE}), found type {quoted(kind)}"
+            refuse(self.file, element, said)
+        self.net = element.get("id", "")
 
     def ends(self, element: etree._Element, *, of_net: bool) -> None:
         """Takes what an element of a net or a page says."""
-        tag = _tag(element)
-        if tag in _NODES:
+        tag = name_of(element)
+        if tag in ("place", "transition", "arc", "referencePlace", "referenceTransition"):
             self.node(element, tag)
         elif tag == "toolspecific" and element.get("tool") == "nupn":
-            texts = (unit.text or "" for unit in element.iter() if _tag(unit) == "places")
+            texts = (unit.text or "" for unit in element.iter() if name_of(unit) == "places")
             self.units.extend(text.split() for text in texts if text.strip())
         elif tag == "toolspecific":
             remarks = self.remarks([element])
@@ -145,56 +219,81 @@ class _PnmlReader:
         if key in self.ids:
             self.fail(line, f"the id {key} is given twice")
         self.ids.add(key)
-        for label in element:
-            if _tag(label) not in _SKIPPED and _tag(label) not in _LABELS.get(tag, ()):
-                label_error = f"found <{_tag(label)}> in {tag} {key}"
-                self.fail(_line(label), f"{label_error}, which place/transition nets do not have")
-        remarks = self.remarks(element)
+        remarks, said = self.remarks(element), self.said(element, "name")
         name = remarks.get("name", key)
+        label = None if said == name else said or None
         if tag == "arc":
-            self.arcs.append(self.arc(element, key, "read" in remarks))
+            self.arcs.append(self.arc(element, key, said, half="read" in remarks))
         elif tag == "place":
-            self.places[key] = _Place(name, self.number(element, "initialMarking", 0), line)
+            initial = self.number(element, "initialMarking", 0)
+            self.places[key] = _Place(name, label, initial, line)
         elif tag == "transition":
-            self.transitions[key] = _Transition(name, remarks.get("event"), remarks.get("rank"), line)
+            event, rank = remarks.get("event"), remarks.get("rank")
+            self.transitions[key] = _Transition(name, label, event, rank, line)
         else:
             self.references[key] = _Reference(tag, element.get("ref", ""), line)
 
-    def arc(self, element: etree._Element, key: str, read: bool) -> _Arc:
-        weight, line = self.number(element, "inscription", 1), _line(element)
+    def arc(self, element: etree._Element, key: str, said: str | None, *, half: bool) -> _Arc:
+        line = _line(element)
+        weight = self.number(element, "inscription", self.number(element, "weight", 1))
         if weight == 0:
             self.fail(line, f"arc {key} has weight 0")
-        for kind in (child.get("value", "") for child in element if _tag(child) == "type"):
-            if kind != "normal":
-                self.fail(line, f"arc {key} is of type {kind}, which is not supported")
-        return _Arc(key, element.get("source", ""), element.get("target", ""), weight, read, line)
+        if said and read_count(said) not in (None, weight):  # tools have written the weight as the name
+            self.fail(line, f"the name of arc {key} is {said}, and its weight {weight}: expected one number")
+        kinds = [child for child in element if name_of(child) in ("type", "arctype")]
+        found = [element.get("type"), *(child.get("value", text_of(child)) for child in kinds)]
+        kind = "normal"
+        for one in found:
+            if one is None:
+                continue
+            if one.strip().lower() not in KINDS:
+                self.fail(line, f"arc {key} is of type {quoted(one, 40)}, expected {', '.join(KINDS)}")
+            if KINDS[one.strip().lower()] != "normal":
+                kind = KINDS[one.strip().lower()]
+        return _Arc(key, element.get("source", ""), element.get("target", ""), weight, kind, half, line)
+
+    def said(self, element: etree._Element, tag: str) -> str | None:
+        """What an element says by a label or by an attribute; ``None`` where it says nothing."""
+        labels = [child for child in element if name_of(child) == tag]
+        attribute = element.get(tag)
+        if len(labels) > 1 or (labels and attribute is not None and tag != "name"):
+            refuse(self.file, labels[-1], f"{tag} is given twice")
+        if not labels:
+            return attribute
+        parts = [child for child in labels[0] if name_of(child) in ("text", "value")]
+        if len(parts) > 1:
+            refuse(self.file, labels[0], f"{tag} has {len(parts)} texts, expected one")
+        return (parts[0].text or "").strip() if parts else ""
 
     def number(self, element: etree._Element, tag: str, missing: int) -> int:
-        """The number that a label of an element says."""
-        labels = [child for child in element if _tag(child) == tag]
-        if not labels:
+        """The number that an element says by a label or by an attribute."""
+        if tag == "inscription" and not any(name_of(child) == tag for child in element):
+            return missing  # TAPAAL's attribute of this name is an interval of time
+        text = self.said(element, tag)
+        if text is None:
             return missing
-        if len(labels) > 1:
-            self.fail(_line(labels[1]), f"{tag} is given twice")
-        texts = [child for child in labels[0] if _tag(child) == "text"]
-        text = (texts[0].text or "").strip() if len(texts) == 1 and not len(texts[0]) else ""
-        number = read_count(text)
+        number = read_count(text.removeprefix("Default,").strip())  # PIPE says the class of tokens, too
         if number is None:
-            shown = text if len(text) < 40 else f"{text[:40]}…"
-            said = f"{tag} is {shown!r}, expected a number of at most {MAX_DIGITS} digits"
-            self.fail(_line(labels[0]), said)
+            found = quoted(text, 40) if text else "empty"
+            label = next((child for child in element if name_of(child) == tag), element)
+            said = f"{tag} is {found}, expected a number of at most {MAX_DIGITS} digits"
+            refuse(self.file, label, said)
         return number
 
     def remarks(self, elements: Iterable[etree._Element]) -> dict[str, str]:
         """The remarks of ``mcpn`` in some elements: the first value of each."""
         said: dict[str, str] = {}
         for child in elements:
-            if _tag(child) == "toolspecific" and child.get("tool") == "mcpn":
+            if name_of(child) == "toolspecific" and child.get("tool") == "mcpn":
                 if child.get("version") != "1":
                     found = f"toolspecific of mcpn of version {child.get('version')}, expected 1"
-                    self.fail(_line(child), found)
+                    refuse(self.file, child, found)
                 for remark in child:
-                    said.setdefault(_tag(remark), remark.get("value", ""))
+                    if name_of(remark) not in _REMARKS:
+                        known = ", ".join(_REMARKS)
+                        found = f"found <{name_of(remark)}> in toolspecific of mcpn, expected one of {known}"
+                        refuse(self.file, remark, found)
+                    said.setdefault(name_of(remark), remark.get("value", ""))
         return said
 
     # --- joining ---
@@ -206,10 +305,10 @@ class _PnmlReader:
         for place in self.places.values():
             if builder.has_place(place.name):
                 self.fail(place.line, f"two places are named {place.name}")
-            builder.place(place.name, initial=place.initial)
-        sides = self.sides(ends)
+            builder.place(place.name, initial=place.initial, label=place.label)
+        sides, inhibitors = self.sides(ends)
         named: set[str] = set()
-        for key, (name, event, said, line) in self.transitions.items():
+        for key, (name, label, event, said, line) in self.transitions.items():
             if name in named:
                 self.fail(line, f"two transitions are named {name}")
             named.add(name)
@@ -219,9 +318,10 @@ class _PnmlReader:
             if rank is None or rank >= EVENTS:
                 self.fail(line, f"expected a rank from 0 to {EVENTS - 1}")
             builder.transition(name, consume=consume, produce=produce, read=read, event=typed, rank=rank)
+            builder.label(name, label)
         for unit in self.units:
             builder.unit(self.places[key].name for key in unit if key in self.places)
-        return builder.build()
+        return without_inhibitors(builder.build(), inhibitors)
 
     def follow_references(self, ends: dict[str, str]) -> None:
         """Adds to the ends of arcs, by id, what each reference leads to in the end."""
@@ -239,11 +339,12 @@ class _PnmlReader:
             if ends[key] not in kind:
                 self.fail(line, f"<{tag}> {key} leads to {ends[key]}, which is of another kind")
 
-    def sides(self, ends: dict[str, str]) -> dict[str, _Sides]:
-        """What each transition consumes, produces and reads, by its id and the places' names."""
+    def sides(self, ends: dict[str, str]) -> tuple[dict[str, _Sides], list[Inhibitor]]:
+        """What each transition consumes, produces and reads, by its id; and the inhibitor arcs."""
         arcs: dict[str, _Sides] = {t: ({}, {}, {}) for t in self.transitions}
         halves: dict[tuple[str, str], int] = {}
         marked: dict[tuple[str, str], _Arc] = {}
+        inhibitors: list[Inhibitor] = []
         for arc in self.arcs:
             source, target = (
                 self.end(arc, "source", arc.source, ends),
@@ -253,21 +354,31 @@ class _PnmlReader:
             if into == (target in self.places):
                 self.fail(arc.line, f"arc {arc.key} does not join a place and a transition")
             place, transition = (source, target) if into else (target, source)
+            name = self.places[place].name
+            if arc.kind != "normal" and not into:
+                self.fail(arc.line, f"{arc.kind} arc {arc.key} leads to a place, expected a transition")
+            if arc.kind == "inhibitor":
+                here = Source(self.file, arc.line)
+                inhibitors.append(Inhibitor(name, self.transitions[transition].name, arc.weight, here))
+                continue
+            if arc.kind == "read":
+                read = arcs[transition][2]
+                read[name] = max(read.get(name, 0), arc.weight)
+                continue
             side = arcs[transition][0 if into else 1]
-            if arc.read:
+            if arc.half:
                 pair = (place, transition)
                 halves[pair] = halves.get(pair, 0) + (arc.weight if into else -arc.weight)
                 marked[pair] = arc
                 if not into:
                     continue
                 side = arcs[transition][2]
-            name = self.places[place].name
             side[name] = side.get(name, 0) + arc.weight
         for pair, difference in halves.items():
             if difference:
                 arc = marked[pair]
                 self.fail(arc.line, f"read arc {arc.key} has no arc back of its weight")
-        return arcs
+        return arcs, inhibitors
 
     def end(self, arc: _Arc, attribute: str, key: str, ends: dict[str, str]) -> str:
         if key not in ends:
@@ -293,7 +404,9 @@ def read_pnml(path: Path) -> PetriNet:
 
 def _let_go(element: etree._Element) -> None:
     """Forgets what stands in an element that has ended, and its siblings before it."""
+    tail = element.tail  # which is looked at as the next element begins
     element.clear()
+    element.tail = tail
     parent = element.getparent()
     while parent is not None and element.getprevious() is not None:
         del parent[0]
@@ -304,8 +417,8 @@ def _line(element: etree._Element) -> int | None:
     return line if isinstance(line, int) else None
 
 
-def _tag(element: etree._Element) -> str:
-    return str(element.tag).rpartition("}")[2]
+def _of_scheme(kind: str) -> str:
+    return re.sub(r"^https://(www2?\.)?", "http://www.", kind)
 
 
 # --- writing -------------------------------------------------------------------------------------------
@@ -334,13 +447,13 @@ def write_pnml(net: PetriNet) -> bytes:
     page = _add(drawn, "page", id=new_id())
     places: list[str] = []
     for place in net.places:
-        drawn = _node(page, "place", new_id, place.name)
+        drawn = _node(page, "place", new_id, place.name, label=place.label)
         places.append(drawn.get("id", ""))
         if place.initial:
             _add(_add(drawn, "initialMarking"), "text", str(place.initial))
     for t in net.transitions:
         remark = ("event", str(t.event)) if t.event is not None else ("rank", str(t.rank or "") or None)
-        key = _node(page, "transition", new_id, t.name, *remark).get("id", "")
+        key = _node(page, "transition", new_id, t.name, *remark, label=t.label).get("id", "")
         arcs = [(places[p], key, w, False) for p, w in t.consume]
         arcs += [(key, places[p], w, False) for p, w in t.produce]
         for p, w in t.read:
@@ -375,10 +488,11 @@ def _node(
     name: str,
     remark: str | None = None,
     value: str | None = None,
+    label: str | None = None,
 ) -> etree._Element:
-    """An element with an id and a name; its name, and what else standard PNML cannot say, as remarks."""
+    """An element with an id and a label; its name, and what else standard PNML cannot say, as remarks."""
     element = _add(parent, tag, id=new_id(name))
-    _add(_add(element, "name"), "text", name)
+    _add(_add(element, "name"), "text", name if label is None else label)
     if element.get("id") != name:
         _remark(element, "name", name)
     if remark is not None and value is not None:

@@ -1,14 +1,24 @@
 """TINA's textual nets (``.net``): the one reader and the one writer.
 
-A net is the superposition of declarations: ``net``, ``tr`` and ``pl`` with labels, markings and arcs, ``lb``,
-``pr``. Supported: weights (``p*3``), read arcs (``p?1``), names in braces with backslashes, comments,
-priorities (``pr a b > c d``, on several lines too) that amount to levels. Priorities make the last level
-events and the others internal, ranked in their order; an event is named by the transition's label, or by the
-transition itself. Without priorities a label is kept as the event. Notes and labels of places are skipped.
-Inhibitor and stopwatch arcs and time intervals other than ``[0,w[`` change the meaning of the net: they are
-refused.
+A net is the superposition of declarations, in the grammar of the tool's manual::
 
-A declaration starts with its keyword at the start of a line; indented lines continue it.
+    net         = { "net" NAME | place | transition | priority | label | note }
+    place       = "pl" NAME [":" NAME] ["(" NUMBER ")"] [arcs]
+    transition  = "tr" NAME [":" NAME] [interval] [arcs]
+    arcs        = {arc} "->" {arc}
+    arc         = NAME [("*" | "?" | "?-" | "!" | "!-") NUMBER]
+    interval    = ("[" | "]") NUMBER "," (NUMBER ("[" | "]") | "w" "[")
+    priority    = "pr" NAME {NAME} (">" | "<") NAME {NAME}
+    label       = "lb" NAME NAME
+    note        = "nt" NAME ("0" | "1") NAME
+
+Any white space separates tokens, line breaks too; ``#`` begins a comment. A keyword is a name in braces
+alone, where a backslash stands before braces and backslashes. A number may end in a power of ten (``2K``).
+
+Priorities (``pr``) are read where they amount to levels. They make the last level events and the others
+internal, ranked in their order; an event is named by the transition's label, or by the transition itself.
+Without priorities a label is kept as the event. Notes are without meaning. Inhibitor arcs (``?-``) are read
+of places with a proved bound. Stopwatch arcs (``!``, ``!-``) and intervals other than ``[0,w[`` are refused.
 
 Reference: the manual page "formats" of the TINA toolbox (Berthomieu, Ribet, Vernadat, The tool TINA, Int. J.
 of Production Research 42(14), 2004).
@@ -17,15 +27,15 @@ of Production Research 42(14), 2004).
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
 from itertools import chain
 from pathlib import Path
-from typing import NoReturn
+from typing import NamedTuple, NoReturn
 
 from mcpn.errors import InputError, Source
 from mcpn.nets.events import Event
 from mcpn.nets.formats.counts import MAX_COUNT, MAX_DIGITS, check_counts, read_count
+from mcpn.nets.inhibitors import Inhibitor, without_inhibitors
 from mcpn.nets.petri import NetBuilder, PetriNet
 
 # Each alternative starts with other characters and none backtracks: the scan takes linear time.
@@ -36,38 +46,69 @@ _TOKEN = re.compile(
 _PLAIN = re.compile(r"[A-Za-z_'][A-Za-z0-9_']*\Z")
 _KEYWORDS = ("net", "pl", "tr", "pr", "lb", "nt")
 _SCALE = {"K": 10**3, "M": 10**6, "G": 10**9, "T": 10**12, "P": 10**15, "E": 10**18}
-_REFUSED = {"?-": "inhibitor", "!": "stopwatch", "!-": "stopwatch inhibitor"}
+_REFUSED = {"!": "stopwatch", "!-": "stopwatch inhibitor"}
 
 
-@dataclass(frozen=True, slots=True)
-class _TinaToken:
+class _TinaToken(NamedTuple):
     kind: str
     text: str
     line: int
     column: int
 
     def shown(self) -> str:
-        return "the end of the declaration" if self.kind == "end" else repr(self.text)
+        return "the end of the declaration" if self.kind in ("end", "keyword") else repr(self.text)
 
 
-class _Declaration:
-    """The tokens of one declaration, read from left to right."""
+class _Tokens:
+    """The tokens of a text, taken from left to right; a keyword ends the declaration before it."""
 
-    def __init__(self, path: str, keyword: _TinaToken) -> None:
+    def __init__(self, path: str, text: str) -> None:
         self.path = path
-        self.keyword = keyword
-        self.tokens: list[_TinaToken] = []
+        self.all: list[_TinaToken] = []
         self.at = 0
+        for line, words in enumerate(re.split(r"\r\n|\r|\n", text), 1):
+            self.all += self.of_line(words, line)
+        last = self.all[-1] if self.all else _TinaToken("end", "", 1, 1)
+        self.all.append(_TinaToken("end", "", last.line, last.column + len(last.text)))
+
+    def of_line(self, text: str, line: int) -> Iterator[_TinaToken]:
+        position = 0
+        while position < len(text):
+            match = _TOKEN.match(text, position)
+            if not match:
+                character = text[position]
+                wrong = "'{' without its '}' on the same line" if character == "{" else repr(character)
+                here = _TinaToken("symbol", character, line, position + 1)
+                self.fail(f"found {wrong}, expected a name, an arc or an arrow", here)
+            kind = match.lastgroup or ""
+            if kind == "word" and match.group() in _KEYWORDS:
+                kind = "keyword"
+            if kind not in ("space", "comment"):
+                yield _TinaToken(kind, match.group(), line, position + 1)
+            position = match.end()
 
     def fail(self, message: str, token: _TinaToken | None = None) -> NoReturn:
-        token = token or self.keyword
+        token = token or self.peek()
         raise InputError.at(Source(self.path, token.line), f"column {token.column}: {message}")
 
     def peek(self) -> _TinaToken:
-        if self.at < len(self.tokens):
-            return self.tokens[self.at]
-        last = self.tokens[-1] if self.tokens else self.keyword
-        return _TinaToken("end", "", last.line, last.column + len(last.text))
+        return self.all[self.at]
+
+    @property
+    def ended(self) -> bool:
+        """Whether the declaration ends here."""
+        return self.peek().kind in ("end", "keyword")
+
+    def keyword(self) -> _TinaToken | None:
+        """The keyword that begins a declaration here; ``None`` at the end of the text."""
+        token = self.peek()
+        if token.kind == "end":
+            return None
+        if token.kind != "keyword":
+            after = " where the declaration should end" if self.at else ""
+            self.fail(f"found {token.shown()}{after}, expected one of {', '.join(_KEYWORDS)}")
+        self.at += 1
+        return token
 
     def skip(self, *symbols: str) -> _TinaToken | None:
         """The next token if it is one of these symbols, which it then leaves behind."""
@@ -80,7 +121,11 @@ class _Declaration:
     def name(self, what: str) -> str:
         token = self.peek()
         if token.kind not in ("word", "braces"):
-            self.fail(f"found {token.shown()}, expected {what}", token)
+            before = self.all[self.at - 1]
+            if token.kind == "keyword" and before.line != token.line:
+                self.fail(f"found {token.shown()}, expected {what}", before)
+            hint = f"; as a name write {{{token.text}}}" if token.kind == "keyword" else ""
+            self.fail(f"found {token.shown()}, expected {what}{hint}")
         self.at += 1
         return re.sub(r"\\(.)", r"\1", token.text[1:-1]) if token.kind == "braces" else token.text
 
@@ -89,37 +134,46 @@ class _Declaration:
         scale = _SCALE.get(token.text[-1:], 1)
         number = read_count(token.text[:-1] if scale > 1 else token.text)
         if token.kind != "word" or number is None or number * scale > MAX_COUNT:
-            self.fail(f"found {token.shown()}, expected {what}: a number below 10^{MAX_DIGITS}", token)
+            self.fail(f"found {token.shown()}, expected {what}: a number below 10^{MAX_DIGITS}")
         self.at += 1
         return number * scale
 
     def label(self) -> str | None:
         return self.name("a label") if self.skip(":") else None
 
-    def sides(self, what: str) -> tuple[list[tuple[str, str, int]], list[tuple[str, str, int]]]:
+    def untimed(self, name: str) -> None:
+        """Leaves the interval [0,w[ behind; any other is refused."""
+        if self.peek().kind == "symbol" and self.peek().text in ("[", "]"):
+            interval = "".join(token.text for token in self.all[self.at : self.at + 5])
+            if interval != "[0,w[":
+                what = f"transition {name} has a time interval other than [0,w["
+                self.fail(f"{what}: only untimed nets are supported")
+            self.at += 5
+
+    def sides(self, what: str, of: str) -> tuple[list[tuple[str, str, int]], list[tuple[str, str, int]]]:
         """The arcs before and after the arrow, each with its other end, its kind and its weight."""
         sides: tuple[list[tuple[str, str, int]], list[tuple[str, str, int]]] = ([], [])
         arrows = 0
-        while (token := self.peek()).kind != "end":
+        while not self.ended:
+            token = self.peek()
             if self.skip("->"):
                 arrows += 1
             else:
-                sides[min(arrows, 1)].append(self.arc())
+                sides[min(arrows, 1)].append(self.arc(of))
             if arrows > 1:
                 self.fail(f"{what} needs one '->' between its inputs and its outputs, found two", token)
         if arrows == 0 and sides[0]:
             self.fail(f"{what} needs one '->' between its inputs and its outputs")
         return sides
 
-    def arc(self) -> tuple[str, str, int]:
-        shape = "an arc PLACE, PLACE*WEIGHT or PLACE?WEIGHT"
-        name = self.name(shape)
+    def arc(self, of: str) -> tuple[str, str, int]:
+        name = self.name(f"an arc {of}, {of}*WEIGHT, {of}?WEIGHT or {of}?-WEIGHT")
         kind = self.skip("*", "?", "?-", "!", "!-")
         if kind is None:
             return name, "*", 1
         if kind.text in _REFUSED:
             self.fail(f"{_REFUSED[kind.text]} arcs are not supported", kind)
-        weight = self.number("PLACE*WEIGHT or PLACE?WEIGHT")
+        weight = self.number(f"{of}*WEIGHT, {of}?WEIGHT or {of}?-WEIGHT")
         if weight == 0:
             self.fail(f"the arc {name}{kind.text}0 has weight 0", kind)
         return name, kind.text, weight
@@ -128,144 +182,129 @@ class _Declaration:
 class _TinaReader:
     """Collects declarations, then makes the net of them."""
 
-    def __init__(self, path: str) -> None:
-        self.path = path
+    def __init__(self, path: str, text: str) -> None:
+        self.tokens = _Tokens(path, text)
         self.name = ""
         self.places: dict[str, int] = {}
         self.arcs: dict[str, dict[str, dict[str, int]]] = {}
+        self.inhibitors: list[Inhibitor] = []
         self.labels: dict[str, str] = {}
-        self.late_labels: list[tuple[_Declaration, str, str]] = []
-        self.priorities: list[tuple[_Declaration, list[str], list[str]]] = []
+        self.place_labels: dict[str, str] = {}
+        self.late_labels: list[tuple[_TinaToken, str, str]] = []
+        self.priorities: list[tuple[_TinaToken, list[str], list[str]]] = []
 
-    def read(self, lines: Iterable[str]) -> PetriNet:
-        for declaration in self.declarations(lines):
-            keyword = declaration.keyword.text
-            if keyword == "net":
-                self.name = declaration.name("the net's name")
-            elif keyword == "pl":
-                self.place(declaration)
-            elif keyword == "tr":
-                self.transition(declaration)
-            elif keyword == "lb":
-                node = declaration.name("a place or a transition")
-                self.late_labels.append((declaration, node, declaration.name("a label")))
-            elif keyword == "pr":
-                self.priority(declaration)
-            else:
-                continue  # a note
-            rest = declaration.peek()
-            if rest.kind != "end":
-                declaration.fail(f"found {rest.shown()} where the declaration should end", rest)
+    def read(self) -> PetriNet:
+        declared: Mapping[str, Callable[[_TinaToken], None]] = {
+            "net": self.net,
+            "pl": self.place,
+            "tr": self.transition,
+            "lb": self.late_label,
+            "pr": self.priority,
+            "nt": self.note,
+        }
+        while keyword := self.tokens.keyword():
+            declared[keyword.text](keyword)
         return self.build()
 
-    def declarations(self, lines: Iterable[str]) -> Iterator[_Declaration]:
-        current: _Declaration | None = None
-        for number, text in enumerate(lines, 1):
-            tokens = self.tokens(text, number)
-            if not tokens:
-                continue
-            first = tokens[0]
-            if first.kind == "word" and first.text in _KEYWORDS:
-                if current:
-                    yield current
-                current = _Declaration(self.path, first)
-                tokens = tokens[1:]
-            elif current is None or first.column == 1:
-                expected = f"expected one of {', '.join(_KEYWORDS)}"
-                _Declaration(self.path, first).fail(f"found {first.shown()}, {expected}")
-            current.tokens += tokens
-        if current:
-            yield current
+    def net(self, keyword: _TinaToken) -> None:
+        self.name = self.tokens.name("the net's name")
 
-    def tokens(self, text: str, line: int) -> list[_TinaToken]:
-        words, position = [], 0
-        while position < len(text):
-            match = _TOKEN.match(text, position)
-            if not match:
-                character = text[position]
-                wrong = "'{' without its '}' on the same line" if character == "{" else repr(character)
-                here = _TinaToken("symbol", character, line, position + 1)
-                _Declaration(self.path, here).fail(f"found {wrong}, expected a name, an arc or an arrow")
-            kind = match.lastgroup or ""
-            if kind not in ("space", "comment"):
-                words.append(_TinaToken(kind, match.group(), line, position + 1))
-            position = match.end()
-        return words
+    def late_label(self, keyword: _TinaToken) -> None:
+        node = self.tokens.name("a place or a transition")
+        self.late_labels.append((keyword, node, self.tokens.name("a label")))
 
-    def place(self, declaration: _Declaration) -> None:
-        if declaration.peek().kind == "end":
-            declaration.fail("pl without a name")
-        name = declaration.name("a place")
-        declaration.label()
-        tokens = 0
-        if declaration.skip("("):
-            tokens = declaration.number("a marking")
-            if not declaration.skip(")"):
-                token = declaration.peek()
-                declaration.fail(f"found {token.shown()}, expected ')' after the marking", token)
-        self.places[name] = self.places.get(name, 0) + tokens
-        inputs, outputs = declaration.sides(f"place {name}")
+    def note(self, keyword: _TinaToken) -> None:
+        self.tokens.name("a note's name")
+        if self.tokens.name("0 or 1") not in ("0", "1"):
+            self.tokens.fail("a note has 0 or 1 after its name", keyword)
+        self.tokens.name("a note's text")
+
+    def place(self, keyword: _TinaToken) -> None:
+        tokens = self.tokens
+        if tokens.ended:
+            tokens.fail("pl without a name", keyword)
+        name = tokens.name("a place")
+        if (label := tokens.label()) is not None:
+            self.place_labels[name] = label
+        held = 0
+        if tokens.skip("("):
+            held = tokens.number("a marking")
+            if not tokens.skip(")"):
+                tokens.fail(f"found {tokens.peek().shown()}, expected ')' after the marking")
+        self.places[name] = self.places.get(name, 0) + held
+        inputs, outputs = tokens.sides(f"place {name}", "TRANSITION")
         for transition, kind, weight in inputs:
-            if kind == "?":
-                declaration.fail(f"place {name} has a read arc among its inputs")
+            self.plain(keyword, f"place {name}", "inputs", kind)
             self.add(transition, "produce", name, weight)
         for transition, kind, weight in outputs:
-            self.add(transition, "read" if kind == "?" else "consume", name, weight)
+            self.taken(keyword, transition, kind, name, weight)
 
-    def transition(self, declaration: _Declaration) -> None:
-        if declaration.peek().kind == "end":
-            declaration.fail("tr without a name")
-        name = declaration.name("a transition")
+    def transition(self, keyword: _TinaToken) -> None:
+        tokens = self.tokens
+        if tokens.ended:
+            tokens.fail("tr without a name", keyword)
+        name = tokens.name("a transition")
         self.arcs.setdefault(name, {})
-        label = declaration.label()
+        label = tokens.label()
         if label is not None:
-            self.set_label(declaration, name, label)
-        if declaration.peek().text in ("[", "]") and declaration.peek().kind == "symbol":
-            interval = "".join(
-                token.text for token in declaration.tokens[declaration.at : declaration.at + 5]
-            )
-            if interval != "[0,w[":
-                what = f"transition {name} has a time interval other than [0,w["
-                declaration.fail(f"{what}: only untimed nets are supported", declaration.peek())
-            declaration.at += 5
-        inputs, outputs = declaration.sides(f"transition {name}")
+            self.set_label(keyword, name, label)
+        tokens.untimed(name)
+        inputs, outputs = tokens.sides(f"transition {name}", "PLACE")
         for place, kind, weight in inputs:
-            self.add(name, "read" if kind == "?" else "consume", place, weight)
+            self.taken(keyword, name, kind, place, weight)
         for place, kind, weight in outputs:
-            if kind == "?":
-                declaration.fail(f"transition {name} has a read arc among its outputs")
+            self.plain(keyword, f"transition {name}", "outputs", kind)
             self.add(name, "produce", place, weight)
+
+    def plain(self, keyword: _TinaToken, what: str, side: str, kind: str) -> None:
+        if kind != "*":
+            arc = "a read arc" if kind == "?" else "an inhibitor arc"
+            self.tokens.fail(f"{what} has {arc} among its {side}", keyword)
+
+    def taken(self, keyword: _TinaToken, transition: str, kind: str, place: str, weight: int) -> None:
+        """An arc from a place to a transition."""
+        if kind == "?-":
+            self.places.setdefault(place, 0)
+            self.arcs.setdefault(transition, {})
+            source = Source(self.tokens.path, keyword.line)
+            self.inhibitors.append(Inhibitor(place, transition, weight, source))
+        else:
+            self.add(transition, "read" if kind == "?" else "consume", place, weight)
 
     def add(self, transition: str, side: str, place: str, weight: int) -> None:
         self.places.setdefault(place, 0)
         weights = self.arcs.setdefault(transition, {}).setdefault(side, {})
         weights[place] = weights.get(place, 0) + weight
 
-    def set_label(self, declaration: _Declaration, name: str, label: str) -> None:
+    def set_label(self, keyword: _TinaToken, name: str, label: str) -> None:
         if self.labels.setdefault(name, label) != label:
-            declaration.fail(f"transition {name} has two labels, {self.labels[name]} and {label}")
+            said = f"transition {name} has two labels, {self.labels[name]} and {label}"
+            self.tokens.fail(said, keyword)
 
-    def priority(self, declaration: _Declaration) -> None:
-        left: list[str] = [declaration.name("a transition")]
+    def priority(self, keyword: _TinaToken) -> None:
+        tokens = self.tokens
+        left: list[str] = [tokens.name("a transition")]
         right: list[str] = []
-        while not (relation := declaration.skip(">", "<")):
-            left.append(declaration.name("a transition, '>' or '<'"))
-        while declaration.peek().kind != "end" or not right:
-            right.append(declaration.name("a transition"))
+        while not (relation := tokens.skip(">", "<")):
+            left.append(tokens.name("a transition, '>' or '<'"))
+        while not tokens.ended or not right:
+            right.append(tokens.name("a transition"))
         upper, lower = (left, right) if relation.text == ">" else (right, left)
-        self.priorities.append((declaration, upper, lower))
+        self.priorities.append((keyword, upper, lower))
 
     def build(self) -> PetriNet:
-        for declaration, node, label in self.late_labels:
+        for keyword, node, label in self.late_labels:
             if node in self.arcs:
-                self.set_label(declaration, node, label)
-            elif node not in self.places:
-                declaration.fail(f"lb names {node}, which is neither a place nor a transition")
+                self.set_label(keyword, node, label)
+            elif node in self.places:
+                self.place_labels[node] = label
+            else:
+                self.tokens.fail(f"lb names {node}, which is neither a place nor a transition", keyword)
         ranks = self.ranks()
         events = max(ranks.values(), default=0)
         builder = NetBuilder(self.name, priorities=bool(self.priorities))
         for place, tokens in self.places.items():
-            builder.place(place, initial=tokens)
+            builder.place(place, initial=tokens, label=self.place_labels.get(place))
         for name, sides in self.arcs.items():
             event, rank = self.labels.get(name), 0
             if self.priorities:
@@ -275,17 +314,17 @@ class _TinaReader:
             consume, produce, read = (sides.get(side, {}) for side in ("consume", "produce", "read"))
             typed = None if event is None else Event.parse(event)
             builder.transition(name, consume=consume, produce=produce, read=read, event=typed, rank=rank)
-        return builder.build()
+        return without_inhibitors(builder.build(), self.inhibitors)
 
     def ranks(self) -> dict[str, int]:
         """By transition the number of its level of priority, from 0 for the highest; without any, none."""
         if not self.priorities:
             return {}
         lines_of: dict[str, list[int]] = {name: [] for name in self.arcs}
-        for line, (declaration, above, below) in enumerate(self.priorities):
+        for line, (keyword, above, below) in enumerate(self.priorities):
             for name in (*above, *below):
                 if name not in self.arcs:
-                    declaration.fail(f"pr names the transition {name}, which is not declared")
+                    self.tokens.fail(f"pr names the transition {name}, which is not declared", keyword)
             for name in above:
                 lines_of[name].append(line)
         # Each transition must stand above all those of later levels, by one line or by several together. A
@@ -310,10 +349,11 @@ class _TinaReader:
     def partial(self, name: str, others: frozenset[str]) -> NoReturn:
         """Refuses priorities that are no levels, of a transition and others that should be below it."""
         other = min(others, key=lambda n: (n == name, list(self.arcs).index(n)))
-        self.priorities[-1][0].fail(
+        self.tokens.fail(
             f"the priorities are a partial order: they leave open how {name} and {other} stand to each other;"
             " expected levels, where each transition is above all of the levels after its own"
-            " (docs/formats.md, priorities of TINA, says what to write instead)"
+            " (docs/nets.md, priorities of TINA, says what to write instead)",
+            self.priorities[-1][0],
         )
 
 
@@ -342,7 +382,7 @@ def read_tina(path: Path, data: bytes) -> PetriNet:
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         raise InputError.at(Source(str(path), line), "not UTF-8 text") from error
-    return _TinaReader(str(path)).read(re.split(r"\r\n|\r|\n", text))
+    return _TinaReader(str(path), text).read()
 
 
 def write_tina(net: PetriNet) -> str:
@@ -373,7 +413,7 @@ def write_tina(net: PetriNet) -> str:
     if net.priorities and len(net.internal_ranks) > 1 and all(t.internal for t in net.transitions):
         raise InputError.at(None, "ranks of a net without events cannot be written as .net")
     events = (str(t.event) for t in net.transitions if t.event is not None)
-    for name in (net.name, *net.place_index, *net.transition_index, *events):
+    for name in (net.name, *net.place_index, *net.place_labels, *net.transition_index, *events):
         if re.search(r"[\r\n]", name):
             raise InputError.at(None, f"the name {name!r} holds a line break, which .net files cannot say")
     return "\n".join(_lines(net)) + "\n"
@@ -382,7 +422,8 @@ def write_tina(net: PetriNet) -> str:
 def _lines(net: PetriNet) -> Iterator[str]:
     yield f"net {quote(net.name)}"
     for place in net.places:
-        yield f"pl {quote(place.name)}" + (f" ({place.initial})" if place.initial else "")
+        label = "" if place.label is None else f" : {quote(place.label)}"
+        yield f"pl {quote(place.name)}{label}" + (f" ({place.initial})" if place.initial else "")
     for t in net.transitions:
         label = f" : {quote(str(t.event))}" if t.event is not None else ""
         inputs = [_arc(net, arc, "*") for arc in t.consume] + [_arc(net, arc, "?") for arc in t.read]

@@ -192,7 +192,11 @@ BROKEN = {
     ),
     "guard": ('<transition id="t">\n<condition/></transition>', 4, "<condition> in transition t"),
     "declaration": ("<declaration/>", 3, "found <declaration>"),
-    "capacity": ('<place id="p"><capacity><value>1</value></capacity></place>', 3, "<capacity> in place p"),
+    "capacity": (
+        '<place id="p"><capacity><value>1</value></capacity></place>',
+        3,
+        "<capacity> '1' in place p, expected '0'",
+    ),
     "two markings": (
         '<place id="p"><initialMarking><text>1</text></initialMarking>\n'
         "<initialMarking><text>2</text></initialMarking></place>",
@@ -202,12 +206,12 @@ BROKEN = {
     "two texts": (
         '<place id="p"><initialMarking><text>1</text><text>2</text></initialMarking></place>',
         3,
-        "initialMarking is ''",
+        "initialMarking has 2 texts",
     ),
     "text in parts": (
         '<place id="p"><initialMarking><text>1<b/>0</text></initialMarking></place>',
         3,
-        "initialMarking is ''",
+        "found <b> in <text>, expected nothing",
     ),
     "fraction": ('<place id="p"><initialMarking><text>1.5</text></initialMarking></place>', 3, "'1.5'"),
     "foreign digits": ('<place id="p"><initialMarking><text>٣</text></initialMarking></place>', 3, "'٣'"),

@@ -178,10 +178,20 @@ def test_the_reference_nets_are_read(reference: Path) -> None:
 
 BROKEN = {
     "words before any keyword": ("  a b\n", 1, "column 3: found 'a', expected one of net, pl"),
-    "a keyword mistyped": ("tr t a -> b\nplace p\n", 2, "column 1: found 'place', expected one of"),
+    "a keyword mistyped": (
+        "net n\nplace p\n",
+        2,
+        "column 1: found 'place' where the declaration should end, expected one of",
+    ),
+    "a keyword as a name": ("tr t pl -> q\n", 1, "column 9: found '->', expected a place"),
+    "a keyword as a label": ("tr t : pl -> q\n", 1, "expected a label; as a name write {pl}"),
+    "a note without 0 or 1": ("nt n 2 {text}\n", 1, "a note has 0 or 1 after its name"),
+    "a note without a text": ("nt n 0\ntr t p -> q\n", 1, "expected a note's text"),
     "stopwatch": ("tr t p!1 -> q\n", 1, "stopwatch arcs are not supported"),
     "stopwatch inhibitor": ("tr t p!-1 -> q\n", 1, "stopwatch inhibitor arcs are not supported"),
-    "inhibitor in pl": ("pl p t -> u?-1\n", 1, "inhibitor arcs are not supported"),
+    "inhibitor into pl": ("pl p t?-1 -> u\n", 1, "place p has an inhibitor arc among its inputs"),
+    "inhibitor out of tr": ("tr t p -> q?-1\n", 1, "transition t has an inhibitor arc among its outputs"),
+    "inhibitor of an unbounded place": ("tr t -> p\ntr u p?-1 -> q\n", 2, "expected a bound of p"),
     "negative weight": ("tr t p*-2 -> q\n", 1, "column 8: found '-2', expected PLACE*WEIGHT"),
     "weight missing": ("tr t p* -> q\n", 1, "found '->', expected PLACE*WEIGHT"),
     "weight in braces": ("tr t p*{2} -> q\n", 1, "found '{2}'"),
