@@ -13,11 +13,13 @@ from pathlib import Path
 from typing import Any
 
 from mcpn.drawing.templates.interface import MEETINGS
+from mcpn.logic.contest import KNOWN as OF_PROPERTIES
 from mcpn.mission.language.forms import GROUPS, Field, form_of, inside, language, relax_ng
 from mcpn.mission.model import BlockElement
 from mcpn.mission.requirement import Absence
 from mcpn.mission.robot import Described, Element
 from mcpn.mission.xml import SCHEMA
+from mcpn.nets.formats.pnml import KNOWN as OF_PNML
 from mcpn.report.documents import FORMATS, json_schema
 from mcpn.report.documents.answers import NAMED
 from mcpn.report.documents.graphs import ANSWERED
@@ -45,10 +47,12 @@ GROUPED = {
 """Keys that several formats share, by what they are told as."""
 MOST_PLAIN = 3
 """Words that say of a member no more than what it is."""
+KNOWN = {"pnml": OF_PNML, "properties": OF_PROPERTIES}
+"""Tables of what readers of XML know, by what pages call them."""
 HEAD = ("| key | meaning |", "|---|---|")
 PAGES = [
     Path(__file__).with_name(name)
-    for name in ("language.md", "patterns.md", "from-a-tree.md", "formats.md", "templates.md")
+    for name in ("language.md", "patterns.md", "from-a-tree.md", "formats.md", "nets.md", "templates.md")
 ]
 
 
@@ -173,9 +177,36 @@ def contract(kind: str) -> str:
     return "\n".join(lines)
 
 
+def known(name: str) -> str:
+    """What a reader of XML knows: by element what it reads, what may only say so, what is without meaning."""
+    lines = ["| element | read | with these values alone | without meaning |", "|---|---|---|---|"]
+    for element, row in KNOWN[name].items():
+        read, only, ignored = list[str](), list[str](), list[str]()
+        for sign, words in (("{}", row.attributes), ("<{}>", row.inside)):
+            for word in words.split():
+                inner, _, values = word.removeprefix("-").partition("=")
+                told = f"`{sign.format(inner)}`"
+                if word.startswith("-"):
+                    ignored.append(told)
+                elif values:
+                    allowed = " or ".join(f"`{value.replace('_', ' ')}`" for value in values.split("|"))
+                    only.append(f"{told}: {allowed}")
+                else:
+                    read.append(told)
+        if not row.text:
+            cells = (f"`<{element}>`", *(", ".join(each) for each in (read, only, ignored)))
+            lines.append(f"| {' | '.join(cells)} |".replace("  ", " "))
+    return "\n".join(lines)
+
+
 def renewed(page: str) -> str:
     """The page with its tables written anew."""
-    kinds = (("table", r"\w+", table), ("format", r"[\w-]+", format_table), ("contract", r"\w+", contract))
+    kinds = (
+        ("table", r"\w+", table),
+        ("format", r"[\w-]+", format_table),
+        ("contract", r"\w+", contract),
+        ("known", r"\w+", known),
+    )
     for word, name, make in kinds:
         page = re.sub(
             rf"(<!-- {word} ({name}) -->\n).*?(<!-- end -->)",

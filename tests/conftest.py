@@ -66,6 +66,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         ("--roscon", "MCPN_ROSCON", "worlds of the ROS deliberation workshop 2024"),
         ("--faults", "MCPN_FAULTS", "missions that once showed a fault"),
         ("--trees", "MCPN_TREES", "behaviour trees that others wrote"),
+        ("--tapaal", "MCPN_TAPAAL", "test models of TAPAAL's engine, verifypn"),
         ("--btcpp", "MCPN_BTCPP", "sources of BehaviorTree.CPP"),
     ):
         parser.addoption(option, default=os.environ.get(variable), help=f"folder of the {what} (${variable})")
@@ -134,6 +135,12 @@ def _folder(request: pytest.FixtureRequest, option: str, beside: str) -> Path:
 def mcc(request: pytest.FixtureRequest) -> Path:
     """The folder of the contest's nets."""
     return _folder(request, "--mcc", "mcc")
+
+
+@pytest.fixture(scope="session")
+def tapaal(request: pytest.FixtureRequest) -> Path:
+    """The folder of the test models of TAPAAL's engine."""
+    return _folder(request, "--tapaal", "tapaal")
 
 
 @pytest.fixture(scope="session")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -97,19 +97,15 @@ def ask(
             raise click.UsageError("a FORMULA, --properties or --examination is needed to ask about a net")
         _list_words(study.mission_net, question.as_json)
         return
-    objects, answers = [], []
+    answers: Sequence[Answer] = ()
     with question.workers():
         questions = study.questions(on=graph, fair=fair, engine=engine, max_states=question.max_states)
         # Everything asked is understood before anything is answered.
-        for text in formulas:
-            questions.formula(text)
+        questions.formulas(formulas)
         if hoa:
             _print_automata(questions, formulas, question.as_json)
             return
-        for verdict in _of_contest(questions, properties, examinations):
-            objects.append(_contest_object(verdict))
-            if not question.as_json:
-                click.echo(str(verdict))
+        objects = _tell_contest(questions, properties, examinations, question.as_json)
         if formulas:
             with question.progress():
                 answers = answer_typed(questions, formulas)
@@ -184,17 +180,41 @@ def _list_words(mission_net: MissionNet, as_json: bool) -> None:
         print_vocabulary(words)
 
 
-def _of_contest(
-    questions: Questions, properties: tuple[Path, ...], examinations: tuple[str, ...]
-) -> Iterator[ContestAnswer]:
-    """The answers to property files, all of which are understood first, and to examinations."""
-    if properties or examinations:
-        from mcpn.logic.contest import read_properties
-        from mcpn.logic.verdicts import answer_all
+def _tell_contest(
+    questions: Questions, properties: tuple[Path, ...], examinations: tuple[str, ...], as_json: bool
+) -> list[dict[str, Any]]:
+    """Answers property files, all of which are understood first, and examinations, in their order.
 
-        files = dict.fromkeys(properties)
-        of_files = [each for path in files for each in read_properties(path, questions.names)]
-        yield from answer_all(questions, of_files, examinations)
+    An answer waits for those before it, and is told however the rest ends.
+    """
+    if not (properties or examinations):
+        return []
+    from mcpn.logic.contest import read_properties
+    from mcpn.logic.verdicts import answer_all, examination
+
+    files = dict.fromkeys(properties)
+    of_files = [each for path in files for each in read_properties(path, questions.names)]
+    order = [*(each.name for each in of_files), *(examination(questions, name) for name in examinations)]
+    waiting: dict[str, ContestAnswer] = {}
+    objects = []
+
+    def tell(name: str) -> None:
+        verdict = waiting.pop(name)
+        objects.append(_contest_object(verdict))
+        if not as_json:
+            click.echo(str(verdict))
+
+    rest = dict.fromkeys(order)
+    try:
+        for found in answer_all(questions, of_files, examinations):
+            waiting[found.name] = found
+            while (first := next(iter(rest), None)) in waiting:
+                del rest[first]
+                tell(first)
+    finally:
+        for name in [name for name in rest if name in waiting]:
+            tell(name)
+    return objects
 
 
 def _write_scenario(answer: Answer, path: Path) -> None:

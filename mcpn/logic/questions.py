@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from mcpn.errors import InputError, UnboundedError, UnsafeError
+from mcpn.errors import InputError, LimitError, Problem, UnboundedError, UnsafeError
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.formulas import Justice
 from mcpn.logic.syntax import parse
 from mcpn.notebook import Told
+from mcpn.sentences import quoted
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.diagrams.base import Diagrams
 from mcpn.spaces.diagrams.spaces import DiagramMarkings
@@ -100,6 +102,29 @@ class Questions:
     def formula(self, text: str) -> Formula:
         """The formula of a text; it raises what :func:`mcpn.logic.syntax.parse` does."""
         return parse(text, self.names, fair=bool(self.fair))
+
+    def formulas(self, texts: Sequence[str]) -> dict[str, Formula]:
+        """The formulas of several texts; errors of all of them say which they are about.
+
+        Raises:
+            InputError: As :meth:`formula`, of one of several with its number and text.
+            LimitError: As :meth:`formula`.
+        """
+        if len(texts) == 1:
+            return {texts[0]: self.formula(texts[0])}
+        read, problems = dict[str, Formula](), list[Problem]()
+        for number, text in enumerate(texts, 1):
+            which = f"formula {number}, {quoted(text, 40)}"
+            try:
+                read[text] = self.formula(text)
+            except InputError as error:
+                for source, message in error.problems:
+                    problems.append(Problem(source, f"{which}: {re.sub('^formula[:,] ', '', message)}"))
+            except LimitError as error:
+                raise LimitError(f"{which}: {error}") from error
+        if problems:
+            raise InputError(problems)
+        return read
 
     @property
     def searchable(self) -> bool:

@@ -111,12 +111,17 @@ def answer_all(
     meant: dict[str, Meaning] = {}
     for name in examinations:
         searched = name == "ReachabilityDeadlock" and questions.searchable
-        meant[f"{questions.net.name}-{name}"] = SOME_DEADLOCK if searched else name
+        meant[examination(questions, name)] = SOME_DEADLOCK if searched else name
     for asked in properties:
         if asked.name in meant:
             raise InputError.at(asked.source, f"found {asked.name} a second time, expected a name of its own")
         meant[asked.name] = asked.meaning
     return _Answers(questions, meant).all()
+
+
+def examination(questions: Questions, name: str) -> str:
+    """What the answer to an examination of a net is called."""
+    return f"{questions.net.name}-{name}"
 
 
 def answer_typed(questions: Questions, texts: Sequence[str]) -> list[Answer]:
@@ -134,7 +139,7 @@ def answer_typed(questions: Questions, texts: Sequence[str]) -> list[Answer]:
         SemanticsError: The space that is needed does not exist.
         LimitError: A limit was hit.
     """
-    formulas = {text: questions.formula(text) for text in texts}
+    formulas = questions.formulas(texts)
     answers, given = _Answers(questions, dict(formulas), typed=True), dict[str, Answer]()
     for verdict in answers.all():
         holds = verdict.value == str(True).upper()

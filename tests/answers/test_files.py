@@ -15,7 +15,7 @@ from mcpn.logic.behaviour import EXAMINATIONS
 from mcpn.logic.contest import Property
 from mcpn.logic.questions import Questions
 from mcpn.logic.verdicts import answer_all
-from mcpn.nets.petri import PetriNet
+from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.engines import Asked
 from mcpn.spaces.kept import Spaces
 from tests.commands import mcpn, output
@@ -149,6 +149,62 @@ def test_files_and_examinations_share_a_call(given_files: Path) -> None:
     }
     # A file that is named twice is one file.
     assert len(output(*asked, "--properties", given_files / "a.xml")) == 2
+
+
+def test_answers_come_in_the_order_of_the_files(given_files: Path) -> None:
+    """Also where a later one is known first: it waits; and where the rest ends in an error it is told."""
+    first, *rest = ("EF", ("place", "full")), ("true",), ("false",)
+    asked = [Property(f"p{n}", read(f, _buffer()), Source("a.xml")) for n, f in enumerate([first, *rest])]
+    found = [verdict.name for verdict in answer_all(Questions(_buffer()), asked)]
+    assert found[0] != "p0"  # the others need no search
+    body = "".join(
+        FILE.format(name=f"p{n}", formula=formula).partition('/">')[2].removesuffix("</property-set>")
+        for n, formula in enumerate([FULL.format(place="full"), "<true/>", "<false/>"])
+    )
+    (given_files / "c.xml").write_text(f'<property-set xmlns="http://mcc.lip6.fr/">{body}</property-set>')
+    run = mcpn(*asking(given_files, "c.xml", "a.xml"), "--examination", "OneSafe")
+    names = ["p0", "p1", "p2", "reached", "buffer-OneSafe"]
+    assert [line.split()[1] for line in run.stdout.splitlines()] == names
+    told = output(*asking(given_files, "c.xml", "a.xml"), "--examination", "OneSafe")
+    assert [answer["formula"] for answer in told] == names
+
+
+def _buffer() -> PetriNet:
+    builder = NetBuilder("buffer")
+    builder.place("ready", initial=1)
+    builder.place("full")
+    builder.transition("make", consume=["ready"], produce=["full"])
+    return builder.build()
+
+
+def test_what_is_known_is_told_where_the_rest_is_not(tmp_path: Path) -> None:
+    """A net without bound, of which one question needs all markings: the answers to the others are told."""
+    (tmp_path / "net.net").write_text("net grows\ntr t -> p\ntr u p -> q\ntr v q ->\n")
+    body = "".join(
+        FILE.format(name=name, formula=formula).partition('/">')[2].removesuffix("</property-set>")
+        for name, formula in (("most", BOUND.format(place="q").replace("ready", "p")), ("yes", "<true/>"))
+    )
+    (tmp_path / "a.xml").write_text(f'<property-set xmlns="http://mcc.lip6.fr/">{body}</property-set>')
+    run = mcpn(*asking(tmp_path, "a.xml"))
+    assert run.returncode == 1
+    assert run.stdout.split() == ["FORMULA", "yes", "TRUE", "TECHNIQUES", *run.stdout.split()[4:]]
+    assert "unbounded" in run.stderr
+
+
+def test_errors_of_several_formulas_say_which(given_files: Path) -> None:
+    run = mcpn(
+        "ask", given_files / "net.net", "AG EF full", "EF fall", "EF (full &&", "EF a_name_that_is_long"
+    )
+    assert (run.returncode, run.stdout) == (2, "")
+    for words in (
+        "formula 2, 'EF fall': column 4: no place is named fall; did you mean full",
+        "formula 3, 'EF (full &&': column 12: found the end",
+        "formula 4, 'EF a_name_that_is_long': column 4: no place is named a_name_that_is_long",
+    ):
+        assert words in run.stderr
+    assert "formula 1" not in run.stderr
+    alone = mcpn("ask", given_files / "net.net", "EF fall")
+    assert "formula, column 4: no place is named fall" in alone.stderr
 
 
 @pytest.mark.parametrize(

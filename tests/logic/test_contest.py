@@ -251,22 +251,22 @@ def test_an_unbounded_net_is_answered_as_far_as_few_markings_decide(tmp_path: Pa
     [
         (element("negation"), "<negation> holds 0 elements, expected 1"),
         (element("implication", element("true")), "<implication> holds 1 elements, expected 2"),
-        (element("hope"), "found <hope>, expected a formula on states"),
+        (element("hope"), "wrong: found <hope> in <formula>, expected <true>, "),
+        (element("exists-path", element("hope")), "wrong: found <hope> in <exists-path>, expected"),
         (
-            element("exists-path", element("hope")),
-            "found <hope>, expected a formula on states",
+            element("is-fireable", element("place", "on")),
+            "found <place> in <is-fireable>, expected <transition>",
         ),
-        (element("is-fireable", element("place", "on")), "found <place>, expected <transition>"),
         (
             element("integer-le", element("integer-constant", "x"), element("integer-sum")),
             "found 'x', expected an",
         ),
         (
             element("integer-le", element("true"), element("integer-sum")),
-            "found <true>, expected <tokens-count>, <integer-constant> or <integer-sum>",
+            "found <true> in <integer-le>, expected <integer-constant>, <tokens-count>, <integer-sum>, ",
         ),
         (
-            element("exists-path", element("until", element("reach", "x"), element("before", "y"))),
+            element("exists-path", element("until", element("reach"), element("before"))),
             "found <reach>, expected <before>",
         ),
         (element("is-fireable", element("transition", "fly")), "fly"),
@@ -295,7 +295,7 @@ def test_a_property_needs_a_name_and_a_formula(tmp_path: Path, missing: str) -> 
     with pytest.raises(InputError, match=f"a property without <{missing}>"):
         read_properties(path, Names(growing()))
     path.write_text("<property-set/>")
-    with pytest.raises(InputError, match="expected <property-set> of the namespace"):
+    with pytest.raises(InputError, match="found <property-set> of no namespace, expected"):
         read_properties(path, Names(growing()))
 
 
