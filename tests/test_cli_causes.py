@@ -244,3 +244,16 @@ def test_events_without_a_rate_are_named(tmp_path: Path) -> None:
     # It ends at 0.5 per hour, the resource fails at 0.25, it leaks at 0.5.
     assert (found["success"], found["unrated"]) == (pytest.approx(0.4), [])
     assert "no rate" not in mcpn("causes", path, "--rates").stdout
+
+
+def test_moments_of_events_are_named_where_one_objective_is_asked(tmp_path: Path) -> None:
+    """The event is critical while another objective runs, too: that one is named though it is not asked."""
+    (tmp_path / "m.xml").write_text(
+        '<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r"><hardware name="h"/>'
+        '<event name="storm"/><activity name="go" consumes="h"/><activity name="rest"/></robot>'
+        '<objective name="a" activities="rest"><on event="storm" goto="fail"/></objective>'
+        '<objective name="b" activities="go"/></mission>'
+    )
+    lines = mcpn("causes", tmp_path / "m.xml", "--objective", "b").stdout.splitlines()
+    (storm,) = (n for n, line in enumerate(lines) if line.strip().startswith("event storm happens"))
+    assert lines[storm + 1].strip() == "while a runs"

@@ -46,12 +46,13 @@ def findings(file: Path) -> dict[str, Any]:
         for name in checked.failing
     ]
     copies, every = study.mission_net.graph.copies, [answer.asked.name for answer in checked.requirements]
-    unmet = [answer.asked for answer in checked.requirements if not answer.met]
-    for source, same in grouped(unmet, lambda asked: asked.requirement.source).items():
-        if source is not None:
-            subject, several = copies.subject("requirement", [asked.name for asked in same], every)
-            message = f"{subject} {'are' if several else 'is'} not met"
-            problems.append({"file": source.file, "line": source.line, "message": message})
+    for met, word in ((False, "met"), (None, "decided")):
+        asked = [answer.asked for answer in checked.requirements if answer.met is met]
+        for source, same in grouped(asked, lambda each: each.requirement.source).items():
+            if source is not None:
+                subject, several = copies.subject("requirement", [each.name for each in same], every)
+                message = f"{subject} {'are' if several else 'is'} not {word}"
+                problems.append({"file": source.file, "line": source.line, "message": message})
     return {"names": {name: "\n\n".join(said) for name, said in names.items()}, "problems": problems}
 
 

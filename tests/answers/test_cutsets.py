@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Collection
 from dataclasses import replace
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -26,6 +27,7 @@ from mcpn.logic.syntax import parse
 from mcpn.mission.flatten import ElementarySection
 from mcpn.mission.model import Handler, Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
+from mcpn.mission.xml import read_mission
 from mcpn.nets.events import Event, What
 from mcpn.nets.petri import Marking
 from mcpn.spaces.arrays import ArraySet, ArraySpace
@@ -34,6 +36,7 @@ from mcpn.spaces.diagrams.symbolic import reach
 from mcpn.spaces.engines import Engine
 from mcpn.spaces.markings.graph import StateGraph
 from mcpn.spaces.stable.alternatives import direct
+from mcpn.study import Study
 from mcpn.testing import missions
 from tests.draws import fewer
 from tests.logic.asked import ENGINES, Asked
@@ -568,3 +571,20 @@ def test_what_begins_again_is_another_run(again: Objective) -> None:
         if play.marks("OBJ_x")(m) and not play.objective_survives(m, "x", frozenset())
     }
     assert not prospects.losing(prospects.mission, repairs=True)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_mission_that_has_ended_loses_nothing(engine: Engine, tmp_path: Path) -> None:
+    """As long as it runs a call leads to success without the motor: no moment is one of defeat."""
+    (tmp_path / "m.xml").write_text(
+        '<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r"><hardware name="motor"/>'
+        '<event name="call"/><activity name="drive" consumes="motor"/><activity name="rest"/></robot>'
+        '<objective name="go" activities="drive" success="succeed" failure="fail">'
+        '<on event="call" goto="extra"/></objective>'
+        '<objective name="extra" activities="rest" nominal="optional" failure="extra"/></mission>'
+    )
+    found = compose(read_mission(tmp_path / "m.xml"))
+    assert Asked(found, engine).cut_sets(None, Moment.SOMETIME) == []
+    study = Study(found.mission)
+    assert study.ctl("AG (oos(motor) & !success & !failure -> EF success)").holds
+    assert not study.ctl("AG (oos(motor) & !success -> EF success)").holds

@@ -565,3 +565,48 @@ def test_of_a_mode_only_what_changes_is_told() -> None:
     # That something stops or runs is told where nothing else is.
     assert changes(Situation(mode={"b": "b1", "c": "c1"}), Situation(mode={"b": "b1"})) == "c stops"
     assert changes(Situation(), Situation(mode={"b": "b1"})) == "b runs"
+
+
+def rows_of(text: str, tmp_path: Path, engine: Engine = "explicit") -> dict[tuple[str, str], Row]:
+    (tmp_path / "m.xml").write_text(f'<mission name="m" xmlns="urn:mcpn:mission:1">{text}</mission>')
+    rows = fmeca(Asked(compose(read_mission(tmp_path / "m.xml")), engine).prospects)
+    return {(row.hardware, row.objective): row for row in rows}
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_what_is_never_repaired_is_never_regained(engine: Engine, tmp_path: Path) -> None:
+    """No repair leads anywhere: that is no way back, neither to success nor to another mode."""
+    robot = (
+        '<robot name="r"><hardware name="motor" repairable="false"/>'
+        '<hardware name="camera" repairable="false"/><activity name="drive" consumes="motor"/>'
+        '<activity name="look" switch_back="true"><alternative name="eye" consumes="camera"/>'
+        '<alternative name="ear"/></activity></robot>'
+    )
+    rows = rows_of(f'{robot}<objective name="go" activities="drive look"/>', tmp_path, engine)
+    assert rows["motor", "go"].severity is Severity.MISSION_LOST
+    assert rows["motor", "go"].recovery == "none: it is not repaired"
+    assert rows["camera", "go"].recovery == "none: it is not repaired"
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_loss_that_nobody_notices_is_not_repaired(engine: Engine, tmp_path: Path) -> None:
+    robot = (
+        '<robot name="r"><hardware name="camera" detected="late"/><activity name="film" consumes="camera"/>'
+        '<activity name="test" detects="camera"/></robot>'
+    )
+    blocks = '<objective name="survey" activities="film"/><objective name="end" activities="test film"/>'
+    rows = rows_of(robot + blocks, tmp_path, engine)
+    assert rows["camera", "survey"].recovery == "none before its loss is noticed"
+    assert rows["camera", "survey"].severity is Severity.MISSION_LOST
+
+
+def test_copies_of_a_timed_block_have_rows_of_their_own(tmp_path: Path) -> None:
+    """Behind the last try there is none: its loss is worse than that of the first."""
+    text = (
+        '<robot name="r"><hardware name="h"/><activity name="a" consumes="h"/></robot>'
+        '<objective name="p" timeout="60" retries="1"><objective name="o" activities="a"/></objective>'
+    )
+    explicit, local = (rows_of(text, tmp_path, engine) for engine in ("explicit", "local"))
+    assert local == explicit
+    assert local["h", "p_try1.o"].severity is Severity.MISSION_LOST_UNLESS_REPAIRED
+    assert local["h", "p_try2.o"].severity is Severity.MISSION_LOST

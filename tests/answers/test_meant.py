@@ -103,3 +103,20 @@ def test_an_event_that_pulls_out_is_named(tmp_path: Path) -> None:
         "objective halt leads only to abort by its success: its success leads to abort "
         "(ship may interrupt it before)"
     ]
+
+
+def test_a_loop_that_waits_for_an_event_says_so(tmp_path: Path) -> None:
+    """The door is opened by an event alone: the author forgot no route."""
+    (tmp_path / "m.xml").write_text(
+        '<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r"><hardware name="wheels"/>'
+        '<fact name="door" values="closed open" initial="closed"/>'
+        '<event name="opens"><sets fact="door" to="open"/></event>'
+        '<activity name="drive" consumes="wheels"/><activity name="rest"/></robot>'
+        '<objective name="wait" activities="rest" success="go" failure="go"/>'
+        '<objective name="go" activities="drive" success="succeed"><enter when="door=open" else="wait"/>'
+        "</objective></mission>"
+    )
+    said = check(compose(read_mission(tmp_path / "m.xml"))).verdicts["nominal_success"].explanation
+    assert "goes on for ever: wait, and so on; it ends where opens happens" in said
+    assert 'nominal="endless"' in said
+    assert "success leads to the next block" not in said

@@ -157,3 +157,21 @@ def test_a_net_too_large_to_be_read_is_not_drawn(tmp_path: Path) -> None:
     assert found.returncode == 2
     assert "the limit of what one drawing shows" in found.stderr
     assert not (tmp_path / "u.svg").exists()
+
+
+@pytest.mark.parametrize("how", ['<on event="full" pause="aside"/>', "recover"])
+def test_success_is_drawn_past_a_sibling_that_only_helps(how: str, tmp_path: Path) -> None:
+    """It is entered for the block that pauses, or recovers, alone, and leads back to it."""
+    recover, inside = (' recover="aside"', "") if how == "recover" else ("", how)
+    (tmp_path / "m.xml").write_text(
+        '<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r"><event name="full"/>'
+        '<activity name="rest"/></robot>'
+        f'<objective name="work" activities="rest"{recover}>{inside}</objective>'
+        '<objective name="aside" activities="rest"/><objective name="park" activities="rest"/></mission>'
+    )
+    found = read_mission(tmp_path / "m.xml")
+    root, _ = boxes(found, flatten(found))
+    titles = {line.title for line in lay_out(root, found).lines}
+    assert "work: success leads to park" in titles
+    assert "park succeeds" in titles
+    assert not {"work succeeds", "aside succeeds"} & titles

@@ -114,7 +114,7 @@ class CutSets(Prospects[S]):
         """
         hopeful = self.hopeful(goal, repairs=True)
         if moment is Moment.SOMETIME:
-            return self._dead((goal.running & self._at_worst) - hopeful)
+            return self._dead((goal.running & self._at_worst) - hopeful - self._failed(goal))
         if moment is Moment.START:
             survived = self._from_start & goal.won
         elif moment is Moment.ENTRY:
@@ -123,6 +123,15 @@ class CutSets(Prospects[S]):
         else:
             survived = goal.running & self.begun & hopeful
         return self.images.everything - self._dead(survived)
+
+    def _failed(self, goal: Goal[S]) -> S:
+        """States in which the mission has ended without success, and can lose it no more.
+
+        An end in failure is no safe end. So it counts where that is asked.
+        """
+        if goal is self.safety:
+            return self.space.nothing
+        return self.space.marked(self.mission_net.ends.values()) - goal.won
 
     def _dead(self, states: S) -> Zdd:
         """The sets of hardware that is dead in some states."""

@@ -92,6 +92,8 @@ class Case:
         safety_regained: Whether the mission can be aborted again, or succeed.
         elsewhere: By objective in other branches of the same block, what it does there, in words.
         found: Where the failure is detected late: whether its detection may be the next event.
+        repaired: Whether its repair may be the next event: not of what is never repaired, and not before a
+            late loss is noticed.
     """
 
     severity: Severity
@@ -106,6 +108,7 @@ class Case:
     safety_regained: bool = False
     elsewhere: tuple[tuple[str, str], ...] = ()
     found: bool = False
+    repaired: bool = True
 
     def objective_effect(self) -> str:
         """What it means for the objective."""
@@ -148,8 +151,14 @@ class Case:
             return f"{', '.join(taken)} instead"
         return "none" if self.loss.unrepaired else "none needed"
 
-    def recovery(self) -> str:
+    def recovery(self, usage: Usage, hardware: str) -> str:
         """What happens when the resource is ready again while the objective still runs."""
+        if not self.repaired:
+            resource = usage.hardware[hardware]
+            unnoticed = (
+                not isinstance(resource, Crash) and resource.detected == "late" and resource.repairable
+            )
+            return "none before its loss is noticed" if unnoticed else "none: it is not repaired"
         if self.objective_lost:
             regained = self._regained()
             again = f", then the mission can {regained}" if regained else ""

@@ -135,7 +135,8 @@ class _Table(Generic[S]):
         self._modes: dict[str, dict[int, S]] = {}
         self._facts: Alike[_Facts | None] = Alike()
         self._lost_by_section = [
-            {piece.names: piece.kind for piece in self.space.pieces(region)} for region in self.lost
+            {prospects.ending_in(piece): piece.kind for piece in self.space.pieces(region)}
+            for region in self.lost
         ]
 
     def rows(self, objectives: Collection[str] | None) -> Iterator[Row]:
@@ -183,7 +184,7 @@ class _Table(Generic[S]):
             joined(case.mission_effect() for case in cases),
             joined(case.detection(self.net.usage, hardware) for case in cases),
             joined(case.compensation(section, around) for case in cases),
-            joined(case.recovery() for case in cases),
+            joined(case.recovery(self.net.usage, hardware) for case in cases),
             facts.severity,
             facts.with_others,
         )
@@ -304,26 +305,32 @@ class _Table(Generic[S]):
         """The cases of a failure: states before it by how it changes the objective's mode and prospects."""
         lost, modes = self.prospects.losing(goal, repairs=False), self.modes(goal)
         fails, repairs = [transition], self.prospects.carrying(What.REPAIRED, hardware)
+        repaired = self.leading(self.space.enabling(repairs), fails) if repairs else self.space.nothing
         changed = [p for p, marked in modes.items() if self.changing(marked, transition, states)]
         ways: tuple[tuple[Collection[int], ...], ...] = (), (fails,), (fails, repairs)
         asked = [
             lost,
+            repaired,
             *(self.leading(region, fails) for region in (lost, *self.lost)),
             *(self.leading(region, fails, repairs) for region in (lost, *self.lost[::2])),
             *(self.leading(modes[p], *steps) for steps in ways for p in changed),
         ]
         for said, those in _atoms(states, asked):
             answers = iter(said)  # in the order of what is asked
-            already, gone, loss = next(answers), next(answers), Loss(*islice(answers, len(self.lost)))
+            already, comes_back = next(answers), next(answers)
+            gone, loss = next(answers), Loss(*islice(answers, len(self.lost)))
             still_gone, still = next(answers), list(islice(answers, len(self.lost[::2])))
             before, after, back = (
                 said_by(self.net, compress(changed, list(islice(answers, len(changed))))) for _ in ways
             )
             mission, *safety = (bool(was) and not now for was, now in zip(loss[::2], still, strict=False))
-            regained = gone and not still_gone, mission, any(safety)
+            # Where no repair is possible the preimage of each region is empty: nothing is regained there.
+            objective = comes_back and gone and not still_gone
+            mission, safe = comes_back and mission, comes_back and any(safety)
             elsewhere = self.elsewhere(those, transition, goal.name) if before == after else ()
             found = self.found(those, transition, hardware)
-            yield Case(severity, before, after, back, already, gone, loss, *regained, elsewhere, found)
+            prospects = already, gone, loss, objective, mission, safe
+            yield Case(severity, before, after, back, *prospects, elsewhere, found, comes_back)
 
     def elsewhere(self, states: S, transition: int, name: str) -> tuple[tuple[str, str], ...]:
         """By objective in another branch of the blocks around, what a failure does to its mode, in words."""

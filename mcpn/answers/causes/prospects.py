@@ -339,7 +339,7 @@ class Prospects(Generic[S]):
         pieces = [list(self.space.pieces(some)) for some in (goal.running, *states)]
         if len(pieces[0]) != 1 or goal.name not in pieces[0][0].names or pieces[0][0].kind is None:
             return None
-        names = self._ending_in(pieces[0][0])
+        names = self.ending_in(pieces[0][0])
         return (names.index(goal.name), *(tuple(piece.kind for piece in some) for some in pieces)), names
 
     def critical(self, goal: Goal[S], *, repairs: bool) -> list[CriticalEvent]:
@@ -386,12 +386,12 @@ class Prospects(Generic[S]):
 
         if piece.kind is None:
             return compute()
-        own = self._ending_in(piece)
+        own = self.ending_in(piece)
         element = own.index(event.element) if event.what in ENDING else event.element
         found, names = self._alike.known((event.what, event.reason, element, piece.kind), own, compute)
         return {(tuple(names[n] for n in running), mode): count for (running, mode), count in found.items()}
 
-    def _ending_in(self, piece: Piece[S]) -> tuple[str, ...]:
+    def ending_in(self, piece: Piece[S]) -> tuple[str, ...]:
         """What may end in a piece: its objectives, then blocks whose time may be over."""
         return (*piece.names, *(block for name in piece.names[:1] for block in self._timed_beside[name]))
 

@@ -35,7 +35,10 @@ ENDLESS = (
     '; by default success leads to the next block: the block after which all is done says success="succeed"; '
     'where the loop is meant, a block of it says nominal="endless"'
 )
+HELD = "; it ends where {} happens, and no declared event does while nothing fails"
+"""What is said of a loop that goes on until an event changes a fact: it waits."""
 OPTIONAL = '; where that is meant, write nominal="optional" on the block'
+WAITS = '; where the mission is to wait for it, a block of the loop says nominal="endless"'
 """What an author writes who means what a nominal run does."""
 
 
@@ -143,9 +146,22 @@ class NominalRuns(Generic[S]):
                 explanation = f"{explanation}; it may go on for ever in a block that is meant to be endless"
             return Nominal(True, explanation, run)
         explanation = f"while nothing fails the mission {' and '.join(said)}"
-        if not ends:
+        if cycle is not None and (awaited := self._awaited(circling, success)):
+            explanation += f"{HELD.format(enumeration(awaited))}{WAITS}"
+        elif not ends:
             explanation += ENDLESS if cycle is not None else OPTIONAL
         return Nominal(False, explanation, run, cycle, left_out)
+
+    def _awaited(self, circling: S, success: S) -> list[str]:
+        """The declared events that change facts on a way from a loop to success; none where none does."""
+        changing = {Event(What.DECLARED, e.name) for e in self.mission_net.mission.events if e.changes_facts}
+        transitions = self.space.net.transitions
+        awaited = {t for t, transition in enumerate(transitions) if transition.event in changing}
+        if not awaited:
+            return []
+        run = self.space.run(circling.pick(), success, transitions=self.transitions | awaited)
+        happened = (event.element for event in self._events(run or ()) if event in changing)
+        return list(dict.fromkeys(happened))
 
     def _left_out(self) -> tuple[str, ...]:
         """Objectives that none of them enters, and that are meant to be entered."""

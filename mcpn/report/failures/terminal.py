@@ -287,7 +287,7 @@ def _print_critical(terminal: Terminal, causes: Causes, goal: GoalCauses, headin
 
 def _moments_in_words(causes: Causes, moments: frozenset[str]) -> str:
     """While what runs, or but for what, whichever is shorter; nothing runs before the start."""
-    everything = (*causes.objectives, "")
+    everything = (*causes.prospects.sections, "")  # causes may be those of some objectives alone
 
     def running(names: Collection[str]) -> str:
         told = folded(causes.mission_net, [name for name in everything if name and name in names])

@@ -82,7 +82,8 @@ def tables(findings: Findings) -> list[Table]:
 def fold_rows(mission_net: MissionNet, rows: Iterable[Texts], column: int = 0) -> list[Texts]:
     """Merges rows of rounds and tries of one objective where they are equal but for its name.
 
-    Rows of all of them may differ in the names of their own rounds and tries, those of some may not.
+    Rows of all of them may differ in the names of their own rounds and tries, those of some may not. Rows
+    that are equal throughout are one.
 
     Args:
         mission_net: The mission's net.
@@ -102,10 +103,10 @@ def fold_rows(mission_net: MissionNet, rows: Iterable[Texts], column: int = 0) -
     every = [objective.name for objective in mission_net.graph.walk()]
     whole = names.folded(every)
     plain = {copy: name for name, copies in whole.items() if len(copies) > 1 for copy in copies}
-    groups: dict[tuple[str, ...], list[Texts]] = {}
-    for row in rows:
+    groups: dict[tuple[str, ...], dict[tuple[str, ...], None]] = {}
+    for row in map(tuple, rows):
         said = (_NAME.sub(lambda name: plain.get(name[0], name[0]), cell) for cell in row)
-        groups.setdefault(tuple(said), []).append(row)
+        groups.setdefault(tuple(said), {})[row] = None
     found: list[Texts] = []
     for key, same in groups.items():
         if len(same) > 1 and {row[column] for row in same} == {*whole.get(key[column], ())}:

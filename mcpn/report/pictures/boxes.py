@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mcpn.mission.expansion.pauses import suffix_at
-from mcpn.mission.expansion.recovery import pausing, recovering, suffixes
+from mcpn.mission.expansion.recovery import entered, following, pausing, recovering, suffixes
 from mcpn.mission.expansion.scope import Scope, copies, several
 from mcpn.mission.graph import ObjectivesGraph
 from mcpn.mission.model import (
+    SUCCEED,
     Block,
     Each,
     FactRoute,
@@ -43,6 +44,8 @@ class Box:
         routes: Where it leads if facts are so.
         handlers: What it does on declared events.
         children: What it holds, in document order.
+        after: Where success leads that writes no route: never to a sibling that only helps others; ``None``
+            of one that is entered for others alone, to which it leads back.
     """
 
     key: int
@@ -60,6 +63,7 @@ class Box:
     routes: tuple[FactRoute, ...] = ()
     handlers: tuple[Handler, ...] = ()
     children: tuple[Box, ...] = ()
+    after: str | None = SUCCEED
 
 
 _KINDS = {
@@ -95,10 +99,21 @@ class _Building:
         self.keys: dict[str, int] = {}
 
     def mission(self, mission: Mission) -> Box:
-        children = tuple(self.box(*each) for each in self.in_scopes(mission.blocks, [Scope()]))
+        children = self.series(mission.blocks, [Scope()], mission.handlers)
         return Box(
             -1, "mission", mission.name, mission.description, handlers=mission.handlers, children=children
         )
+
+    def series(
+        self, siblings: Sequence[Block], scopes: list[Scope], around: Sequence[Handler], within: str = ""
+    ) -> tuple[Box, ...]:
+        """Siblings that stand in some scopes, under some handlers."""
+        after: dict[str, str | None] = {**following(siblings)}
+        if within != "parallel" and siblings:
+            aside = {*recovering(siblings), *pausing(siblings)} - entered(siblings, around)
+            after |= dict.fromkeys(aside)
+        boxes_of = (self.box(*each, within) for each in self.in_scopes(siblings, scopes))
+        return tuple(replace(box, after=after[box.name]) for box in boxes_of)
 
     def box(self, block: Block, scopes: list[Scope], within: str = "") -> Box:
         """A block that stands in some scopes: one for each copy of the blocks around it."""
@@ -130,7 +145,7 @@ class _Building:
             block.timeout_goto,
             block.routes,
             block.handlers,
-            tuple(self.box(*each, kind) for each in self.in_scopes(children, scopes)),
+            self.series(children, scopes, block.handlers, kind),
         )
 
     def in_scopes(

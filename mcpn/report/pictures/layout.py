@@ -288,15 +288,15 @@ def _next(box: Box, index: int) -> str:
     return box.children[index + 1].name if index + 1 < len(box.children) else SUCCEED
 
 
-def _success(box: Box, index: int) -> str:
-    return box.children[index].success or _next(box, index)
+def _success(box: Box, index: int) -> str | None:
+    return box.children[index].success or box.children[index].after
 
 
 def _of_child(box: Box, index: int) -> list[tuple[str, str, str]]:
     """The lanes that a child's routes use."""
     child = box.children[index]
     routes = [("failure", "failure", child.failure or FAIL)]
-    if (success := _success(box, index)) != _next(box, index):
+    if (success := _success(box, index)) is not None and success != _next(box, index):
         routes.append(("success", "success", success))
     if child.abort is not None:
         routes.append(("abort", "abort", child.abort))
