@@ -27,6 +27,8 @@ from mcpn.report.documents.nets import ENGINE
 from mcpn.report.documents.robots import ESTIMATED
 from mcpn.runtime.documents import PLACE, REQUIREMENT, STATE
 from mcpn.runtime.shapes import Document, ObjectOf
+from mcpn.trees.nodes.table import TABLE
+from mcpn.trees.nodes.versions import NAMES
 
 SHARED = {"common": (Element, Described), "routing": (BlockElement,)}
 """Attributes that several elements have, in tables of their own: by table, the classes that declare them."""
@@ -199,6 +201,19 @@ def known(name: str) -> str:
     return "\n".join(lines)
 
 
+def nodes(library: str) -> str:
+    """The table of the nodes of a library; those that are alike share a row."""
+    alike: dict[tuple[str, ...], list[str]] = {}
+    for row in (row for row in TABLE if row.library == library):
+        ports = "not checked" if row.ports is None else ", ".join(map(str, row.ports.values()))
+        versions = row.where.removeprefix(f"{NAMES[library]} ")
+        refused = f"refused: {row.rule}" if row.exact == "refused" else row.exact
+        alike.setdefault((versions, ports, row.outcome, refused), []).append(f"`{row.node}`")
+    lines = ["| node | versions | ports | outcome | translation |", "|---|---|---|---|---|"]
+    lines += [f"| {' | '.join((', '.join(names), *cells))} |" for cells, names in alike.items()]
+    return "\n".join(lines)
+
+
 def renewed(page: str) -> str:
     """The page with its tables written anew."""
     kinds = (
@@ -206,6 +221,7 @@ def renewed(page: str) -> str:
         ("format", r"[\w-]+", format_table),
         ("contract", r"\w+", contract),
         ("known", r"\w+", known),
+        ("nodes", r"\w+", nodes),
     )
     for word, name, make in kinds:
         page = re.sub(

@@ -505,7 +505,8 @@ def open_study(
     """Opens a mission or a net to ask questions about it; ``mcpn.open`` is its name for users.
 
     Args:
-        subject: The file of a mission or a net (``.net``, ``.pnml``, ``.json``), or what is read already.
+        subject: The file of a mission, of a behaviour tree or of a net (``.net``, ``.pnml``, ``.json``), or
+            what is read already.
         import_root: The directory that imports of a mission must stay in; by default the mission's own.
         templates: What draws the net of a mission; the paper's by default.
 
@@ -539,6 +540,23 @@ def _read(file: Path, root: Path | None) -> Mission | PetriNet:
     try:
         return read_mission(file, import_root=root)
     except InputError as error:
+        if (tree := _mission_of_tree(file, root)) is not None:
+            return tree
         from mcpn.answers.drafts import with_formulas
 
         raise with_formulas(error) from None
+
+
+def _mission_of_tree(file: Path, root: Path | None) -> Mission | None:
+    """The mission that a behaviour tree becomes; ``None`` where a file is none.
+
+    Raises:
+        InputError: It is a behaviour tree, and something is wrong with it.
+    """
+    from mcpn.trees.reading import is_tree
+
+    if not is_tree(file):
+        return None
+    from mcpn.trees.importing import mission_of
+
+    return mission_of(file, root)

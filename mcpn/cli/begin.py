@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
     from importlib.abc import Traversable
 
+    from mcpn.trees.nodes.forest import Forest
+
 
 FILES = ("mission.xml", "robot.xml", "protocols.xml")
 PLAYED = ("drivers.toml", "played.py")
@@ -30,11 +32,20 @@ LANGUAGE = "mission"
 @click.option("--example", type=click.Choice(EXAMPLES), help="Write this mission; ulysse is the paper's.")
 @click.option(
     "--from",
-    "tree",
+    "trees",
     type=FILE,
+    multiple=True,
     metavar="TREE",
-    help="Translate this behaviour tree (XML of BehaviorTree.CPP, version 3 or 4; nodes of Nav2).",
+    help="Translate this behaviour tree, a file or a folder (XML of BehaviorTree.CPP 3 or 4, with nodes of "
+    "Nav2 and PlanSys2, or of py_trees). May be repeated for files whose trees it uses.",
 )
+@click.option(
+    "--library",
+    multiple=True,
+    metavar="NAME=VERSION",
+    help="With --from: what the tree is for: nav2=1.5, btcpp=4.8, plansys2=2.0, py_trees; may be repeated.",
+)
+@click.option("--import-root", type=FILE, help="With --from: the folder that includes must stay in.")
 @click.option("--main", metavar="ID", help="With --from: the tree to execute.")
 @click.option(
     "--nodes", type=FILE, multiple=True, help="With --from: a file with a TreeNodesModel; may be repeated."
@@ -46,7 +57,9 @@ LANGUAGE = "mission"
 def init(
     folder: Path,
     example: str | None,
-    tree: Path | None,
+    trees: tuple[Path, ...],
+    library: tuple[str, ...],
+    import_root: Path | None,
     main: str | None,
     nodes: tuple[Path, ...],
     faulty_leaves: bool,
@@ -63,13 +76,16 @@ def init(
     name = folder.name
     if not NAME.matches(name):
         raise InputError.at(None, f"a mission cannot be called {name!r}, expected {NAME.expected}")
-    if tree is not None:
+    if trees:
         if example is not None:
             raise click.UsageError("--from and --example exclude each other")
-        _import(folder, tree, main, nodes, faulty_leaves, as_json)
+        from mcpn.trees.reading import read_forest
+
+        forest = read_forest(trees[0], nodes, main, more=trees[1:], library=library, root=import_root)
+        _import(folder, forest, trees[0].name, faulty_leaves, as_json)
         return
-    if main is not None or nodes or faulty_leaves:
-        raise click.UsageError("--main, --nodes and --faulty-leaves need --from")
+    if main is not None or nodes or faulty_leaves or library or import_root is not None:
+        raise click.UsageError("--main, --nodes, --library, --import-root and --faulty-leaves need --from")
     files = FILES if example is not None else (*FILES, *PLAYED)
     _not_there(folder, files)
     texts = {file: _start(example).joinpath(file).read_text(encoding="utf-8") for file in files}
@@ -86,16 +102,13 @@ def init(
             click.echo(f"run it: mcpn run {folder / FILES[0]} --drivers {folder / PLAYED[0]}", err=True)
 
 
-def _import(
-    folder: Path, tree: Path, main: str | None, nodes: tuple[Path, ...], faulty: bool, as_json: bool
-) -> None:
+def _import(folder: Path, forest: Forest, shown: str, faulty: bool, as_json: bool) -> None:
     """Writes a behaviour tree as a mission, and says what each kind of node became."""
     from mcpn.files import write_folder
     from mcpn.trees.importing import files_of, translate
     from mcpn.trees.ledger import SURVIVES, in_words
-    from mcpn.trees.reading import read_forest
 
-    imported = translate(read_forest(tree, nodes, main), folder.name, tree.name, faulty=faulty)
+    imported = translate(forest, folder.name, shown, faulty=faulty)
     files = files_of(imported)
     _not_there(folder, files)
     write_folder(folder, files)
@@ -103,7 +116,8 @@ def _import(
     ledger = imported.ledger
     if as_json:
         counts = {kind.value: count for kind, count in ledger.counts.items()}
-        emit_json({"files": paths, "ledger": {"counts": counts, "survives": SURVIVES[ledger.kind]}})
+        told = {"counts": counts, "survives": SURVIVES[ledger.kind], "read_as": ledger.read_as}
+        emit_json({"files": paths, "ledger": told})
     else:
         click.echo("\n".join(paths))
         click.echo(in_words(ledger).split("\n\n", 1)[0], err=True)

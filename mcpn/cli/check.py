@@ -100,6 +100,7 @@ def _translated_object(found: MissionCheck) -> dict[str, Any]:
         "translated": [
             {
                 "from": each.tree,
+                **({"library": each.library} if each.library else {}),
                 "exact": each.exact,
                 "approximations": [
                     {"node": a.node, "line": a.line, "kind": a.kind, "why": a.description or ""}

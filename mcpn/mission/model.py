@@ -343,6 +343,9 @@ class Translated(Described):
 
     TAG = "translated"
     tree: Annotated[str, Called("from"), "The file of the tree."]
+    library: Annotated[str | None, "The libraries and versions as which it was read, with what decided."] = (
+        None
+    )
     exact: Annotated[int, COUNT, "How many of its nodes the mission says exactly."]
     approximations: tuple[Approximation, ...] = ()
 

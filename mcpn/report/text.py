@@ -368,6 +368,8 @@ def _print_translated(terminal: Terminal, check: MissionCheck) -> None:
     for translated in all_translated:
         made, survives = of_translated(translated)
         terminal.print(f"{made}. {survives}")
+        if translated.description:
+            terminal.print(f"  warning: {translated.description}", style="yellow")
         for each in translated.approximations:
             why = f": {each.description}" if each.description else ""
             terminal.print(f"  line {each.line}: {each.node} is {WORDS[Kind(each.kind)]}{why}", style="dim")

@@ -1,1 +1,1 @@
-"""Behaviour trees of BehaviorTree.CPP and Nav2, read and translated into missions with a ledger."""
+"""Behaviour trees, read by the versions of their libraries and translated into missions with a ledger."""

@@ -11,9 +11,9 @@ from mcpn.errors import Problem
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Handler, Recursive
 from mcpn.mission.robot import FactChange
 from mcpn.trees.ledger import Kind
-from mcpn.trees.nodes import TreeNode
+from mcpn.trees.nodes.node import TreeNode
 from mcpn.trees.pieces import Part, Result, handled, marked, placed, tidied, wrapped
-from mcpn.trees.translator import Context, Rule, Translator, parallel
+from mcpn.trees.translator import TURNS, Context, Rule, Translator, called, parallel
 
 
 def sequence(at: Translator, node: TreeNode, context: Context) -> Result:
@@ -28,7 +28,7 @@ def fallback(at: Translator, node: TreeNode, context: Context) -> Result:
 
 def _series(at: Translator, node: TreeNode, context: Context, *, stops: bool) -> Result:
     """Children one after the other, up to the first that returns ``stops``."""
-    name = at.names.fresh(node.name or node.id)
+    name = at.names.fresh(called(node))
     results = [at.piece(child, context) for child in node.children]
     return _noted(at, node, name, results, context, stops=stops)
 
@@ -92,8 +92,9 @@ def became(result: Result) -> str:
 
 def with_memory(at: Translator, node: TreeNode, context: Context) -> Result:
     """A sequence that goes on with the child that failed or was halted, when it is entered again."""
-    name = at.names.fresh(node.name or node.id)
+    name = at.names.fresh(called(node))
     results = [at.piece(child, context) for child in node.children]
+    forgets = any(row.rule == "with_memory_unhalted" for row in at.forest.choice.rows(node))
     if context.lane:
         begun = False
         for place, result in enumerate(results):
@@ -108,7 +109,7 @@ def with_memory(at: Translator, node: TreeNode, context: Context) -> Result:
         if isinstance(result, Part):
             made.append(result)
         elif not result:
-            fails = at.choice(f"{child.name or child.id}_fails", context, "Fails at once")
+            fails = at.choice(f"{called(child)}_fails", context, "Fails at once")
             made.append(Part(fails, good=False))
     if len(made) < 2:
         at.note(node, became(made[0] if made else True), Kind.EXACT)
@@ -116,7 +117,17 @@ def with_memory(at: Translator, node: TreeNode, context: Context) -> Result:
     steps = [piece.block.name for piece in made]
     fact = at.fact(f"{name}_at", steps, f"Where {name} goes on")
     turn = at.turn(f"{name}_turn", context, fact, {step: step for step in steps})
-    blocks: list[Block] = [turn]
+    kind, why = Kind.EXACT, ""
+    beginning: list[Block] = []
+    if forgets:
+        # A halt from outside is not told: it may begin anew whenever it is entered again.
+        anew = at.setting(f"{name}_anew", context, FactChange(fact=fact, to=steps[0]), steps[0])
+        routes = tuple(route for route in turn.routes if route.on == "success")
+        turn, beginning = replace(turn, failure=anew.name, routes=routes), [anew]
+        kind, why = Kind.MORE, "after a halt it begins anew, after a failure it goes on: either is free"
+    if all(piece.skips for piece in made):
+        kind, why = Kind.LEFT_OUT, "that it is skipped where all its children are is not modelled"
+    blocks: list[Block] = [turn, *beginning]
     for place, piece in enumerate(made):
         behind = place + 1 == len(made)
         following = SUCCEED if behind else steps[place + 1]
@@ -127,13 +138,13 @@ def with_memory(at: Translator, node: TreeNode, context: Context) -> Result:
             continue
         noted = at.setting(f"{piece.block.name}_done", context, change, following)
         blocks += [placed(piece, noted.name, FAIL, noted.name), noted]
-    at.note(node, name, Kind.EXACT)
+    at.note(node, name, kind, why)
     return Part(Recursive(name=name, blocks=tidied(blocks)))
 
 
 def if_then_else(at: Translator, node: TreeNode, context: Context) -> Result:
     """A condition that is asked once, and what follows from it."""
-    name = at.names.fresh(node.name or node.id)
+    name = at.names.fresh(called(node))
     results = [at.piece(child, context) for child in node.children]
     asked, then = results[:2]
     other = results[2] if len(results) == 3 else False
@@ -142,8 +153,21 @@ def if_then_else(at: Translator, node: TreeNode, context: Context) -> Result:
         at.note(node, became(result), Kind.EXACT)
         return result
     made = branching(name, asked, then, other)
-    at.note(node, name, Kind.EXACT)
+    kind, why = skipped_condition(asked)
+    first = node.children[0]
+    if len(results) == 2 and context.again and not first.children and not at.at_once(first):
+        # The library returns from a condition that has failed without resetting it.
+        kind, why = (
+            Kind.LEFT_OUT,
+            "a condition that has run and failed keeps its answer when it is asked again",
+        )
+    at.note(node, name, kind, why)
     return made
+
+
+def skipped_condition(asked: Part) -> tuple[Kind, str]:
+    """How faithful a choice is whose condition may be skipped: the library throws then."""
+    return (Kind.LEFT_OUT, "it throws where its condition is skipped") if asked.skips else (Kind.EXACT, "")
 
 
 def branching(name: str, asked: Part, then: Result, other: Result) -> Part:
@@ -160,16 +184,19 @@ def branching(name: str, asked: Part, then: Result, other: Result) -> Part:
 
 def try_catch(at: Translator, node: TreeNode, context: Context) -> Result:
     """A sequence; when it fails the last child is run, and then it has failed."""
-    name = at.names.fresh(node.name or node.id)
+    name = at.names.fresh(called(node))
     *tried, caught = [at.piece(child, context) for child in node.children]
     result = series(at, f"{name}_try", list(tried), context, stops=False)
     if isinstance(result, bool):
         if not result and isinstance(caught, Part):
             result = replace(caught, good=False, bad=False)
+            if caught.skips:
+                block = placed(caught, FAIL, FAIL, FAIL)
+                result = Part(Recursive(name=f"{name}_caught", blocks=tidied([block])))
     elif isinstance(caught, Part):
-        blocks = [placed(result, SUCCEED, caught.block.name), placed(caught, FAIL, FAIL)]
+        blocks = [placed(result, SUCCEED, caught.block.name), placed(caught, FAIL, FAIL, FAIL)]
         result = Part(Recursive(name=name, blocks=tidied(blocks)), skips=result.skips)
-    halted = node.ports.get("catch_on_halt", "false") not in ("false", "0")
+    halted = at.forest.choice.value(node, "catch_on_halt").lower() not in ("false", "0")
     kind = Kind.LEFT_OUT if halted and context.halted else Kind.EXACT
     at.note(
         node,
@@ -183,14 +210,18 @@ def try_catch(at: Translator, node: TreeNode, context: Context) -> Result:
 def parallel_node(at: Translator, node: TreeNode, context: Context) -> Result:
     """Children at the same time, up to so many successes or failures."""
     count = len(node.children)
-    wanted = threshold(node.ports.get("success_count", node.ports.get("success_threshold", "-1")), count)
-    allowed = threshold(node.ports.get("failure_count", node.ports.get("failure_threshold", "1")), count)
+    wanted, allowed = counts(at, node)
     if wanted is None or allowed is None:
         return _unclear(at, node, context, "how many must succeed or fail is data")
     if wanted > count or allowed > count:
         at.problems.append(Problem(node.source, f"{node.title}: more successes or failures than children"))
         return True
-    name = at.names.fresh(node.name or node.id)
+    row = at.forest.row(node)
+    if row is not None and "success_count" not in (row.ports or {}) and 0 in (wanted, allowed):
+        said = f"{node.title}: a threshold of 0 is never met in {row.where}, expected 1 to {count}"
+        at.problems.append(Problem(node.source, said))
+        return True
+    name = at.names.fresh(called(node))
     number = at.next_parallel()
     early = wanted < count or allowed > 0
     inside = replace(context, halted=context.halted or early)
@@ -206,18 +237,18 @@ def parallel_node(at: Translator, node: TreeNode, context: Context) -> Result:
         if wanted <= 0 or losing <= 0:  # children behind it are never ticked, those before it are once
             if before:
                 why = "what its first children answer to the one tick that they get is free"
-                return _free(at, node, name, before, context, why)
+                return free(at, node, name, before, context, why)
             at.note(node, became(wanted <= 0), Kind.EXACT)
             return wanted <= 0
         late = late or (isinstance(result, bool) and len(before) > 1)
     pieces = [result for result in results if isinstance(result, Part)]
     if late and min(wanted, losing) < len(pieces):
         why = "which children answer to the first tick, before one that always answers the same, is free"
-        return _free(at, node, name, pieces, context, why)
-    branches = _branches(at, pieces)
+        return free(at, node, name, pieces, context, why)
+    branches = in_parallel(at, pieces)
     kind, why = Kind.EXACT, ""
     if any(piece.skips for piece in pieces):
-        kind, why = Kind.MORE, "a child that is skipped counts as one that has succeeded"
+        kind, why = _skipping(at, node)
     success = "all" if wanted == len(branches) else str(wanted) if wanted > 1 else "any"
     if len(branches) == 1:
         made: Block = branches[0]
@@ -228,12 +259,30 @@ def parallel_node(at: Translator, node: TreeNode, context: Context) -> Result:
             event = at.event(f"{name}_fails", f"{losing} children of {name} have failed")
             made = replace(made, handlers=(Handler(event=event, goto=FAIL),))
             made = Recursive(name=at.names.fresh(f"{name}_counted"), blocks=(made,))
-            kind, why = Kind.MORE, f"that {losing} have failed is an event, which may happen before"
+            kind, why = max(
+                (kind, why),
+                (Kind.MORE, f"that {losing} have failed is an event, which may happen before"),
+                key=lambda each: list(Kind).index(each[0]),
+            )
     at.note(node, made.name, kind, why)
     return Part(made)
 
 
-def _branches(at: Translator, pieces: list[Part]) -> list[Block]:
+def _skipping(at: Translator, node: TreeNode) -> tuple[Kind, str]:
+    """How faithful a parallel node is of which a child may be skipped."""
+    if at.forest.choice.value(node, "success_count").startswith("-"):
+        return (
+            Kind.MORE,
+            "a child that is skipped counts as one that has succeeded, and is asked again meanwhile",
+        )
+    return (
+        Kind.LEFT_OUT,
+        "with a count it stays running beside a child that is skipped, which is not modelled",
+    )
+
+
+def in_parallel(at: Translator, pieces: list[Part]) -> list[Block]:
+    """The branches of a parallel block; one that is skipped has succeeded."""
     branches = []
     for piece in pieces:
         block = wrapped(piece, at.names.fresh(f"{piece.block.name}_branch")).block
@@ -244,22 +293,26 @@ def _branches(at: Translator, pieces: list[Part]) -> list[Block]:
 def parallel_all(at: Translator, node: TreeNode, context: Context) -> Result:
     """Children at the same time, all of them to their end."""
     count = len(node.children)
-    allowed = threshold(node.ports.get("max_failures", "1"), count)
+    allowed = threshold(at.forest.choice.value(node, "max_failures"), count)
     if allowed is None:
         return _unclear(at, node, context, "how many may fail is data")
-    name = at.names.fresh(node.name or node.id)
+    if allowed > count:
+        at.problems.append(Problem(node.source, f"{node.title}: more failures than children"))
+        return True
+    name = at.names.fresh(called(node))
     number = at.next_parallel()
     results = [at.piece(child, context.branch(number, i)) for i, child in enumerate(node.children)]
     failed = sum(1 for result in results if result is False)
     pieces = [result for result in results if isinstance(result, Part)]
-    branches = _branches(at, pieces)
+    branches = in_parallel(at, pieces)
     if not branches:
         at.note(node, became(failed < allowed), Kind.EXACT)
         return failed < allowed
-    skipped = (
-        "a child that is skipped counts as one that has succeeded" if any(p.skips for p in pieces) else ""
-    )
-    kind = Kind.MORE if skipped else Kind.EXACT
+    kind, skipped = Kind.EXACT, ""
+    if pieces and all(piece.skips for piece in pieces):
+        kind, skipped = Kind.LEFT_OUT, "that it is skipped where all its children are is not modelled"
+    elif any(piece.skips for piece in pieces):
+        kind, skipped = Kind.MORE, "a child that is skipped counts as one that has succeeded"
     if allowed - failed == 1:
         block: Block = branches[0] if len(branches) == 1 else parallel(name, branches)
         at.note(node, block.name, kind, skipped)
@@ -271,9 +324,20 @@ def parallel_all(at: Translator, node: TreeNode, context: Context) -> Result:
         return Part(block, good=well, bad=well)
     inner = parallel(at.names.fresh(f"{name}_all"), branches)
     verdict = at.choice(f"{name}_verdict", context, f"Whether fewer than {allowed} have failed")
-    at.note(node, name, Kind.MORE, f"whether fewer than {allowed} have failed is free")
+    free = f"whether fewer than {allowed} have failed is free"
+    at.note(node, name, Kind.LEFT_OUT if kind is Kind.LEFT_OUT else Kind.MORE, skipped or free)
     inner = replace(inner, success=SUCCEED, failure=verdict.name)
     return Part(Recursive(name=name, blocks=(inner, verdict)))
+
+
+def counts(at: Translator, node: TreeNode) -> tuple[int | None, int | None]:
+    """How many children of a parallel node must succeed, and how many must fail; ``None``: it is data."""
+    row = at.forest.row(node)
+    names = tuple(row.ports or ()) if row is not None else ()
+    numbers = [threshold(at.forest.choice.value(node, name), len(node.children)) for name in names]
+    if len(numbers) == 1:  # of version 3: it fails where so many successes are out of reach
+        return numbers[0], len(node.children)
+    return numbers[0], numbers[1]
 
 
 def threshold(text: str, count: int) -> int | None:
@@ -287,16 +351,16 @@ def threshold(text: str, count: int) -> int | None:
 
 def _unclear(at: Translator, node: TreeNode, context: Context, why: str) -> Part:
     """A parallel node that may end at any moment, either way."""
-    name = at.names.fresh(node.name or node.id)
+    name = at.names.fresh(called(node))
     number = at.next_parallel()
     inside = replace(context, halted=True)
     results = [at.piece(child, inside.branch(number, i)) for i, child in enumerate(node.children)]
-    return _free(at, node, name, [result for result in results if isinstance(result, Part)], context, why)
+    return free(at, node, name, [result for result in results if isinstance(result, Part)], context, why)
 
 
-def _free(at: Translator, node: TreeNode, name: str, pieces: list[Part], context: Context, why: str) -> Part:
+def free(at: Translator, node: TreeNode, name: str, pieces: list[Part], context: Context, why: str) -> Part:
     """Children at the same time, which may be over at any moment, either way."""
-    branches = _branches(at, pieces)
+    branches = in_parallel(at, pieces)
     verdict = at.choice(f"{name}_verdict", context, why)
     over = at.event(f"{name}_over", f"{name} ends: {why}")
     at.note(node, name, Kind.MORE, why)
@@ -309,7 +373,7 @@ def _free(at: Translator, node: TreeNode, name: str, pieces: list[Part], context
 
 def switch(at: Translator, node: TreeNode, context: Context) -> Result:
     """One child by the value of a variable, which is free; the last if none fits."""
-    name = at.names.fresh(node.name or node.id)
+    name = at.names.fresh(called(node))
     inside = replace(context, again=True, halted=True)
     results = [at.piece(child, inside) for child in node.children]
     changes = at.event(f"{name}_changes", f"{node.ports.get('variable', 'the variable')} changes")
@@ -357,7 +421,7 @@ def reactive_fallback(at: Translator, node: TreeNode, context: Context) -> Resul
 
 
 def _reactive(at: Translator, node: TreeNode, context: Context, *, stops: bool) -> Result:
-    name = at.names.fresh(node.name or node.id)
+    name = at.names.fresh(called(node))
     slow = [not at.at_once(child) for child in node.children]
     last = max((place for place, runs in enumerate(slow) if runs), default=-1)
     results: list[Result] = []
@@ -365,7 +429,7 @@ def _reactive(at: Translator, node: TreeNode, context: Context, *, stops: bool) 
     for place, child in enumerate(node.children):
         guarded = place > 0 and slow[place]
         again = context.again or place < last or (guarded and sum(slow) > 1)
-        told = child.id == "RoundRobin" and not context.halted
+        told = at.forest.rule(child) in TURNS and not context.halted
         halted = context.halted or (guarded and not told)
         result = at.piece(child, replace(context, again=again, halted=halted))
         if guarded and isinstance(result, Part):
@@ -420,7 +484,7 @@ def _guarded(
 
 def while_do_else(at: Translator, node: TreeNode, context: Context) -> Result:
     """A condition that is asked at each tick, and what runs while it holds or does not."""
-    name = at.names.fresh(node.name or node.id)
+    name = at.names.fresh(called(node))
     inside = replace(context, again=True, halted=True)
     asked = at.piece(node.children[0], inside)
     then, *others = (at.piece(child, inside) for child in node.children[1:])
@@ -440,7 +504,9 @@ def while_do_else(at: Translator, node: TreeNode, context: Context) -> Result:
             each = replace(each, block=handled(each.block, [Handler(event=event, goto=goto)], at.instants))
         branches.append(each)
     made = branching(name, asked, *branches)
-    if at.at_once(node.children[0]):
+    if asked.skips:
+        at.note(node, name, *skipped_condition(asked))
+    elif at.at_once(node.children[0]):
         at.note(node, name, Kind.EXACT)
     else:
         at.note(node, name, Kind.LEFT_OUT, "that its condition runs again in parallel is not modelled")
@@ -448,18 +514,17 @@ def while_do_else(at: Translator, node: TreeNode, context: Context) -> Result:
 
 
 CONTROLS: dict[str, Rule] = {
-    "Sequence": sequence,
-    "AsyncSequence": sequence,
-    "SequenceWithMemory": with_memory,
-    "Fallback": fallback,
-    "AsyncFallback": fallback,
-    "IfThenElse": if_then_else,
-    "TryCatch": try_catch,
-    "Parallel": parallel_node,
-    "ParallelAll": parallel_all,
-    **{f"Switch{n}": switch for n in range(2, 7)},
-    "ReactiveSequence": reactive_sequence,
-    "ReactiveFallback": reactive_fallback,
-    "WhileDoElse": while_do_else,
+    "sequence": sequence,
+    "fallback": fallback,
+    "with_memory": with_memory,
+    "with_memory_unhalted": with_memory,
+    "if_then_else": if_then_else,
+    "try_catch": try_catch,
+    "parallel": parallel_node,
+    "parallel_all": parallel_all,
+    "switch": switch,
+    "reactive_sequence": reactive_sequence,
+    "reactive_fallback": reactive_fallback,
+    "while_do_else": while_do_else,
 }
-"""How these nodes are translated."""
+"""How control nodes are translated, by the rule that the table of nodes names."""

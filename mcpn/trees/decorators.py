@@ -7,25 +7,27 @@ from dataclasses import replace
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Handler, Objective, Recursive
 from mcpn.trees.controls import became, ended
 from mcpn.trees.ledger import Kind
-from mcpn.trees.nodes import TreeNode
+from mcpn.trees.nodes.node import TreeNode
 from mcpn.trees.pieces import Part, Result, bare, handled, placed, tidied, wrapped
-from mcpn.trees.reading import WAITING
-from mcpn.trees.translator import ROUNDS, Context, Rule, Translator
+from mcpn.trees.translator import Context, Rule, Translator, called
 
 COPIES = 1000
 """More tries or rounds than these are not written out."""
 
 
-def turned(at: Translator, node: TreeNode, context: Context) -> Result:
-    """Inverter, ForceSuccess, ForceFailure: what the ends of the child mean."""
-    result = at.piece(node.children[0], context)
-    means = {"Inverter": (False, True), "ForceSuccess": (True, True), "ForceFailure": (False, False)}[node.id]
-    if isinstance(result, bool):
-        made: Result = means[not result]
-    else:
-        made = replace(result, good=means[not result.good], bad=means[not result.bad])
-    at.note(node, became(made), Kind.EXACT)
-    return made
+def turning(good: bool, bad: bool) -> Rule:
+    """The rule of a node that turns outcomes: what success and failure of its child mean."""
+
+    def turned(at: Translator, node: TreeNode, context: Context) -> Result:
+        result = at.piece(node.children[0], context)
+        if isinstance(result, bool):
+            made: Result = good if result else bad
+        else:
+            made = replace(result, good=good if result.good else bad, bad=good if result.bad else bad)
+        at.note(node, became(made), Kind.EXACT)
+        return made
+
+    return turned
 
 
 def transparent(at: Translator, node: TreeNode, context: Context) -> Result:
@@ -50,8 +52,7 @@ def repeat(at: Translator, node: TreeNode, context: Context) -> Result:
 
 
 def _loop(at: Translator, node: TreeNode, context: Context, *, fails: bool) -> Result:
-    times = node.ports.get(ROUNDS[node.id], "")
-    count = _count(times)
+    count = at.rounds(node)
     result = at.piece(node.children[0], replace(context, again=context.again or count != 1))
     if isinstance(result, bool) or count == 0:
         made: Result = result if isinstance(result, bool) and count != 0 else not fails
@@ -60,17 +61,20 @@ def _loop(at: Translator, node: TreeNode, context: Context, *, fails: bool) -> R
         else:
             at.note(node, became(made), Kind.EXACT)
         return made
-    if count is not None and 0 < count <= COPIES:
-        # What has rounds or tries already gets an objective around it.
-        block = wrapped(result, at.names.fresh(node.name or f"{result.block.name}_again")).block
-        block = replace(block, retries=count - 1) if fails else replace(block, repeat=count)
-        if count > 1 and context.halted and at.at_once(node.children[0]):
-            # An earlier child is asked again then, and nothing runs that it could interrupt.
-            at.note(node, block.name, Kind.LEFT_OUT, BETWEEN)
-        else:
-            at.note(node, block.name, Kind.EXACT)
-        return Part(block if count > 1 else replace(block, repeat=None), skips=result.skips)
-    return _endless(at, node, context, result, fails, exact=count == -1, why=times)
+    if count is None or not 0 < count <= COPIES:
+        times = next(iter(node.ports.values()), "")
+        return _endless(at, node, context, result, fails, exact=count == -1, why=times)
+    # What has rounds or tries already gets an objective around it.
+    block = wrapped(result, at.names.fresh(called(node, f"{result.block.name}_again"))).block
+    block = replace(block, retries=count - 1) if fails else replace(block, repeat=count)
+    kind, why = Kind.EXACT, ""
+    if count > 1 and context.halted and at.at_once(node.children[0]):
+        # An earlier child is asked again then, and nothing runs that it could interrupt.
+        kind, why = Kind.LEFT_OUT, BETWEEN
+    elif count > 1 and result.skips and context.again:
+        kind, why = Kind.LEFT_OUT, "that it goes on counting after its child was skipped is not modelled"
+    at.note(node, block.name, kind, why)
+    return Part(block if count > 1 else replace(block, repeat=None), skips=result.skips)
 
 
 def _endless(
@@ -78,7 +82,7 @@ def _endless(
 ) -> Part:
     """The child again and again; where its number is not known, up to a moment that is free."""
     own = result.block.name
-    name = at.names.fresh(node.name or f"{own}_loop")
+    name = at.names.fresh(called(node, f"{own}_loop"))
     blocks: list[Block] = []
     if exact:
         blocks.append(placed(result, SUCCEED if fails else own, own if fails else FAIL))
@@ -94,14 +98,6 @@ def _endless(
     return Part(Recursive(name=name, blocks=tidied(blocks), nominal="endless"), skips=result.skips)
 
 
-def _count(text: str) -> int | None:
-    """A literal number of rounds, -1 for endless ones; ``None``: it is data."""
-    try:
-        return max(int(text), -1)
-    except ValueError:
-        return None
-
-
 def keep_running(at: Translator, node: TreeNode, context: Context) -> Result:
     """The child again and again until it fails."""
     result = at.piece(node.children[0], replace(context, again=True))
@@ -109,21 +105,31 @@ def keep_running(at: Translator, node: TreeNode, context: Context) -> Result:
         at.note(node, became(result), Kind.EXACT)
         return result
     if result is True:
-        name = at.names.fresh(node.name or node.id)
+        name = at.names.fresh(called(node))
         at.note(node, name, Kind.EXACT, "it runs until it is halted")
         idle = Objective(name=name, activities=(at.activity("idle", context),), success=name, failure=name)
         at.silent.add(name)
         return Part(Recursive(name=at.names.fresh(f"{name}_loop"), blocks=(idle,)))
+    if result.skips:
+        # A child that is skipped is asked again at the next tick.
+        name = at.names.fresh(f"{result.block.name}_round")
+        inner = placed(result, SUCCEED, FAIL, SUCCEED)
+        result = Part(Recursive(name=name, blocks=(replace(inner, success=None),)))
     return _endless(at, node, context, result, False, exact=True, why="")
 
 
 def loop(at: Translator, node: TreeNode, context: Context) -> Result:
     """LoopInt and its kin: the child once for each value of a queue."""
-    queue = node.ports.get("queue", "")
+    queue = node.ports["queue"]
     literal = bool(queue) and "{" not in queue and not queue.startswith("json:")
-    empty = node.ports.get("if_empty", "SUCCESS").upper()
+    empty = at.forest.choice.value(node, "if_empty").upper()
     count = len(queue.split(";")) if literal else None
     result = at.piece(node.children[0], replace(context, again=True))
+    if isinstance(result, Part) and result.skips:
+        # After a child that is skipped the next value is taken.
+        inner = placed(result, SUCCEED, FAIL, SUCCEED)
+        name = at.names.fresh(f"{result.block.name}_round")
+        result = Part(Recursive(name=name, blocks=(replace(inner, success=None),)))
     if isinstance(result, bool) and (literal or result):
         at.note(node, became(result), Kind.EXACT if literal else Kind.MORE)
         return result
@@ -131,10 +137,10 @@ def loop(at: Translator, node: TreeNode, context: Context) -> Result:
     if not isinstance(result, Part):
         result = Part(at.choice(f"{node.id}_fails", context, "Its child fails at once"), good=False)
     if count is not None and end == SUCCEED and count <= COPIES:
-        block = wrapped(result, at.names.fresh(node.name or f"{result.block.name}_rounds")).block
+        block = wrapped(result, at.names.fresh(called(node, f"{result.block.name}_rounds"))).block
         at.note(node, block.name, Kind.EXACT, "values of the queue are not modelled")
         return Part(replace(block, repeat=count) if count > 1 else block, skips=result.skips)
-    name = at.names.fresh(node.name or node.id)
+    name = at.names.fresh(called(node))
     asked = at.choice(f"{name}_more", context, f"Whether the queue {queue} has another value")
     asked = replace(asked, success=result.block.name, failure=end)
     at.note(node, name, Kind.MORE, "how many values the queue has is free")
@@ -146,12 +152,13 @@ def loop(at: Translator, node: TreeNode, context: Context) -> Result:
 def timeout(at: Translator, node: TreeNode, context: Context) -> Result:
     """The child is halted when its time is over, and then the node fails."""
     result = at.piece(node.children[0], replace(context, halted=True))
-    text = node.ports.get("msec", "")
-    if isinstance(result, bool) or text.strip() == "0":
+    (port,) = row.ports if (row := at.forest.row(node)) is not None and row.ports else ("msec",)
+    text = at.forest.choice.value(node, port)
+    if isinstance(result, bool) or (port == "msec" and text.strip() == "0"):
         at.note(node, became(result), Kind.EXACT)
         return result
     try:
-        seconds = int(text) / 1000
+        seconds = int(text) / 1000 if port == "msec" else float(text)
     except ValueError:
         seconds = 0.0
     known = 0.001 <= seconds <= 2_592_000
@@ -160,10 +167,12 @@ def timeout(at: Translator, node: TreeNode, context: Context) -> Result:
         at.note(node, made.block.name, Kind.TIME)
         return made
     name = result.block.name
-    over = at.event(f"{name}_time_over", f"{text} ms are over while {name} runs")
+    over = at.event(
+        f"{name}_time_over", f"{text} {'ms' if port == 'msec' else 's'} are over while {name} runs"
+    )
     # The event leads to the exit of what is around, which must be the child's alone.
     timed = handled(placed(result, SUCCEED, FAIL), [Handler(event=over, goto=FAIL)], at.instants)
-    around = at.names.fresh(node.name or f"{name}_timed")
+    around = at.names.fresh(called(node, f"{name}_timed"))
     made = Part(Recursive(name=around, blocks=tidied([timed])), skips=result.skips)
     at.note(node, made.block.name, Kind.TIME, f"the event {over} stands for its end")
     return made
@@ -173,18 +182,51 @@ def delay(at: Translator, node: TreeNode, context: Context) -> Result:
     """A wait, then the child."""
     wait = at.waiting(node, context, f"{node.ports.get('delay_msec', '?')} ms")
     result = at.piece(node.children[0], context)
-    name = at.names.fresh(node.name or f"{node.id}ed")
+    name = at.names.fresh(called(node, f"{node.id}ed"))
     if isinstance(result, bool):
         return replace(wait, good=result, bad=result)
     blocks = [placed(wait, result.block.name, FAIL), placed(result, SUCCEED, FAIL)]
     return Part(Recursive(name=name, blocks=tidied(blocks)), skips=result.skips)
 
 
+AWAITED: dict[str, str] = {
+    "waiting_rate": "the next period",
+    "waiting_speed": "the next period",
+    "waiting_distance": "the next stretch of way",
+    "waiting_goal": "a new goal",
+}
+"""By rule of a decorator that ticks its child as it is begun, and later only now and then: what it awaits."""
+
+
 def waiting(at: Translator, node: TreeNode, context: Context) -> Result:
     """Nav2's RateController and its kin, where nothing ticks them again after they have succeeded."""
-    result = at.piece(node.children[0], context)
-    at.note(node, became(result), Kind.TIME, f"its child is begun at once, or after {WAITING[node.id]}")
+    result = failing_itself(at, node, at.piece(node.children[0], context), context)
+    awaited = AWAITED[at.forest.rule(node)]
+    kind, why = Kind.TIME, f"its child is begun at once, or after {awaited}"
+    if isinstance(result, Part) and result.skips:
+        kind, why = Kind.LEFT_OUT, "what it does with a child that is skipped is not modelled"
+    at.note(node, became(result), kind, why)
     return result
+
+
+def failing_itself(at: Translator, node: TreeNode, result: Result, context: Context) -> Result:
+    """What a child becomes inside of a node that may fail whatever its child does: DistanceController.
+
+    Without the pose of the robot it fails: before its child is begun, while that runs, and after its success.
+    """
+    if at.forest.rule(node) != "waiting_distance":
+        return result
+    name = at.names.fresh(called(node))
+    before = at.choice(f"{name}_pose", context, "Whether the pose of the robot is known")
+    if isinstance(result, bool):
+        made = replace(before, success=SUCCEED if result else FAIL, failure=FAIL)
+        return Part(Recursive(name=name, blocks=tidied([made])))
+    after = at.choice(f"{name}_pose_after", context, "Whether the pose of the robot is known then")
+    lost = at.event(f"{name}_pose_lost", f"The pose of the robot is not known while {result.block.name} runs")
+    child = handled(placed(result, after.name, FAIL), [Handler(event=lost, goto=FAIL)], at.instants)
+    blocks: list[Block] = [replace(before, success=child.name, failure=FAIL), child]
+    blocks.append(replace(after, success=SUCCEED, failure=FAIL))
+    return Part(Recursive(name=name, blocks=tidied(blocks)), skips=result.skips)
 
 
 def once(at: Translator, node: TreeNode, context: Context) -> Result:
@@ -193,11 +235,12 @@ def once(at: Translator, node: TreeNode, context: Context) -> Result:
     if not context.again:
         at.note(node, became(result), Kind.EXACT)
         return result
-    name = at.names.fresh(node.name or node.id)
+    name = at.names.fresh(called(node))
     asked = at.choice(f"{name}_again", context, "Whether its child is run, or has been before")
-    skips = node.id == "RunOnce" and node.ports.get("then_skip", "true") not in ("false", "0")
+    trigger = at.forest.rule(node) == "trigger"
+    skips = not trigger and at.forest.choice.value(node, "then_skip").lower() not in ("false", "0")
     at.note(node, name, Kind.MORE, "whether its child has been run before is free")
-    if skips or node.id == "SingleTrigger":
+    if skips or trigger:
         return _if(name, asked, result, ABORT if skips else FAIL)
     before = at.choice(f"{name}_before", context, "What it returned before")
     made = _if(name, asked, result, before.name)
@@ -221,17 +264,17 @@ def _if(name: str, asked: Objective, result: Result, other: str) -> Part:
 
 def precondition(at: Translator, node: TreeNode, context: Context) -> Result:
     """The child if a script is true, else another outcome; what it says is free."""
-    name = at.names.fresh(node.name or f"{node.id}")
+    name = at.names.fresh(called(node))
     result = at.piece(node.children[0], context)
     asked = at.choice(f"{name}_holds", context, f"Whether {node.ports.get('if', 'it')} is so")
-    other = {"FAILURE": FAIL, "SUCCESS": SUCCEED}.get(node.ports.get("else", "FAILURE").upper(), ABORT)
+    other = {"FAILURE": FAIL, "SUCCESS": SUCCEED}.get(at.forest.choice.value(node, "else").upper(), ABORT)
     at.note(node, name, Kind.MORE, f"whether {node.ports.get('if', 'its script')} is so is free")
     return _if(name, asked, result, other)
 
 
 def on_approach(at: Translator, node: TreeNode, context: Context) -> Result:
     """Nav2's PathLongerOnApproach: the child while the path has become longer near the goal, else success."""
-    name = at.names.fresh(node.name or node.id)
+    name = at.names.fresh(called(node))
     result = at.piece(node.children[0], replace(context, again=True, halted=True))
     asked = at.choice(f"{name}_holds", context, "Whether the new path is longer, near the goal")
     at.note(
@@ -249,14 +292,14 @@ def on_approach(at: Translator, node: TreeNode, context: Context) -> Result:
 
 def updated(at: Translator, node: TreeNode, context: Context) -> Result:
     """SkipUnlessUpdated, WaitValueUpdate: the child once an entry of the blackboard has changed."""
-    if node.id == "WaitValueUpdate":
+    if at.forest.rule(node) == "wait_value_update":
         wait = at.waiting(node, context, "a change of the blackboard", Kind.MORE)
         result = at.piece(node.children[0], context)
         if isinstance(result, bool):
             return replace(wait, good=result, bad=result)
         blocks = [placed(wait, result.block.name, FAIL), placed(result, SUCCEED, FAIL)]
         return Part(Recursive(name=at.names.fresh(f"{node.id}ed"), blocks=tidied(blocks)), skips=result.skips)
-    name = at.names.fresh(node.name or node.id)
+    name = at.names.fresh(called(node))
     result = at.piece(node.children[0], context)
     asked = at.choice(f"{name}_holds", context, "Whether the entry has changed")
     at.note(node, name, Kind.MORE, "whether the entry has changed is free")
@@ -265,7 +308,7 @@ def updated(at: Translator, node: TreeNode, context: Context) -> Result:
 
 def unknown(at: Translator, node: TreeNode, context: Context) -> Result:
     """A decorator of which nothing is known: its child any number of times, and any end at any moment."""
-    name = at.names.fresh(node.name or node.id)
+    name = at.names.fresh(called(node))
     result = at.piece(node.children[0], replace(context, again=True, halted=True))
     asked = at.choice(f"{name}_ticks", context, f"Whether {node.id} ticks its child")
     verdict = at.choice(f"{name}_returns", context, f"What {node.id} returns")
@@ -285,22 +328,22 @@ def unknown(at: Translator, node: TreeNode, context: Context) -> Result:
 
 
 DECORATING: dict[str, Rule] = {
-    "Inverter": turned,
-    "ForceSuccess": turned,
-    "ForceFailure": turned,
-    "RetryUntilSuccessful": retry,
-    "Repeat": repeat,
-    "KeepRunningUntilFailure": keep_running,
-    **dict.fromkeys(("LoopInt", "LoopBool", "LoopDouble", "LoopString"), loop),
-    "Timeout": timeout,
-    "Delay": delay,
-    "RunOnce": once,
-    "SingleTrigger": once,
-    "Precondition": precondition,
-    "PathLongerOnApproach": on_approach,
-    "SkipUnlessUpdated": updated,
-    "WaitValueUpdate": updated,
-    "GoalUpdater": transparent,
-    **dict.fromkeys(WAITING, waiting),
+    "inverter": turning(False, True),
+    "force_success": turning(True, True),
+    "force_failure": turning(False, False),
+    "retry": retry,
+    "repeat": repeat,
+    "keep_running": keep_running,
+    "loop": loop,
+    "timeout": timeout,
+    "delay": delay,
+    "once": once,
+    "trigger": once,
+    "precondition": precondition,
+    "on_approach": on_approach,
+    "skip_unless_updated": updated,
+    "wait_value_update": updated,
+    "transparent": transparent,
+    **dict.fromkeys(AWAITED, waiting),
 }
-"""How these nodes are translated."""
+"""How decorators are translated, by the rule that the table of nodes names."""

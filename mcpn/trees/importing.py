@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from lxml import etree
 
+from mcpn.errors import Problem
 from mcpn.mission.language.forms import NAMESPACE
 from mcpn.mission.model import (
     Approximation,
@@ -23,11 +25,12 @@ from mcpn.trees.controls import CONTROLS
 from mcpn.trees.decorators import DECORATING, unknown
 from mcpn.trees.ledger import Kind, Ledger, in_order, in_words
 from mcpn.trees.nav2 import NAV2
-from mcpn.trees.nodes import Forest
-from mcpn.trees.translator import BlockOrigin, Context, Translator, series_of
+from mcpn.trees.nodes.forest import Forest
+from mcpn.trees.py_trees import PY_TREES_RULES
+from mcpn.trees.translator import BlockOrigin, Context, Translator, TreeNames, series_of
 
-RULES = {**CONTROLS, **DECORATING, **NAV2}
-"""How control nodes and decorators are translated, by registered name."""
+RULES = {**CONTROLS, **DECORATING, **NAV2, **PY_TREES_RULES}
+"""How control nodes and decorators are translated, by the rule that the table of nodes names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +89,7 @@ def translate(forest: Forest, name: str, file: str, *, faulty: bool = False) -> 
         events=tuple(at.events.values()),
         activities=activities,
     )
-    ledger = Ledger(file, in_order(at.entries))
+    ledger = Ledger(file, in_order(at.entries), str(forest.choice), forest.warnings)
     mission = Mission(
         name=name,
         translated=(_translated(ledger),),
@@ -97,12 +100,29 @@ def translate(forest: Forest, name: str, file: str, *, faulty: bool = False) -> 
     return Imported(valid(mission), ledger, forest, at.origins, at.heard, frozenset(at.silent))
 
 
+def mission_of(file: Path, root: Path | None = None) -> Mission:
+    """The mission that the tree of a file becomes.
+
+    Args:
+        file: The file.
+        root: The folder that includes stay inside; by default that of the file.
+
+    Raises:
+        InputError: Everything that is wrong with the tree, by file and line.
+    """
+    from mcpn.trees.reading import read_forest
+
+    return translate(read_forest(file, root=root), TreeNames().fresh(file.stem), file.name).mission
+
+
 def _translated(ledger: Ledger) -> Translated:
     """The ledger as the mission's file has it: what is not exact, in one entry for each node."""
     less = [entry for entry in ledger.entries if entry.kind is not Kind.EXACT]
     return Translated(
         tree=ledger.file,
+        library=ledger.read_as or None,
         exact=len(ledger.entries) - len(less),
+        description="; ".join(_place(each) for each in ledger.warnings) or None,
         approximations=tuple(
             Approximation(
                 node=entry.node.title,
@@ -113,6 +133,10 @@ def _translated(ledger: Ledger) -> Translated:
             for entry in less
         ),
     )
+
+
+def _place(problem: Problem) -> str:
+    return f"line {problem.source.line if problem.source else 1}: {problem.message}"
 
 
 _HELPERS = {

@@ -12,15 +12,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from mcpn.errors import InputError
-from mcpn.trees.nodes import Forest, TreeNode
-from mcpn.trees.reading import MAX_NODES, SCRIPTS, tree_of
+from mcpn.trees.nodes.forest import Forest, tree_of
+from mcpn.trees.nodes.node import TreeNode
+from mcpn.trees.reading import MAX_NODES
 
 Place = tuple[int, ...]
 """A node by what leads to it: the nodes that use trees around it, the outermost first, and itself."""
-ASKING = ("ReactiveSequence", "ReactiveFallback", "WhileDoElse", "PipelineSequence")
-"""Nodes that tick earlier children again while a later one runs."""
-
-NOT_RESETTING = ("WhileDoElse", "PipelineSequence")
+ASKING = frozenset({"reactive_sequence", "reactive_fallback", "while_do_else", "pipeline"})
+"""Rules of nodes that tick earlier children again while a later one runs."""
+NOT_RESETTING = frozenset({"while_do_else", "pipeline"})
 """Those of them that do not reset a child that has answered before they tick it again."""
 
 
@@ -75,12 +75,13 @@ class _Expansion:
         if (tree := tree_of(self.forest, node)) is not None:
             inner = f"{prefix}{node.name or f'{node.id}::{self.made}'}/"
             yield from self.leaves(tree.root, place, inner, asked, kept)
-        elif not node.children and node.id not in (*SCRIPTS, "AlwaysFailure"):
+        elif not node.children and self.forest.rule(node) not in ("succeeds", "fails"):
             yield Instance(node, place, path, asked, kept)
+        rule = self.forest.rule(node)
         for number, child in enumerate(node.children):
-            earlier = number + 1 < len(node.children) if node.id != "WhileDoElse" else number == 0
-            again = node.id in ASKING and earlier
-            stays = again and node.id in NOT_RESETTING
+            earlier = number + 1 < len(node.children) if rule != "while_do_else" else number == 0
+            again = rule in ASKING and earlier
+            stays = again and rule in NOT_RESETTING
             yield from self.leaves(child, around, prefix, asked or again, stays)
 
 

@@ -7,8 +7,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
 
+from mcpn.errors import Problem
 from mcpn.mission.model import Translated
-from mcpn.trees.nodes import TreeNode
+from mcpn.trees.nodes.node import TreeNode
 
 
 class Kind(Enum):
@@ -57,10 +58,14 @@ class Ledger:
     Args:
         file: The file of the tree, as it is called.
         entries: One for each node, in the order of the trees.
+        read_as: The libraries and versions as which it was read.
+        warnings: What was read though a library or XML would not have it so.
     """
 
     file: str
     entries: tuple[LedgerEntry, ...]
+    read_as: str = ""
+    warnings: tuple[Problem, ...] = ()
 
     @property
     def counts(self) -> dict[Kind, int]:
@@ -94,7 +99,8 @@ def of_translated(translated: Translated) -> tuple[str, str]:
     found[Kind.EXACT] = translated.exact
     counted = ", ".join(f"{WORDS[kind]} {found[kind]}" for kind in Kind if found[kind])
     weakest = max(found, key=list(Kind).index)
-    return f"made of {translated.tree}, {found.total()} nodes: {counted}", SURVIVES[weakest]
+    read_as = f". Read as {translated.library}" if translated.library else ""
+    return f"made of {translated.tree}, {found.total()} nodes: {counted}{read_as}", SURVIVES[weakest]
 
 
 def in_words(ledger: Ledger) -> str:
@@ -102,7 +108,12 @@ def in_words(ledger: Ledger) -> str:
     counted = ", ".join(f"{WORDS[kind]}: {count}" for kind, count in ledger.counts.items() if count)
     lines = [
         f"{ledger.file}: {len(ledger.entries)} nodes. {counted}.",
+        *([f"Read as {ledger.read_as}."] if ledger.read_as else []),
         SURVIVES[ledger.kind],
+        *(
+            f"warning: line {each.source.line if each.source else 1}: {each.message}"
+            for each in ledger.warnings
+        ),
         "",
     ]
     width = max((len(entry.node.title) for entry in ledger.entries), default=0)

@@ -6,20 +6,19 @@ from dataclasses import replace
 
 from mcpn.mission.model import FAIL, SUCCEED, Block, FactRoute, Handler, Objective, Recursive, Use
 from mcpn.mission.robot import FactChange
-from mcpn.trees.controls import became, fallback, series
-from mcpn.trees.decorators import COPIES
+from mcpn.trees.controls import became, series
+from mcpn.trees.decorators import AWAITED, COPIES, failing_itself
 from mcpn.trees.ledger import Kind
-from mcpn.trees.nodes import TreeNode
+from mcpn.trees.nodes.node import TreeNode
 from mcpn.trees.pieces import Part, Result, handled, marked, placed, tidied, wrapped
-from mcpn.trees.reading import WAITING
-from mcpn.trees.translator import Context, Rule, Translator, parallel
+from mcpn.trees.translator import Context, Rule, Translator, called, parallel
 
 
 def recovery(at: Translator, node: TreeNode, context: Context) -> Result:
     """The first child; when it fails the second is run, then the first again, so many times."""
-    name = at.names.fresh(node.name or node.id)
-    text = node.ports.get("number_of_retries", "1")
-    count = int(text) if text.strip().lstrip("-").isdigit() else None
+    name = at.names.fresh(called(node))
+    text = at.forest.choice.value(node, "number_of_retries")
+    count = int(text) if text.strip().lstrip("+").isdigit() else None
     inside = replace(context, again=True)
     main = at.piece(node.children[0], inside if count != 0 else context)
     back = at.piece(node.children[1], inside)
@@ -28,8 +27,6 @@ def recovery(at: Translator, node: TreeNode, context: Context) -> Result:
     if isinstance(main, bool) or back is False or count == 0:
         at.note(node, became(main), Kind.EXACT)
         return main
-    if count is not None and count < 0:
-        count = 0
     if count is None or count > COPIES:
         again = back.block.name if isinstance(back, Part) else main.block.name
         blocks: list[Block] = [placed(main, SUCCEED, again)]
@@ -37,7 +34,11 @@ def recovery(at: Translator, node: TreeNode, context: Context) -> Result:
         at.note(node, name, Kind.MORE, f"it recovers any number of times, not {text}")
         return Part(Recursive(name=name, blocks=tidied(blocks)), skips=main.skips)
     main = wrapped(main, at.names.fresh(f"{main.block.name}_main"))
-    at.note(node, name, Kind.EXACT)
+    if isinstance(back, Part) and back.skips and context.again:
+        why = "that it goes on counting after its second child was skipped is not modelled"
+        at.note(node, name, Kind.LEFT_OUT, why)
+    else:
+        at.note(node, name, Kind.EXACT)
     if back is True:
         return Part(replace(main.block, retries=main.block.retries + count), skips=main.skips)
     assert isinstance(back, Part)
@@ -62,56 +63,154 @@ def _vainly(
 
 
 def round_robin(at: Translator, node: TreeNode, context: Context) -> Result:
-    """One child each time, in turn; the next one in the same turn if it fails, until all have."""
+    """One child each time, in turn; the next one in the same turn if it fails, until all have.
+
+    Since Nav2 1.5 it fails, unless it wraps around, once its last child has ended, by success as well.
+    """
+    wraps = wrapping(at, node)
+    name = at.names.fresh(called(node))
+    results = [at.piece(child, context) for child in node.children]
+    skips = any(isinstance(result, Part) and result.skips for result in results)
+    if skips:
+        at.note(node, name, Kind.LEFT_OUT, "how it counts children that are skipped is not modelled")
     if not context.again or len(node.children) == 1:
-        return fallback(at, node, context)
-    name = at.names.fresh(node.name or node.id)
+        result = series(at, name, _last_in_turn(at, name, results, context, wraps), context, stops=True)
+        at.note(node, became(result), Kind.EXACT)
+        return result
     pieces: list[Part] = []
-    for child in node.children:
-        result = at.piece(child, context)
+    for child, result in zip(node.children, results, strict=True):
         if isinstance(result, bool):
-            asked = at.choice(f"{child.name or child.id}_returns", context, "Returns at once")
+            asked = at.choice(f"{called(child)}_returns", context, "Returns at once")
             result = Part(asked, good=result, bad=result)
         pieces.append(result)
-    steps = [piece.block.name for piece in pieces]
-    fact = at.fact(f"{name}_next", steps, f"The child of {name} that is next")
-    turn: Objective = at.turn(f"{name}_turn", context, fact, {step: step for step in steps})
-    begun: list[Block] = []
-    if context.halted:
-        # Where a halt from outside is not told, it may begin anew.
-        anew = at.setting(f"{name}_anew", context, FactChange(fact=fact, to=steps[0]), steps[0])
-        routes = tuple(route for route in turn.routes if route.on == "success")
-        turn, begun = replace(turn, failure=anew.name, routes=routes), [anew]
-    else:
-        at.memories[name] = (fact, steps[0])
-    over = at.setting(f"{name}_gives_up", context, FactChange(fact=fact, to=steps[0]), FAIL)
-    blocks: list[Block] = [turn, *begun]
-    for place, piece in enumerate(pieces):
-        following = steps[(place + 1) % len(steps)]
-        change = FactChange(fact=fact, to=following, on="success")
-        whole = FactRoute(when=(f"{fact}={following}",), goto=over.name, on="failure")
+    made = _Turns(at, name, pieces, context, wraps).made()
+    why = "after a halt from outside it may go on or begin anew" if context.halted else ""
+    at.note(node, name, Kind.MORE if context.halted else Kind.EXACT, why)
+    return made
+
+
+def wrapping(at: Translator, node: TreeNode) -> frozenset[bool]:
+    """Whether RoundRobin goes on with its first child after its last; both where the version is not known."""
+    found = set[bool]()
+    for row in at.forest.choice.rows(node):
+        if row.rule == "round_robin":
+            found.add(True)
+            continue
+        said = at.forest.choice.value(node, "wrap_around").strip().lower()
+        found |= {True, False} if said.startswith("{") else {said in ("true", "1")}
+    return frozenset(found)
+
+
+def _last_in_turn(
+    at: Translator, name: str, results: list[Result], context: Context, wraps: frozenset[bool]
+) -> list[Result]:
+    """The children of a RoundRobin that is entered once, as those of a fallback."""
+    *before, last = results
+    if wraps == {True} or last is False:
+        return results
+    if isinstance(last, Part) and wraps == {False}:
+        return [*before, replace(last, good=False, bad=False)]
+    if wraps == {False}:
+        return [*before, False]
+    counts = at.choice(f"{name}_counts", context, "Whether the success of the last child is one: by version")
+    if not isinstance(last, Part):
+        return [*before, Part(counts)]
+    around = at.names.fresh(f"{last.block.name}_last")
+    blocks = [placed(last, counts.name, FAIL), replace(counts, success=SUCCEED, failure=FAIL)]
+    return [*before, Part(Recursive(name=around, blocks=tidied(blocks)), skips=last.skips)]
+
+
+class _Turns:
+    """A RoundRobin that is entered again and again: a fact says which child is next.
+
+    Args:
+        at: The translation.
+        name: What it is called.
+        pieces: Its children.
+        context: Where it stands.
+        wraps: Whether it goes on with its first child after its last; both where that is not known.
+    """
+
+    def __init__(
+        self, at: Translator, name: str, pieces: list[Part], context: Context, wraps: frozenset[bool]
+    ) -> None:
+        self.at, self.name, self.pieces, self.context, self.wraps = at, name, pieces, context, wraps
+        self.steps = [piece.block.name for piece in pieces]
+        self.fact = at.fact(f"{name}_next", self.steps, f"The child of {name} that is next")
+
+    def made(self) -> Part:
+        """The block."""
+        at, name, steps = self.at, self.name, self.steps
+        turn = at.turn(f"{name}_turn", self.context, self.fact, {step: step for step in steps})
+        begun: list[Block] = []
+        if self.context.halted:
+            # Where a halt from outside is not told, it may begin anew.
+            anew = self.setting(f"{name}_anew", steps[0], steps[0])
+            routes = tuple(route for route in turn.routes if route.on == "success")
+            turn, begun = replace(turn, failure=anew.name, routes=routes), [anew]
+        else:
+            at.memories[name] = (self.fact, steps[0])
+        over = self.setting(f"{name}_gives_up", steps[0], FAIL)
+        blocks: list[Block] = [turn, *begun]
+        for place, piece in enumerate(self.pieces):
+            last = place + 1 == len(steps)
+            blocks += (
+                self.last(piece, over) if last and False in self.wraps else self.child(place, piece, over)
+            )
+        blocks = [replace(block, success=block.success or SUCCEED) for block in blocks]
+        return Part(Recursive(name=name, blocks=(*blocks, over)))
+
+    def setting(self, wish: str, to: str, goto: str) -> Objective:
+        return self.at.setting(wish, self.context, FactChange(fact=self.fact, to=to), goto)
+
+    def child(self, place: int, piece: Part, over: Objective) -> list[Block]:
+        """A child after which the next one is asked."""
+        following = self.steps[(place + 1) % len(self.steps)]
+        whole = FactRoute(when=(f"{self.fact}={following}",), goto=over.name, on="failure")
+        if self.wraps == {False}:
+            routes: tuple[FactRoute, ...] = ()
+        else:
+            routes = (whole,)
+        change = FactChange(fact=self.fact, to=following, on="success")
         with_mark = None if piece.skips else marked(piece, change)
         if with_mark is not None:
             block = placed(with_mark, SUCCEED, following)
-            blocks.append(replace(block, routes=(*block.routes, whole)))
-            continue
-        noted = at.setting(f"{piece.block.name}_done", context, change, SUCCEED)
+            return [replace(block, routes=(*block.routes, *routes))]
+        noted = self.setting(f"{piece.block.name}_done", following, SUCCEED)
         block = placed(piece, noted.name, following)
         outcome = "success" if piece.bad is False and not piece.good else "failure"
-        blocks += [replace(block, routes=(*block.routes, replace(whole, on=outcome))), noted]
-    blocks = [replace(block, success=block.success or SUCCEED) for block in blocks]
-    kind, why = Kind.EXACT, ""
-    if context.halted:
-        kind, why = Kind.MORE, "after a halt from outside it may go on or begin anew"
-    at.note(node, name, kind, why)
-    return Part(Recursive(name=name, blocks=(*blocks, over)))
+        return [replace(block, routes=(*block.routes, *(replace(r, on=outcome) for r in routes))), noted]
+
+    def last(self, piece: Part, over: Objective) -> list[Block]:
+        """The last child, with which it is over; or perhaps is, where the version is not known."""
+        if self.wraps == {False}:
+            return [placed(piece, over.name, over.name)]
+        at, named = self.at, piece.block.name
+        counts = at.choice(
+            f"{named}_counts", self.context, "Whether its success is one of the node: by version"
+        )
+        begins = self.setting(f"{named}_done", self.steps[0], SUCCEED)
+        goes_on = at.choice(f"{named}_goes_on", self.context, "Whether the first child is next: by version")
+        whole = FactRoute(when=(f"{self.fact}={self.steps[0]}",), goto=over.name, on="success")
+        return [
+            placed(piece, counts.name, goes_on.name),
+            replace(counts, success=begins.name, failure=over.name),
+            begins,
+            replace(goes_on, success=self.steps[0], failure=over.name, routes=(whole,)),
+        ]
 
 
 def pipeline(at: Translator, node: TreeNode, context: Context) -> Result:
     """PipelineSequence: earlier children go on being ticked while later ones run."""
-    name = at.names.fresh(node.name or node.id)
-    result = series(at, name, _stages(at, context, name, node.children), context, stops=False)
-    at.note(node, became(result), Kind.EXACT)
+    name = at.names.fresh(called(node))
+    stages = _stages(at, context, name, node.children)
+    result = series(at, name, stages, context, stops=False)
+    if any(isinstance(stage, Part) and stage.skips for stage in stages):
+        at.note(
+            node, became(result), Kind.LEFT_OUT, "what it does with children that are skipped is not modelled"
+        )
+    else:
+        at.note(node, became(result), Kind.EXACT)
     return result
 
 
@@ -145,9 +244,11 @@ def _going_on(
     """A stage that runs: once alone, then again and again beside the later ones."""
     number = at.next_parallel()
     lane = replace(context.branch(number, 0), again=True)
-    waits = WAITING.get(first.id)
+    waits = AWAITED.get(at.forest.rule(first))
     node = first.children[0] if waits else first
     made = at.piece(node, lane)
+    if waits:
+        made = failing_itself(at, first, made, lane)
     if waits:
         at.note(first, became(made), Kind.TIME, f"again after {waits}")
     behind = series(
@@ -196,5 +297,10 @@ def _twice(at: Translator, piece: Part, context: Context) -> tuple[Part, Part]:
     return Part(one, skips=piece.skips), Part(other, skips=piece.skips)
 
 
-NAV2: dict[str, Rule] = {"RecoveryNode": recovery, "PipelineSequence": pipeline, "RoundRobin": round_robin}
-"""How these nodes are translated."""
+NAV2: dict[str, Rule] = {
+    "recovery": recovery,
+    "pipeline": pipeline,
+    "round_robin": round_robin,
+    "round_robin_wraps_or_not": round_robin,
+}
+"""How these nodes are translated, by the rule that the table of nodes names."""

@@ -1,130 +1,28 @@
-"""What is known of nodes by their registered names: those of BehaviorTree.CPP 4 and of Nav2.
+"""Reads behaviour trees: the XML of BehaviorTree.CPP 3 and 4 and of py_trees, with includes and models.
 
-Source: BehaviorTree.CPP 4.10 (controls, decorators, actions) and the plugins of nav2_behavior_tree, read for
-what they do when they are ticked; nothing of them is copied.
+Files are untrusted as missions are (:mod:`mcpn.xmlio`): no DTD, no entities, bounded size, depth and number;
+includes stay inside one folder. All problems of all files are raised in one go.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from types import MappingProxyType
 
 from lxml import etree
 
 from mcpn.errors import InputError, Problem, Source
-from mcpn.trees.nodes import Forest, Tree, TreeNode
-from mcpn.xmlio import parse_xml
-
-_ANY = 200_000
-CONTROLS = MappingProxyType(
-    {
-        "Sequence": (1, _ANY),
-        "AsyncSequence": (1, _ANY),
-        "SequenceWithMemory": (1, _ANY),
-        "SequenceStar": (1, _ANY),
-        "ReactiveSequence": (1, _ANY),
-        "Fallback": (1, _ANY),
-        "AsyncFallback": (1, _ANY),
-        "ReactiveFallback": (1, _ANY),
-        "Parallel": (1, _ANY),
-        "ParallelAll": (1, _ANY),
-        "IfThenElse": (2, 3),
-        "WhileDoElse": (2, 3),
-        "TryCatch": (2, _ANY),
-        **{f"Switch{n}": (n + 1, n + 1) for n in range(2, 7)},
-        "RecoveryNode": (2, 2),
-        "PipelineSequence": (1, _ANY),
-        "RoundRobin": (1, _ANY),
-    }
-)
-"""Control nodes that are translated, with the least and the largest number of their children."""
-WAITING = MappingProxyType(
-    {
-        "RateController": "the next period",
-        "SpeedController": "the next period",
-        "DistanceController": "the next stretch of way",
-        "GoalUpdatedController": "a new goal",
-    }
-)
-"""Decorators that tick their child as they are begun, and later only now and then: what they await."""
-TRANSPARENT = frozenset({"GoalUpdater"})
-"""Decorators that return what their child returns, and write the blackboard."""
-DECORATORS = frozenset(
-    {
-        "Inverter",
-        "ForceSuccess",
-        "ForceFailure",
-        "RetryUntilSuccessful",
-        "RetryUntilSuccesful",
-        "Repeat",
-        "KeepRunningUntilFailure",
-        "Timeout",
-        "Delay",
-        "RunOnce",
-        "Precondition",
-        "LoopInt",
-        "LoopBool",
-        "LoopDouble",
-        "LoopString",
-        "SingleTrigger",
-        "PathLongerOnApproach",
-        "SkipUnlessUpdated",
-        "WaitValueUpdate",
-        *WAITING,
-        *TRANSPARENT,
-    }
-)
-"""Decorators whose effect is known."""
-SCRIPTS = frozenset({"Script", "SetBlackboard", "UnsetBlackboard", "AlwaysSuccess"})
-"""Leaves that succeed at once and do nothing but write the blackboard."""
-UNTRANSLATED = MappingProxyType(
-    {
-        "ManualSelector": "a person chooses its child",
-        "PersistentSequence": "its index is data on the blackboard",
-        "NonblockingSequence": "it ticks later children while earlier ones still run",
-        "PauseResumeController": "services of ROS pause it",
-        "ConsumeQueue": "its queue is data on the blackboard",
-    }
-)
-"""Nodes that are known and not translated, and why."""
-_CONDITIONS = """
-GoalReached IsStuck TransformAvailable GoalUpdated GlobalUpdatedGoal IsBatteryLow IsBatteryCharging
-DistanceTraveled TimeExpired PathExpiringTimer InitialPoseReceived WouldAControllerRecoveryHelp
-WouldAPlannerRecoveryHelp WouldASmootherRecoveryHelp WouldARouteRecoveryHelp AreErrorCodesPresent
-ArePosesNear IsGoalNearby IsWithinPathTrackingBounds IsStopped IsPoseOccupied ScriptCondition
-WasEntryUpdated
-"""
-_AT_ONCE = """
-TruncatePath TruncatePathLocal PlannerSelector ControllerSelector SmootherSelector
-GoalCheckerSelector ProgressCheckerSelector PathHandlerSelector RemovePassedGoals GetPoseFromPath
-GetCurrentPose ConcatenatePaths AppendGoalPoseToGoals ExtractRouteNodesAsGoals GetNextFewGoals
-"""
-CATEGORIES = MappingProxyType(
-    dict.fromkeys(_CONDITIONS.split(), "Condition")
-    | dict.fromkeys([*_AT_ONCE.split(), *SCRIPTS, "AlwaysFailure", "Sleep"], "Action")
-)
-"""What known leaves are."""
-AT_ONCE = frozenset([*_CONDITIONS.split(), *_AT_ONCE.split(), *SCRIPTS, "AlwaysFailure"])
-"""Known leaves that answer in the tick in which they are asked, and never run on."""
-LOOKS_LIKE_CONDITION = re.compile(
-    r"(Is|Are|Check|Has|Have|Would|Can|Was|is_|are_|has_|check_|can_)(?![a-z])|(is|has|are)[A-Z]"
-)
-"""Names that people give to conditions: IsBatteryFull, check_door."""
-_SPELLED = {name.lower(): name for name in (*CONTROLS, *DECORATORS, *SCRIPTS, "AlwaysFailure")}
-V3 = MappingProxyType({"RetryUntilSuccesful": "RetryUntilSuccessful", "SequenceStar": "SequenceWithMemory"})
-"""Names of version 3 that version 4 spells otherwise."""
-
-
-def spelled(tag: str) -> str:
-    """The registered name that a tag means: some files write ``inverter``."""
-    return tag if tag not in _SPELLED.values() and tag.lower() not in _SPELLED else _SPELLED[tag.lower()]
-
-
-# Reads behaviour trees: the XML of BehaviorTree.CPP, versions 3 and 4, with includes and node models.
-#
-# Files are untrusted as missions are (:mod:`mcpn.xmlio`): no DTD, no entities, bounded size, depth and
-# number; includes stay inside the folder of the main file. All problems of all files are raised in one go.
+from mcpn.files import read_bounded
+from mcpn.trees.nodes.choosing import choose
+from mcpn.trees.nodes.forest import Forest, tree_of
+from mcpn.trees.nodes.node import ATTRIBUTES, OF_EDITORS, Tree, TreeNode
+from mcpn.trees.nodes.table import TABLE
+from mcpn.trees.nodes.versions import BTCPP, NAV2
+from mcpn.trees.nodes.versions import asked as asked_for
+from mcpn.trees.tolerant import escaped
+from mcpn.xmlio import parse_bytes
 
 MAX_BYTES = 16 << 20
 MAX_FILES = 1000
@@ -132,15 +30,66 @@ MAX_NODES = 200_000
 MAX_DEPTH = 64
 EXPLICIT = ("Action", "Condition", "Control", "Decorator", "SubTree", "SubTreePlus")
 """Elements whose attribute ID says which node it is."""
+_MODELS = (*EXPLICIT[:5],)
+_PORTS = ("input_port", "output_port", "inout_port", "bidirectional_port")
+ELEMENTS = MappingProxyType(
+    {
+        "root": (
+            ("BTCPP_format", "main_tree_to_execute", "project_name"),
+            ("include", "Import", "Include", "BehaviorTree", "TreeNodesModel"),
+        ),
+        "include": (("path", "ros_pkg"), ()),
+        "Import": (("src", "file"), ()),
+        "Include": (("src", "file"), ()),
+        "BehaviorTree": (("ID", *OF_EDITORS), None),
+        "TreeNodesModel": ((), _MODELS),
+        **dict.fromkeys(_MODELS, (("ID", "editable"), (*_PORTS, "MetadataFields", "description"))),
+        **dict.fromkeys(_PORTS, (("name", "type", "default"), ())),
+        "MetadataFields": ((), ("Metadata",)),
+        "Metadata": (None, ()),
+        "description": ((), ()),
+    }
+)
+"""Elements around nodes: attributes, and elements inside; ``None`` where all are allowed.
+
+``project_name``, ``editable``, ``MetadataFields`` and ``description`` are of editors and mean nothing, as
+do types and defaults of ports in models: data is not modelled. Any other element inside a tree is a node. Its
+attributes are ``name``, ``ID`` in the explicit form, ports by the table of nodes, and those of
+:data:`mcpn.trees.nodes.node.ATTRIBUTES`.
+"""
 
 
-def read_forest(path: Path, models: tuple[Path, ...] = (), main: str | None = None) -> Forest:
-    """Reads a file of trees with all that it includes.
+_SPELLED = {
+    row.node.lower(): row.node
+    for row in TABLE
+    if row.library in (BTCPP, NAV2)
+    and (row.role in ("Control", "Decorator") or row.rule in ("succeeds", "fails"))
+}
+
+
+def spelled(tag: str) -> str:
+    """The registered name that a tag means: some files write ``inverter``."""
+    return tag if tag in _SPELLED.values() else _SPELLED.get(tag.lower(), tag)
+
+
+def read_forest(
+    path: Path,
+    models: Sequence[Path] = (),
+    main: str | None = None,
+    *,
+    more: Sequence[Path] = (),
+    library: Iterable[str] = (),
+    root: Path | None = None,
+) -> Forest:
+    """Reads a file of trees with all that it includes, or all files of trees in a folder.
 
     Args:
-        path: The file.
+        path: The file, or the folder.
         models: Further files with a ``TreeNodesModel``, which say what is an action and what a condition.
         main: The tree to execute; by default what the file says, or its only tree that no other uses.
+        more: Further files of trees, which trees of the first one use.
+        library: Versions of libraries that the trees are for: ``nav2=1.5``.
+        root: The folder that includes stay inside; by default that of the file.
 
     Returns:
         The trees; every node has its file and line.
@@ -148,41 +97,88 @@ def read_forest(path: Path, models: tuple[Path, ...] = (), main: str | None = No
     Raises:
         InputError: Everything that is wrong, by file and line.
     """
-    reader = _Reader(path.parent.resolve())
+    wanted = asked_for(library)
+    files = [*_files(path), *more]
+    reader = _Reader((root or (path if path.is_dir() else path.parent)).resolve())
     for model in models:
         reader.models(model)
-    root = reader.file(path, path.name)
+    for place, file in enumerate(files):
+        if file.resolve() not in reader.seen:
+            reader.file(file, file.name, own=not place or path.is_dir(), among=path.is_dir())
     trees = reader.trees
-    if root is None or reader.problems:
+    if reader.problems:
         raise InputError(reader.problems)
-    main = main or root.get("main_tree_to_execute")
-    at = Source(str(path), _line(root))
-    if main is None:
+    executed = trees[_main(reader, main, Source(str(path), reader.root_line))]
+    nodes = [node for tree in trees.values() for node in tree.root.walk()]
+    choice, problems = choose(nodes, frozenset(trees), reader.formats, wanted)
+    forest = Forest(trees, executed, reader.categories, choice, tuple(reader.warnings))
+    problems += _cycles(forest)
+    if problems:
+        raise InputError(problems)
+    return forest
+
+
+def is_tree(path: Path) -> bool:
+    """Whether the first element of a file is that of behaviour trees, whatever else it holds."""
+    try:
+        text = read_bounded(path, MAX_BYTES).decode("utf-8-sig", "replace")
+    except InputError:
+        return False
+    while (text := text.lstrip()).startswith(("<?", "<!--")):
+        _, closed, text = text.partition("?>" if text.startswith("<?") else "-->")
+        if not closed:
+            return False
+    return re.match(r"<root[\s/>]", text) is not None
+
+
+def _files(path: Path) -> list[Path]:
+    """The files that a path means."""
+    if not path.is_dir():
+        return [path]
+    found = sorted(each for each in path.rglob("*.xml") if each.is_file())
+    if not found:
+        raise InputError.at(Source(str(path)), "no file *.xml in this folder, expected files of trees")
+    if len(found) > MAX_FILES:
+        raise InputError.at(
+            Source(str(path)), f"{len(found)} files in this folder, expected at most {MAX_FILES}"
+        )
+    return found
+
+
+def _main(reader: _Reader, asked: str | None, at: Source) -> str:
+    """The tree to execute."""
+    trees = reader.trees
+    said = list(dict.fromkeys(reader.mains))
+    main = asked or (said[0] if len(said) == 1 else None)
+    if main is None and not said:
         inside = {node.id for tree in trees.values() for node in tree.root.walk()}
         alone = [name for name in reader.own if name not in inside]
         alone = reader.own if len(reader.own) == 1 else alone
         main = alone[0] if len(alone) == 1 else None
     if main is None:
-        named = ", ".join(sorted(trees)) or "none"
-        raise InputError.at(at, f"no main_tree_to_execute, expected one of {named}")
+        named = ", ".join(said or sorted(trees)) or "none"
+        several = "several files say main_tree_to_execute" if said else "no main_tree_to_execute"
+        raise InputError.at(
+            at, f"{several}, expected one of {named}" + (": say it with --main" if trees else "")
+        )
     if main not in trees:
         raise InputError.at(at, f"no tree {main!r} to execute, expected one of {', '.join(sorted(trees))}")
-    forest = Forest(trees, trees[main], reader.categories)
-    problems = list(_cycles(forest))
-    if problems:
-        raise InputError(problems)
-    return forest
+    return main
 
 
 class _Reader:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.problems: list[Problem] = []
+        self.warnings: list[Problem] = []
         self.trees: dict[str, Tree] = {}
-        self.own: list[str] = []  # identifiers in the main file
+        self.own: list[str] = []  # identifiers in the files that were named
+        self.mains: list[str] = []  # what these say is to be executed
+        self.formats: list[str | None] = []
         self.categories: dict[str, str] = {}
         self.seen: set[Path] = set()
         self.nodes = 0
+        self.root_line = 1
 
     def models(self, path: Path) -> None:
         """Reads node models from a file that holds nothing else."""
@@ -193,69 +189,128 @@ class _Reader:
         if not found:
             self.wrong(Source(str(path), 1), "expected <TreeNodesModel>, found none")
         for model in found:
-            self.model(model)
+            self.model(model, path)
 
-    def model(self, element: etree._Element) -> None:
+    def model(self, element: etree._Element, path: Path) -> None:
+        for each in element.iter(etree.Element):
+            self.known(each, path, parent=each.getparent() if each is not element else None)
         for each in element:
-            if isinstance(each.tag, str) and each.get("ID"):
-                self.categories[str(each.get("ID"))] = each.tag
+            if each.get("ID"):
+                self.categories[str(each.get("ID"))] = _tag(each)
+
+    def known(self, element: etree._Element, path: Path, parent: etree._Element | None = None) -> None:
+        """Holds an element that is no node to the table of elements."""
+        tag, source = _tag(element), Source(str(path), _line(element))
+        inside = None if parent is None else ELEMENTS.get(_tag(parent), ((), ()))[1]
+        if inside is not None and tag not in inside:
+            expected = " or ".join(f"<{each}>" for each in inside) or "nothing"
+            self.wrong(source, f"found <{tag}> in <{_tag(parent)}>, expected {expected}")  # type: ignore[arg-type]
+            return
+        attributes, _ = ELEMENTS[tag]
+        for key in element.attrib if attributes is not None else ():
+            if str(key) not in attributes:  # type: ignore[operator]
+                expected = ", ".join(attributes) if attributes else "none"
+                self.wrong(source, f"<{tag}> has no attribute {str(key)!r}, expected {expected}")
 
     def parsed(self, path: Path) -> etree._Element | None:
+        """The root of a file; ``None`` where it is none, which is a problem."""
         try:
-            return parse_xml(path, MAX_BYTES)
+            data = read_bounded(path, MAX_BYTES)
+            try:
+                return parse_bytes(path, data)
+            except InputError:
+                root = self.as_tinyxml2(path, data)
+                if root is None:
+                    raise
+                return root
         except InputError as error:
             self.problems.extend(error.problems)
             return None
 
-    def file(self, path: Path, shown: str) -> etree._Element | None:
-        """Reads one file of trees and what it includes."""
-        self.seen.add(path.resolve())
-        main = len(self.seen) == 1
-        root = self.parsed(path)
-        if root is None:
+    def as_tinyxml2(self, path: Path, data: bytes) -> etree._Element | None:
+        """A file with ``&`` and ``<`` in attributes; ``None`` where something else is wrong with it."""
+        try:
+            text, lines = escaped(data.decode("utf-8-sig"))
+            root = parse_bytes(path, text.encode(), "utf-8") if lines else None
+        except (UnicodeDecodeError, InputError):
             return None
-        here = Source(str(path), _line(root))
-        if root.tag != "root":
-            self.wrong(here, f"expected <root> of a behaviour tree, found <{_tag(root)}>")
-            return None
-        if (version := root.get("BTCPP_format", "3")) not in ("3", "4"):
-            self.wrong(here, f"BTCPP_format {version!r}, expected 3 or 4")
-            return None
-        for element in root:
-            source = Source(str(path), _line(element))
-            match _tag(element):
-                case "include":
-                    self.include(element, path, source)
-                case "TreeNodesModel":
-                    self.model(element)
-                case "BehaviorTree":
-                    if tree := self.tree(element, path, source, shown):
-                        self.own += [tree] if main else []
-                case other:
-                    self.wrong(
-                        source, f"found <{other}>, expected <include>, <BehaviorTree> or <TreeNodesModel>"
-                    )
+        if root is not None:
+            said = "& or < in an attribute is no XML, write &amp; and &lt;: it is read as tinyxml2 reads it"
+            self.warnings += [Problem(Source(str(path), line), said) for line in lines]
         return root
 
-    def include(self, element: etree._Element, path: Path, source: Source) -> None:
-        href = element.get("path")
-        if element.get("ros_pkg"):
-            self.wrong(source, f"include of a file in package {element.get('ros_pkg')!r}: give a plain path")
+    def file(self, path: Path, shown: str, *, own: bool = False, among: bool = False) -> None:
+        """Reads one file of trees and what it includes.
+
+        Args:
+            path: The file.
+            shown: What it is called in problems.
+            own: Whether its trees may be the one to execute.
+            among: Whether it is one of a folder, which may hold other XML.
+        """
+        self.seen.add(path.resolve())
+        root = self.parsed(path)
+        if root is None:
             return
+        here = Source(str(path), _line(root))
+        if root.tag != "root":
+            said = f"expected <root> of a behaviour tree, found <{_tag(root)}>"
+            self.warnings.append(Problem(here, f"{said}: not read")) if among else self.wrong(here, said)
+            return
+        self.known(root, path)
+        version = root.get("BTCPP_format")
+        if version not in (None, "3", "4"):
+            self.wrong(here, f"BTCPP_format {version!r}, expected 3 or 4")
+            return
+        self.formats.append(version)
+        if own:
+            self.root_line = _line(root) if len(self.seen) == 1 else self.root_line
+            self.mains += [main] if (main := root.get("main_tree_to_execute")) else []
+        for element in root.iterchildren(etree.Element):
+            self.top(element, root, path, shown, own=own)
+
+    def top(
+        self, element: etree._Element, root: etree._Element, path: Path, shown: str, *, own: bool
+    ) -> None:
+        """Reads an element inside the root."""
+        tag, source = _tag(element), Source(str(path), _line(element))
+        if tag not in ("include", "Import", "Include", "BehaviorTree", "TreeNodesModel"):
+            expected = "expected <include>, <BehaviorTree> or <TreeNodesModel>"
+            self.wrong(source, f"found <{tag}>, {expected}")
+            return
+        self.known(element, path, root)
+        if tag == "TreeNodesModel":
+            self.model(element, path)
+        elif tag == "BehaviorTree":
+            if tree := self.tree(element, path, source, shown):
+                self.own += [tree] if own else []
+        else:
+            self.include(element, path, source)
+
+    def include(self, element: etree._Element, path: Path, source: Source) -> None:
+        href = element.get("path") or element.get("src") or element.get("file")
         if not href:
             self.wrong(source, "include without a path")
             return
+        package = element.get("ros_pkg")
         try:
             # As BT.CPP: relative to the including file; some write it relative to the main file.
-            beside, below = path.parent / href, self.folder / href
-            target = beside if beside.is_file() or not below.is_file() else below
+            places = [path.parent / href, self.folder / href]
+            if package:
+                places = [self.folder / package / href, self.folder / "share" / package / href]
+            target = next((place for place in places if place.is_file()), places[0])
             real = target.resolve()
             there = target.is_file()
         except (OSError, ValueError, RuntimeError) as error:
             self.wrong(source, f"include of {href[:80]!r}: {error}")
             return
         if not real.is_relative_to(self.folder):
-            self.wrong(source, f"include of {href} leaves the folder of the main file")
+            self.wrong(
+                source, f"include of {href} leaves the folder of the main file: --import-root says another"
+            )
+        elif not there and package:
+            said = f"include of a file in package {package!r}: no {href} in a folder of that name"
+            self.wrong(source, f"{said}, give a plain path, or the folder of packages with --import-root")
         elif not there:
             self.wrong(source, f"include of {href}: no such file")
         elif real not in self.seen:
@@ -266,7 +321,8 @@ class _Reader:
 
     def tree(self, element: etree._Element, path: Path, source: Source, shown: str) -> str | None:
         name = element.get("ID") or path.stem
-        children = [child for child in element if isinstance(child.tag, str)]
+        children = list(element.iterchildren(etree.Element))
+        self.text(element, source)
         if len(children) != 1:
             self.wrong(source, f"tree {name} has {len(children)} roots, expected one")
             return None
@@ -278,6 +334,12 @@ class _Reader:
             return None
         self.trees[name] = Tree(name, root, source)
         return name
+
+    def text(self, element: etree._Element, source: Source) -> None:
+        """Warns of text, which the libraries skip."""
+        texts = (element.text, *(child.tail for child in element))
+        if any(text and text.strip() for text in texts):
+            self.warnings.append(Problem(source, f"<{_tag(element)}> holds text, which means nothing"))
 
     def node(self, element: etree._Element, path: Path, depth: int) -> TreeNode | None:
         source = Source(str(path), _line(element))
@@ -292,42 +354,30 @@ class _Reader:
         attributes = {str(key): str(value) for key, value in element.attrib.items()}
         explicit = tag in EXPLICIT
         name = attributes.pop("name", None)
-        if explicit and not attributes.get("ID"):
-            self.wrong(source, f"<{tag}> without ID")
+        if explicit != bool(attributes.get("ID")):
+            said = (
+                f"<{tag}> without ID"
+                if explicit
+                else f"<{tag}> has no attribute 'ID', which <Action> and its kin have"
+            )
+            self.wrong(source, said)
             return None
         id_ = attributes.pop("ID") if explicit else spelled(tag)
         category = "SubTree" if tag == "SubTreePlus" else tag if explicit else ""
         if explicit:
             id_ = id_ if category == "SubTree" else spelled(id_)
-        children = [self.node(child, path, depth + 1) for child in element if isinstance(child.tag, str)]
+        self.text(element, source)
+        children = [self.node(child, path, depth + 1) for child in element.iterchildren(etree.Element)]
         if any(child is None for child in children):
             return None
         rules = {key: value for key, value in attributes.items() if key.startswith("_")}
+        for rule in rules.keys() - set(ATTRIBUTES):
+            meant = next((known for known in ATTRIBUTES if known.lower() == rule.lower()), None)
+            hint = f", {meant} does" if meant else ""
+            self.warnings.append(Problem(source, f"{id_}: attribute {rule} means nothing{hint}"))
         ports = {key: value for key, value in attributes.items() if not key.startswith("_")}
         inside = tuple(child for child in children if child is not None)
-        node = TreeNode(id_, category, name, ports, rules, inside, source)
-        return node if self.counted(node) else None
-
-    def counted(self, node: TreeNode) -> bool:
-        """Whether a known node has as many children as it must have."""
-        least, most = 0, MAX_NODES
-        if node.category != "SubTree" and node.id in CONTROLS:
-            least, most = CONTROLS[node.id]
-        elif node.category != "SubTree" and (node.id in DECORATORS or node.category == "Decorator"):
-            least, most = 1, 1
-        elif node.category in ("SubTree", "Action", "Condition") or node.id in CATEGORIES:
-            most = 0
-        if least <= len(node.children) <= most:
-            return True
-        wanted = (
-            str(least)
-            if least == most
-            else f"at least {least}"
-            if most == MAX_NODES
-            else f"{least} to {most}"
-        )
-        self.wrong(node.source, f"{node.title} has {len(node.children)} children, expected {wanted}")
-        return False
+        return TreeNode(id_, category, name, ports, rules, inside, source)
 
     def wrong(self, source: Source, message: str) -> None:
         self.problems.append(Problem(source, message))
@@ -342,14 +392,13 @@ def _line(element: etree._Element) -> int:
     return line if isinstance(line, int) else 1
 
 
-def _cycles(forest: Forest) -> list[Problem]:
+def _cycles(forest: Forest) -> Iterator[Problem]:
     """What is wrong with the use of trees in trees: none of that name, or one that holds itself."""
-    problems = []
     state: dict[str, int] = {}
     stack: list[tuple[str, list[TreeNode]]] = []
 
     def uses(tree: Tree) -> list[TreeNode]:
-        return [node for node in tree.root.walk() if tree_of(forest, node) is not None or _asks(node)]
+        return [n for n in tree.root.walk() if tree_of(forest, n) is not None or n.category == "SubTree"]
 
     for start in forest.trees:
         if start in state:
@@ -365,21 +414,9 @@ def _cycles(forest: Forest) -> list[Problem]:
             node = todo.pop()
             if node.id not in forest.trees:
                 known = ", ".join(sorted(forest.trees))
-                problems.append(Problem(node.source, f"no tree {node.id!r}, expected one of {known}"))
+                yield Problem(node.source, f"no tree {node.id!r}, expected one of {known}")
             elif state.get(node.id) == 1:
-                problems.append(Problem(node.source, f"tree {node.id} holds itself"))
+                yield Problem(node.source, f"tree {node.id} holds itself")
             elif node.id not in state:
                 state[node.id] = 1
                 stack.append((node.id, uses(forest.trees[node.id])))
-    return problems
-
-
-def _asks(node: TreeNode) -> bool:
-    return node.category == "SubTree"
-
-
-def tree_of(forest: Forest, node: TreeNode) -> Tree | None:
-    """The tree that a node runs: a ``<SubTree>``, or, as some write it, an element of the tree's name."""
-    if node.category == "SubTree" or (not node.children and node.category == ""):
-        return forest.trees.get(node.id)
-    return None

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 
 from mcpn.errors import InputError, Problem
 from mcpn.mission.model import (
@@ -22,9 +24,11 @@ from mcpn.mission.model import (
 )
 from mcpn.mission.robot import DeclaredEvent, Fact, FactChange, Parameter
 from mcpn.trees.ledger import Kind, LedgerEntry
-from mcpn.trees.nodes import PRECONDITIONS, Forest, Tree, TreeNode
+from mcpn.trees.nodes.forest import Forest, tree_of
+from mcpn.trees.nodes.node import PRECONDITIONS, Tree, TreeNode
+from mcpn.trees.nodes.row import NodeRow
+from mcpn.trees.nodes.versions import told
 from mcpn.trees.pieces import Part, Result, placed, tidied
-from mcpn.trees.reading import AT_ONCE, CATEGORIES, LOOKS_LIKE_CONDITION, SCRIPTS, UNTRANSLATED, V3, tree_of
 
 _RESERVED = {SUCCEED, FAIL, ABORT, "success", "failure"}
 Lane = tuple[tuple[int, int], ...]
@@ -81,9 +85,23 @@ class TreeNames:
         return name
 
 
+def readable(text: str) -> str:
+    """What of a text a name can hold: letters without accents, and digits; empty where that is too little."""
+    plain = "".join(c for c in unicodedata.normalize("NFKD", text) if not unicodedata.combining(c))
+    plain = plain.translate(_SPELT)
+    kept = re.sub(r"[^A-Za-z0-9]", "", plain)
+    return plain if 2 * len(kept) >= sum(c.isalnum() for c in plain) and kept else ""
+
+
+_SPELT = str.maketrans(
+    {"ß": "ss", "ø": "o", "Ø": "O", "æ": "ae", "Æ": "Ae", "œ": "oe", "Œ": "Oe", "ł": "l", "Ł": "L"}
+)
+"""Letters that are no others with a mark."""
+
+
 def _fitting(text: str) -> str:
     """A text as a name: letters, digits and ``_``, no digit first."""
-    name = re.sub(r"[^A-Za-z0-9_]+", "_", text).strip("_")
+    name = re.sub(r"[^A-Za-z0-9_]+", "_", readable(text)).strip("_")
     # A number behind _ is how copies of a block are named, so that it is joined to what is before it.
     name = re.sub(r"(?<!_)_++(?=\d++$)", "", name)
     return name if name and not name[0].isdigit() else f"n{name}"
@@ -94,12 +112,18 @@ def _fitting(text: str) -> str:
 # Each kind of node has a function of its own (``controls``, ``reactive``, ``decorators``, ``nav2``) that says
 # what it becomes; here is what they share: leaves, subtrees, preconditions, choices, events and facts.
 
-STATEFUL = frozenset({"RoundRobin", "SequenceWithMemory", "SequenceStar", "RunOnce", "SingleTrigger"})
-"""Nodes that remember something from one entry to the next."""
-
-
-ROUNDS = {"RetryUntilSuccessful": "num_attempts", "Repeat": "num_cycles"}
-"""Loops, with the port that says how often."""
+TURNS = frozenset({"round_robin", "round_robin_wraps_or_not"})
+MEMORIES = frozenset({"with_memory", "with_memory_unhalted"})
+STATEFUL = TURNS | MEMORIES | {"once", "trigger"}
+"""Rules of nodes that remember something from one entry to the next."""
+CONSTANT = MappingProxyType({"succeeds": True, "fails": False})
+"""Rules of leaves that always answer the same, at once."""
+LOOPS = frozenset({"retry", "repeat"})
+"""Rules of nodes that run their child so often as their port says."""
+LOOKS_LIKE_CONDITION = re.compile(
+    r"(Is|Are|Check|Has|Have|Would|Can|Was|is_|are_|has_|check_|can_)(?![a-z])|(is|has|are)[A-Z]"
+)
+"""Names that people give to conditions: IsBatteryFull, check_door."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,11 +221,15 @@ class Translator:
         """What a node becomes once it is ticked."""
         if (tree := tree_of(self.forest, node)) is not None:
             return self.subtree(node, tree, context)
-        id_ = V3.get(node.id, node.id)
-        if id_ in self.rules:
-            return self.rules[id_](self, node, context)
-        if id_ in UNTRANSLATED:
-            return self.refused(node, f"{node.title} has no translation: {UNTRANSLATED[id_]}")
+        rows = self.forest.choice.rows(node)
+        rules = frozenset(row.rule for row in rows)
+        if rules <= self.rules.keys() and rows:
+            made = self.rules[rows[-1].rule](self, node, context)
+            if len(rules) > 1:
+                self.depends(node, rows)
+            return made
+        if rows and rows[-1].exact == "refused":
+            return self.refused(node, f"{node.title} has no translation: {rows[-1].rule}")
         if len(node.children) == 1:
             return self.unknown(self, node, context)
         if node.children:
@@ -213,15 +241,21 @@ class Translator:
 
     def leaf(self, node: TreeNode, context: Context) -> Result:
         """What a leaf becomes: an objective with one activity, or what it always returns."""
-        if node.id in SCRIPTS or node.id == "AlwaysFailure":
-            what = "fails" if node.id == "AlwaysFailure" else "succeeds"
-            self.note(node, f"{what} at once", Kind.EXACT)
-            return node.id != "AlwaysFailure"
-        if node.id == "Sleep":
-            return self.waiting(node, context, f"{node.ports.get('msec', '?')} ms")
-        name = self.names.fresh(node.name or node.id)
+        rule = self.forest.rule(node)
+        if rule in CONSTANT:
+            self.note(node, "succeeds at once" if CONSTANT[rule] else "fails at once", Kind.EXACT)
+            return CONSTANT[rule]
+        if rule == "sleep":
+            if node.ports["msec"].strip() == "0":
+                self.note(node, "succeeds at once", Kind.EXACT)
+                return True
+            return self.waiting(node, context, f"{node.ports['msec']} ms")
+        name = self.names.fresh(called(node))
         objective = Objective(
-            name=name, activities=(self.activity(node.id, context, leaf=True),), parameters=parameters(node)
+            name=name,
+            activities=(self.activity(node.id, context, leaf=True),),
+            parameters=parameters(node),
+            description=described(node),
         )
         self.origins[name] = BlockOrigin(self.chain, node)
         self.note(
@@ -231,9 +265,9 @@ class Translator:
 
     def waiting(self, node: TreeNode, context: Context, awaited: str, kind: Kind = Kind.TIME) -> Part:
         """An objective that ends some day, and well."""
-        name = self.names.fresh(node.name or f"{node.id}_wait")
+        name = self.names.fresh(called(node, f"{node.id}_wait"))
         self.note(node, name, kind, f"waits for {awaited}")
-        if node.id == "Sleep":
+        if self.forest.rule(node) == "sleep":
             self.origins[name] = BlockOrigin(self.chain, node)
         else:
             self.silent.add(name)
@@ -300,7 +334,7 @@ class Translator:
 
     def subtree(self, node: TreeNode, tree: Tree, context: Context) -> Result:
         """A subtree: a use of a protocol, or what it holds, where branches or memories must not be shared."""
-        stateful = any(n.id in STATEFUL for t in self.below(tree) for n in t.root.walk())
+        stateful = any(self.forest.rule(n) in STATEFUL for t in self.below(tree) for n in t.root.walk())
         if context.lane or stateful or context.halted:
             result = self.inside(tree, (*self.chain, node), context)
             self.note(node, f"tree {tree.id}, written out", Kind.EXACT)
@@ -312,7 +346,7 @@ class Translator:
                 return result
             self.protocol(tree.id, result, tree.id)
         known = self.protocols[tree.id]
-        name = self.names.fresh(node.name or tree.id)
+        name = self.names.fresh(called(node, tree.id))
         self.origins[name] = BlockOrigin((*self.chain, node))
         given = tuple(p for p in parameters(node) if p.name in {k.name for k in known.parameters})
         self.note(node, f"{name}, a use of protocol {known.name}", Kind.EXACT)
@@ -354,16 +388,16 @@ class Translator:
 
     def conditional(self, node: TreeNode, context: Context) -> Result:
         """A node with preconditions: what they say is free."""
-        name = self.names.fresh(f"{node.name or node.id}_if")
+        name = self.names.fresh(f"{called(node)}_if")
         result = self.ticked(node, replace(context, halted=context.halted or "_while" in node.rules))
         exits = {"_failureIf": FAIL, "_successIf": SUCCEED, "_skipIf": ABORT, "_while": ABORT}
         choices: list[Objective] = []
         for rule in PRECONDITIONS:
             if rule in node.rules:
-                asked = self.choice(f"{node.name or node.id}{rule}", context, f"{rule}: {node.rules[rule]}")
+                asked = self.choice(f"{called(node)}{rule}", context, f"{rule}: {node.rules[rule]}")
                 choices.append(replace(asked, failure=exits[rule]))
         if isinstance(result, bool):
-            asked = self.choice(f"{node.name or node.id}_returns", context, "What it returns at once")
+            asked = self.choice(f"{called(node)}_returns", context, "What it returns at once")
             result = Part(asked, good=result, bad=result)
         inner = placed(result, SUCCEED, FAIL)
         if "_while" in node.rules:
@@ -387,32 +421,63 @@ class Translator:
 
     def category(self, node: TreeNode) -> str:
         """Action, Condition or nothing: what is known of a leaf."""
-        return node.category or self.forest.categories.get(node.id) or CATEGORIES.get(node.id, "")
+        row = self.forest.row(node)
+        return node.category or self.forest.categories.get(node.id) or (row.role if row else "")
 
     def sure(self, node: TreeNode) -> bool:
         """Whether that a leaf is a condition, or is none, is more than a guess by its name."""
         return bool(self.category(node)) or not LOOKS_LIKE_CONDITION.match(node.id)
 
+    def condition(self, node: TreeNode) -> bool:
+        """Whether a leaf is a condition, or is taken for one because of its name."""
+        category = self.category(node)
+        return category == "Condition" or (not category and bool(LOOKS_LIKE_CONDITION.match(node.id)))
+
     def at_once(self, node: TreeNode) -> bool:
         """Whether a node answers in the tick in which it is asked, and never runs on."""
         if (tree := tree_of(self.forest, node)) is not None:
             return self.at_once(tree.root)
+        rule = self.forest.rule(node)
         if node.children:
-            slow = node.id in ("KeepRunningUntilFailure", "Delay") or node.id.startswith("Loop")
             # A loop runs on between its rounds.
-            slow |= node.id in ROUNDS and node.ports.get(ROUNDS[node.id], "").strip() not in ("0", "1")
+            slow = rule in ("keep_running", "delay", "loop")
+            slow |= rule in LOOPS and self.rounds(node) not in (0, 1)
             return not slow and all(self.at_once(child) for child in node.children)
-        category = self.category(node)
-        if node.id in AT_ONCE or category == "Condition":
-            return True
-        return not category and bool(LOOKS_LIKE_CONDITION.match(node.id))
+        return rule == "asked" or rule in CONSTANT or self.condition(node)
+
+    def rounds(self, node: TreeNode) -> int | None:
+        """How often a loop runs its child, -1: for ever; ``None``: it is data."""
+        row = self.forest.row(node)
+        (port,) = row.ports if row and row.ports else ("",)
+        try:
+            count = int(node.ports.get(port, ""))
+        except ValueError:
+            return None
+        return count if count >= -1 else 0  # the library makes no round then
+
+    def depends(self, node: TreeNode, rows: Sequence[NodeRow]) -> None:
+        """Says that what a node does depends on the version, and what it does in which."""
+        which: dict[str, list[NodeRow]] = {}
+        for row in rows:
+            which.setdefault(row.rule, []).append(row)
+        meant = []
+        for each in which.values():
+            library = each[-1].library
+            versions = frozenset[str]().union(*(row.versions for row in each))
+            meant.append(
+                f"in {told(library, versions & self.forest.choice.allowed[library])}: {each[-1].outcome}"
+            )
+        entry = self.entries.pop()
+        said = "; ".join([*meant, *([entry.why] if entry.why else [])])
+        kind = entry.kind if entry.kind is Kind.LEFT_OUT else Kind.MORE
+        self.note(node, entry.became, kind, f"depends on the version: {said}")
 
     def remembers(self, node: TreeNode) -> bool:
         """Whether a node, once it has ended, goes on elsewhere when it is entered again."""
         tree = tree_of(self.forest, node)
         if tree is not None:
             return self.remembers(tree.root)
-        own = node.id in ("RoundRobin", "SequenceWithMemory") and len(node.children) > 1
+        own = self.forest.rule(node) in TURNS | MEMORIES and len(node.children) > 1
         return own or any(self.remembers(child) for child in node.children)
 
     def done(self) -> None:
@@ -451,6 +516,17 @@ def parameters(node: TreeNode) -> tuple[Parameter, ...]:
         for port, value in node.ports.items()
         if _is_name(port) and value.strip() not in (f"{{{port}}}", "{=}")
     )
+
+
+def called(node: TreeNode, otherwise: str = "") -> str:
+    """What a block is called after a node: its name where that is readable, else what it is."""
+    return next((text for text in (node.name or "", otherwise, node.id) if readable(text)), "node")
+
+
+def described(node: TreeNode) -> str | None:
+    """What a node is called in letters that no name has."""
+    titles = (node.name or "", "" if node.name else node.id)
+    return next((text for text in titles if text and not text.isascii()), None)
 
 
 def _is_name(text: str) -> bool:

@@ -184,7 +184,7 @@ def test_what_is_not_exact_is_told_with_every_answer(
     mission = str(tmp_path / "m" / "mission.xml")
     assert run(["check", mission]) == 0
     told = " ".join(capsys.readouterr().out.split())
-    assert "made of tree.xml, 6 nodes: exact 4, exact but for time 1, more runs 1." in told
+    assert "made of tree.xml, 6 nodes: exact 4, exact but for time 1, more runs 1. Read as Behav" in told
     assert "That success is reachable, or that the end always is, does not carry over." in told
     assert "line 2: Odd is more runs: what Odd does with its child is not known" in told
     assert run(["check", mission, "--json"]) == 0
@@ -196,3 +196,167 @@ def test_what_is_not_exact_is_told_with_every_answer(
     page = tmp_path / "page.html"
     assert run(["report", mission, "-o", str(page)]) == 0
     assert "Made of tree.xml, 6 nodes" in page.read_text()
+
+
+# --- a tree is checked and asked as it is ----------------------------------------------------------------
+
+
+def test_a_tree_is_checked_and_asked_as_it_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "fetch-it.xml"
+    path.write_text(
+        '<?xml version="1.0"?><!-- a tree --><root BTCPP_format="4"><BehaviorTree ID="A">\n'
+        '<Sequence><a _skipIf="x && y"/><b/></Sequence></BehaviorTree></root>'
+    )
+    assert run(["check", str(path), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["mission"] == "fetch_it"
+    (translated,) = found["translated"]
+    assert translated["library"] == "BehaviorTree.CPP 4.0 to 4.10 (BTCPP_format 4)"
+    assert run(["check", str(path)]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert "line 2: a is more runs: _skipIf='x && y' is free" in told
+    assert "warning: line 2: & or < in an attribute is no XML" in told
+    assert run(["ask", str(path), "E F objective(b)"]) == 0
+    path.write_text('<root BTCPP_format="4"><BehaviorTree ID="A">\n<Odd><a/><b/></Odd></BehaviorTree></root>')
+    assert run(["check", str(path)]) == 2
+    assert f"{path}:2: Odd has 2 children" in capsys.readouterr().err
+
+
+def test_a_file_that_is_no_tree_is_refused_as_a_mission(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "odd.xml"
+    for text in ("<rooted/>", "<!-- <root/> --><tree/>", "<!-- <root/>", ""):
+        path.write_text(text)
+        assert run(["check", str(path)]) == 2
+        assert "behaviour tree" not in capsys.readouterr().err
+
+
+# --- several files ---------------------------------------------------------------------------------------
+
+
+def tree_file(path: Path, name: str, inside: str, head: str = "") -> Path:
+    path.parent.mkdir(exist_ok=True)
+    said = f' main_tree_to_execute="{name}"' if head == "main" else ""
+    text = f'<root BTCPP_format="4"{said}>{head if head != "main" else ""}<BehaviorTree ID="{name}">'
+    path.write_text(f"{text}{inside}</BehaviorTree></root>")
+    return path
+
+
+def test_a_folder_of_trees(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "trees"
+    tree_file(folder / "main.xml", "Main", '<Sequence><SubTree ID="Go"/><b/></Sequence>')
+    tree_file(folder / "parts" / "go.xml", "Go", "<a/>")
+    (folder / "other.xml").write_text("<package/>")
+    assert run(["init", str(tmp_path / "m"), "--from", str(folder)]) == 0
+    told = capsys.readouterr().err
+    assert "trees: 4 nodes. exact: 4." in told
+    assert "expected <root> of a behaviour tree, found <package>: not read" in told
+    tree_file(folder / "third.xml", "Third", "<c/>")
+    assert run(["init", str(tmp_path / "n"), "--from", str(folder)]) == 2
+    assert "expected one of Go, Main, Third: say it with --main" in capsys.readouterr().err
+    assert run(["init", str(tmp_path / "n"), "--from", str(folder), "--main", "Third"]) == 0
+    (tmp_path / "empty").mkdir()
+    assert run(["init", str(tmp_path / "o"), "--from", str(tmp_path / "empty")]) == 2
+
+
+def test_several_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    main = tree_file(tmp_path / "main.xml", "Main", '<Sequence><SubTree ID="Go"/><b/></Sequence>')
+    go = tree_file(tmp_path / "elsewhere" / "go.xml", "Go", "<a/>")
+    assert run(["init", str(tmp_path / "m"), "--from", str(main), "--from", str(go)]) == 0
+    assert run(["init", str(tmp_path / "n"), "--from", str(main)]) == 2
+    assert "no tree 'Go', expected one of Main" in capsys.readouterr().err
+
+
+def test_includes_stay_in_the_folder_that_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    tree_file(tmp_path / "go.xml", "Go", "<a/>")
+    tree_file(tmp_path / "pack" / "come.xml", "Come", "<b/>")
+    both = '<Sequence><SubTree ID="Go"/><SubTree ID="Come"/></Sequence>'
+    head = '<include path="../go.xml"/><include ros_pkg="pack" path="come.xml"/>'
+    main = tree_file(tmp_path / "main" / "main.xml", "Main", both, head)
+    command = ["init", str(tmp_path / "m"), "--from", str(main)]
+    assert run(command) == 2
+    told = capsys.readouterr().err
+    assert "leaves the folder of the main file: --import-root says another" in told
+    assert "in package 'pack'" in told
+    assert run([*command, "--import-root", str(tmp_path)]) == 0
+    (tmp_path / "inner").mkdir()
+    assert (
+        run([*command[:1], str(tmp_path / "n"), *command[2:], "--import-root", str(tmp_path / "inner")]) == 2
+    )
+
+
+# --- nothing is skipped because no code asks for it --------------------------------------------------------
+
+UNKNOWN = {
+    "attribute of the root": (
+        '<root odd="1"><BehaviorTree ID="A"><a/></BehaviorTree></root>',
+        "no attribute 'odd'",
+    ),
+    "attribute of a tree": (
+        '<root><BehaviorTree ID="A" odd="1"><a/></BehaviorTree></root>',
+        "no attribute 'odd'",
+    ),
+    "attribute of an include": (
+        '<root><include path="o.xml" odd="1"/><BehaviorTree ID="A"><a/></BehaviorTree></root>',
+        "no attribute 'odd'",
+    ),
+    "attribute of a model": (
+        '<root><BehaviorTree ID="A"><a/></BehaviorTree>'
+        '<TreeNodesModel><Action ID="a" odd="1"/></TreeNodesModel></root>',
+        "no attribute 'odd', expected ID, editable",
+    ),
+    "element in a model": (
+        '<root><BehaviorTree ID="A"><a/></BehaviorTree>'
+        '<TreeNodesModel><Action ID="a"><odd/></Action></TreeNodesModel></root>',
+        "found <odd> in <Action>, expected <input_port>",
+    ),
+    "element beside trees": ('<root><odd/><BehaviorTree ID="A"><a/></BehaviorTree></root>', "found <odd>"),
+    "ID where none belongs": (
+        '<root><BehaviorTree ID="A"><a ID="b"/></BehaviorTree></root>',
+        "no attribute 'ID'",
+    ),
+    "port of a node": (
+        '<root><BehaviorTree ID="A"><Inverter odd="1"><a/></Inverter></BehaviorTree></root>',
+        "no port",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", UNKNOWN)
+def test_what_is_not_known_is_refused(name: str, tmp_path: Path) -> None:
+    text, message = UNKNOWN[name]
+    path = tmp_path / "tree.xml"
+    path.write_text(text)
+    with pytest.raises(InputError) as error:
+        read_forest(path)
+    assert any(message in problem.message for problem in error.value.problems)
+    assert all(problem.source and problem.source.line == 1 for problem in error.value.problems)
+
+
+def test_what_libraries_ignore_is_listed(tmp_path: Path) -> None:
+    """Attributes that begin with ``_`` and text mean nothing: a warning says so, and what was meant."""
+    path = tmp_path / "tree.xml"
+    path.write_text(
+        '<root BTCPP_format="4"><BehaviorTree ID="A"><Sequence _odd="1" _description="x">\n'
+        '<a _skipif="x"/>stray</Sequence></BehaviorTree></root>'
+    )
+    assert [problem.message for problem in read_forest(path).warnings] == [
+        "<Sequence> holds text, which means nothing",
+        "a: attribute _skipif means nothing, _skipIf does",
+        "Sequence: attribute _odd means nothing",
+    ]
+
+
+def test_names_in_other_letters(tmp_path: Path) -> None:
+    path = tmp_path / "tree.xml"
+    path.write_text(
+        '<root><BehaviorTree ID="A"><Sequence><Go name="抓取"/><Go name="Größe prüfen"/><拿/></Sequence>'
+        "</BehaviorTree></root>"
+    )
+    mission = translate(read_forest(path), "m", "tree.xml").mission
+    assert [(block.name, block.description) for block in mission.blocks] == [
+        ("Go", "抓取"),
+        ("Grosse_prufen", "Größe prüfen"),
+        ("node", "拿"),
+    ]

@@ -18,12 +18,12 @@ from tests.trees.ticking import Tree
 QUICK = frozenset({"IsX", "IsY"})
 
 
-def imported(tmp_path: Path, tree: str) -> tuple[Imported, Tree]:
-    """A tree as a mission, and as what ticks it."""
+def imported(tmp_path: Path, tree: str, library: tuple[str, ...] = ("nav2=1.4",)) -> tuple[Imported, Tree]:
+    """A tree as a mission, and as what ticks it; by default with Nav2's nodes of 1.4."""
     path = tmp_path / "tree.xml"
     root = tree if "<root" in tree else f'<BehaviorTree ID="Main">{tree}</BehaviorTree>'
     path.write_text(root if "<root" in tree else f'<root BTCPP_format="4">{root}</root>')
-    forest = read_forest(path)
+    forest = read_forest(path, library=library)
     return translate(forest, "m", "tree.xml"), Tree(forest, QUICK)
 
 

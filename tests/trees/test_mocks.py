@@ -15,8 +15,9 @@ from mcpn.bench.mocks import document, mocks
 from mcpn.study import open_study
 from mcpn.trees.importing import translate
 from mcpn.trees.ledger import Kind
-from mcpn.trees.nodes import Forest, TreeNode
-from mcpn.trees.reading import read_forest, tree_of
+from mcpn.trees.nodes.forest import Forest, tree_of
+from mcpn.trees.nodes.node import TreeNode
+from mcpn.trees.reading import read_forest
 from tests.commands import mcpn
 from tests.natives import program_of
 from tests.shares import returns_early
@@ -42,7 +43,7 @@ def scenarios(folder: Path, tree: str) -> tuple[Forest, dict[str, Any], Kind]:
     path = folder / "tree.xml"
     root = f'<root BTCPP_format="4"><BehaviorTree ID="M">{tree}</BehaviorTree></root>'
     path.write_text(tree if "<root" in tree else root)
-    forest = read_forest(path)
+    forest = read_forest(path, library=("nav2=1.4",))
     made = translate(forest, "m", path.name, faulty=True)
     study = open_study(made.mission)
     found = mocks(made, study.mission_net, study.verdicts(), study.causes())

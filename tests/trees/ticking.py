@@ -10,8 +10,8 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
-from mcpn.trees.nodes import Forest, TreeNode
-from mcpn.trees.reading import tree_of
+from mcpn.trees.nodes.forest import Forest, tree_of
+from mcpn.trees.nodes.node import TreeNode
 
 IDLE, RUNNING, SUCCESS, FAILURE = "idle", "running", "success", "failure"
 State = tuple[tuple[str, object], ...]
@@ -180,7 +180,9 @@ class Tree:
     def tick_if_then_else(self, node: TreeNode, at: str, again: bool) -> str:
         index = self.count(at, "index")
         if index == 0:
-            status = self.child(node, at, 0, again)
+            kept = self.get(f"{at}.0", "status", IDLE) == FAILURE and not self.at_once(node.children[0])
+            # Without a third child it returns without resetting the first, and an action keeps its answer.
+            status = FAILURE if kept and not node.children[0].children else self.child(node, at, 0, again)
             if status == RUNNING:
                 return RUNNING
             index = 1 if status == SUCCESS else 2
@@ -364,12 +366,16 @@ class Tree:
 
     def tick_round_robin(self, node: TreeNode, at: str, again: bool) -> str:
         count = len(node.children)
+        since_1_5 = self.forest.choice.allowed["nav2"] == frozenset({"1.5"})
+        wraps = not since_1_5 or node.ports.get("wrap_around", "false") == "true"
         while self.count(at, "failed") < count:
             index = self.count(at, "index")
             status = self.child(node, at, index, again)
             if status == RUNNING:
                 return RUNNING
             self.set(at, "index", (index + 1) % count)
+            if index + 1 == count and not wraps:
+                break  # before it is looked whether it has succeeded
             if status == SUCCESS:
                 self.set(at, "failed", 0)
                 self.reset_children(node, at)

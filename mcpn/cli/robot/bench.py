@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from mcpn.controller.modular import AnyController
     from mcpn.drawing.compose import MissionNet
     from mcpn.study import Study
+    from mcpn.trees.nodes.forest import Forest
 
 TARGETS = ("c", "python", "scxml")
 
@@ -266,6 +267,7 @@ def _print(told: dict[str, Any]) -> None:
 @click.option("--tree", type=FILE, help="With --btcpp: the behaviour tree that the mission was made of.")
 @click.option("--main", metavar="ID", help="With --btcpp: the tree to execute, as for init.")
 @click.option("--nodes", type=FILE, multiple=True, help="With --btcpp: a TreeNodesModel, as for init.")
+@click.option("--library", multiple=True, metavar="NAME=VERSION", help="With --btcpp: as for init.")
 @question()
 def tests(
     question: Question,
@@ -275,6 +277,7 @@ def tests(
     tree: Path | None,
     main: str | None,
     nodes: tuple[Path, ...],
+    library: tuple[str, ...],
 ) -> None:
     """Write sequences of events that take every edge of the controller of MISSION.
 
@@ -284,13 +287,15 @@ def tests(
     With --btcpp they are for the tree that a mission was made of (mcpn init --from): what its leaves answer
     on a run on which nothing fails and on runs to failure, and leaves that always fail.
     """
-    if (btcpp is None) != (tree is None) or (btcpp is None and (main is not None or nodes)):
-        raise click.UsageError("--btcpp and --tree need each other, --main and --nodes need both")
+    if (btcpp is None) != (tree is None) or (btcpp is None and (main is not None or nodes or library)):
+        raise click.UsageError("--btcpp and --tree need each other; --main, --nodes and --library need both")
     if (output is None) == (btcpp is None):
         raise click.UsageError("expected either -o or --btcpp")
     if btcpp is not None and tree is not None:
+        from mcpn.trees.reading import read_forest
+
         study = question.study(mission)
-        _mocks(study, btcpp, tree, main, nodes, question)
+        _mocks(study, btcpp, tree, read_forest(tree, nodes, main, library=library), question)
         return
     assert output is not None
     from mcpn.bench.sequences import files, sequences
@@ -321,24 +326,16 @@ def tests(
         click.echo(str(output / path))
 
 
-def _mocks(
-    study: Study,
-    output: Path,
-    tree: Path,
-    main: str | None,
-    nodes: tuple[Path, ...],
-    question: Question,
-) -> None:
+def _mocks(study: Study, output: Path, tree: Path, forest: Forest, question: Question) -> None:
     """Writes tests of the tree that a mission was made of."""
     import json
 
     from mcpn.bench.mocks import document, mocks
     from mcpn.files import write_atomically
     from mcpn.trees.importing import translate
-    from mcpn.trees.reading import read_forest
 
     mission_net = study.mission_net
-    imported = translate(read_forest(tree, nodes, main), mission_net.mission.name, tree.name)
+    imported = translate(forest, mission_net.mission.name, tree.name)
     checked = study.verdicts(max_states=question.max_states)
     found = mocks(imported, mission_net, checked, study.causes(max_states=question.max_states))
     written = document(found, mission_net.mission.name, tree.name)

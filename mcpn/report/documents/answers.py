@@ -118,6 +118,7 @@ CHECK = Document(
                     "",
                     {
                         "from": String("The file of the tree."),
+                        "library?": String("The libraries and versions as which it was read."),
                         "exact": Integer("How many of its nodes are exact.", least=None),
                         "approximations": ListOf(
                             "The other nodes.",

@@ -284,6 +284,7 @@ INIT = Document(
                         "How many nodes of each kind: exact, time, more, left_out.", Integer(least=None)
                     ),
                     "survives": String("Which answers about the mission hold of the tree."),
+                    "read_as": String("The libraries and versions as which it was read."),
                 },
             ),
         },

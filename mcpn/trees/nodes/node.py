@@ -1,16 +1,22 @@
-"""A behaviour tree as its file says it: nodes with their ports, and the trees of a file with its includes."""
+"""A behaviour tree as its file says it: nodes with their ports, and the attributes that any may have."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from mcpn.errors import Source
 
 PRECONDITIONS = ("_failureIf", "_successIf", "_skipIf", "_while")
 """Attributes that may decide what a node returns without its being ticked, in the order of evaluation."""
-SCRIPTS = ("_onSuccess", "_onFailure", "_onHalted", "_post")
-"""Attributes that write the blackboard."""
+POSTCONDITIONS = ("_onSuccess", "_onFailure", "_onHalted", "_post")
+"""Attributes that write the blackboard, which is not modelled."""
+OF_EDITORS = ("_description", "_fullpath", "_uid", "_collapsed")
+"""Attributes that editors write, and no library reads."""
+OF_SUBTREES = ("_autoremap", "__autoremap", "__shared_blackboard")
+"""Attributes of uses of trees that say which data they share."""
+ATTRIBUTES = (*PRECONDITIONS, *POSTCONDITIONS, *OF_EDITORS, *OF_SUBTREES)
+"""Attributes of nodes that are no ports. Others that begin with ``_`` libraries ignore: a warning says so."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,18 +63,3 @@ class Tree:
     id: str
     root: TreeNode
     source: Source
-
-
-@dataclass(frozen=True, slots=True)
-class Forest:
-    """All trees of a file and of those that it includes.
-
-    Args:
-        trees: By identifier.
-        main: The one that is executed.
-        categories: What ``TreeNodesModel`` says of registered names.
-    """
-
-    trees: dict[str, Tree]
-    main: Tree
-    categories: dict[str, str] = field(default_factory=dict)
