@@ -227,8 +227,6 @@ class ParallelSection(Routes):
         names = {branch.name for branch in well}
         if self.needed is not None:
             return len(names) >= self.needed
-        if self.failing is not None and len(self.branches) - len(names) >= self.failing:
-            return False
         return all(branch.name in names for branch in self.branches if branch.mandatory)
 
     @property

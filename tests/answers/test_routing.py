@@ -88,6 +88,22 @@ def test_success_that_leads_only_to_failure_is_told_with_its_cause(tmp_path: Pat
     assert [problem.source.line for problem in found.futile if problem.source] == [13]
 
 
+def test_a_child_that_fails_last_leaves_its_block_to_succeed(tmp_path: Path) -> None:
+    """The optional child can never succeed; its failure fails the block unless all others have ended."""
+    found = checked(
+        tmp_path,
+        """
+<objective name="ask" activities="drive" failure="home"/>
+<parallel name="both" failure_when="1" success="succeed">
+  <objective name="sit" activities="wait"/>
+  <objective name="go" activities="steer" mandatory="false"/>
+</parallel>
+<objective name="home" activities="wait" success="succeed"/>
+""",
+    )
+    assert not found.futile
+
+
 def test_a_route_to_failure_is_its_own_cause(tmp_path: Path) -> None:
     blocks = '<objective name="ask" activities="drive" success="fail" failure="succeed"/>'
     assert [problem.message for problem in checked(tmp_path, blocks).futile] == [

@@ -56,6 +56,7 @@ ABORTS = both(on_leak("a", "succeed"), on_leak("b", "abort"), one("c"), success_
 FAILS_TWO = both(
     one("a"), *(Objective(name=n, activities=(n,), mandatory=False) for n in "bc"), failure_when="2"
 )
+FAILS_ONE = both(one("a"), Objective(name="b", activities=("b",), mandatory=False), failure_when="1")
 SECOND_FAILS = both(
     on_leak("a", "succeed"), on_leak("b", "fail"), one("c"), failure_when="2", impossible="fails"
 )
@@ -106,6 +107,7 @@ MISSIONS = {
     "aborts inside": ABORTS_INSIDE,
     "again": AGAIN,
     "two fail": FAILS_TWO,
+    "one fails": FAILS_ONE,
     "a second fails": SECOND_FAILS,
     "doomed": DOOMED,
     "doomed with all": DOOMED_ALL,
@@ -155,8 +157,11 @@ LEAK = (DECLARED, "leak")
         (FAILS_TWO, [BAD["b"], BAD["c"]], {"g"}),
         (FAILS_TWO, [BAD["a"], OK["c"]], {"b"}),
         (FAILS_TWO, [BAD["a"], BAD["c"]], {"g"}),
-        (FAILS_TWO, [BAD["b"], OK["a"], BAD["c"]], {"g"}),
+        (FAILS_TWO, [BAD["b"], OK["a"], BAD["c"]], {"f"}),  # all have ended, and every mandatory one well
         (FAILS_TWO, [BAD["b"], OK["a"], OK["c"]], {"f"}),
+        (FAILS_ONE, [BAD["b"]], {"g"}),
+        (FAILS_ONE, [OK["a"], BAD["b"]], {"f"}),
+        (FAILS_ONE, [OK["b"], BAD["a"]], {"g"}),
         (SECOND_FAILS, [LEAK], {"g"}),
         (DOOMED, [BAD["a"]], {"b", "c"}),
         (DOOMED, [BAD["a"], BAD["c"]], {"g"}),
@@ -164,7 +169,7 @@ LEAK = (DECLARED, "leak")
         (DOOMED_ALL, [BAD["b"]], {"a", "c"}),
         (DOOMED_ALL, [BAD["c"]], {"g"}),
         (BOTH_COUNTS, [LEAK], {"f"}),
-        (ALL_AT_ONCE, [LEAK], {"g"}),
+        (ALL_AT_ONCE, [LEAK], {"f"}),
     ],
 )
 def test_what_an_early_end_leads_to(of: Mission, events: list[Happening], running: set[str]) -> None:

@@ -16,7 +16,7 @@ from lxml import etree
 from mcpn.answers.causes.cutsets import CutSet, Moment
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
-from mcpn.mission.model import Mission
+from mcpn.mission.model import Mission, Objective, Parallel
 from mcpn.mission.robot import Hardware
 from mcpn.mission.xml import read_mission
 from mcpn.report.failures.openpsa import open_psa
@@ -26,6 +26,8 @@ from tests.draws import fewer
 from tests.logic.asked import Asked
 from tests.logic.oracle import coming_home, fragile_missions, minimal
 from tests.shares import returns_early
+from tests.small import activity, hw, robot
+from tests.small import mission as small
 
 # The fault tree layer of the Open-PSA grammar, as far as coherent trees with the laws of rates need it.
 GRAMMAR = """
@@ -126,6 +128,18 @@ def test_ulysse_follows_the_mission(ulysse_net: MissionNet) -> None:
     top = etree.fromstring(document).find(".//define-gate[@name='mission-lost']/gate")
     assert top is not None
     assert top.get("name") == "objective-transect-going_up"
+
+
+@pytest.mark.parametrize(("most", "lost"), [("1", [("h0", "h1")]), ("2", [])])
+def test_the_last_child_to_fail_fails_no_block(most: str, lost: list[CutSet]) -> None:
+    """With ``failure_when`` so many children may fail while another runs, and one more as the last."""
+    names = "abc"
+    of = robot(hw("h0", "h1"), activity("a", ()), activity("b", ("h0",)), activity("c", ("h1",)))
+    blocks = tuple(Objective(name=n, activities=(n,), mandatory=n == "a") for n in names)
+    found = compose(small(of, Parallel(name="p", blocks=blocks, failure_when=most)))
+    document = check(found)
+    assert solve(document)["mission-lost"] == lost
+    assert b"activity-b" in document  # it follows the mission
 
 
 @fewer(0.3)

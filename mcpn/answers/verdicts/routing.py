@@ -190,8 +190,8 @@ class Routing:
             happen["failure"] = badly > len(ends) - section.needed or (section.hasty and happen["failure"])
         if section.failing is not None:
             badly, doomed = sum(FAIL in e for _, e in ends), sum(SUCCEED not in e for _, e in ends)
-            happen["failure"] |= badly >= section.failing
-            happen["success"] &= section.needed is not None or doomed < section.failing
+            happen["failure"] |= badly >= section.failing < len(ends)
+            happen["success"] &= section.needed is not None or doomed <= section.failing  # the last may fail
         for exit_, _ in section.pause_exits:
             leading = [*_meanwhile(section, exit_)]
             happen[exit_] = not leading or any(map(self._is_taken, leading))

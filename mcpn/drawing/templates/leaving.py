@@ -82,9 +82,7 @@ class Leaving(NamedTuple):
         begin = 0 if late else len(section.branches) - 1
         ended = [*(self.of_branch(b, "ended") for b in section.branches), *running]
         if section.needed is not None:
-            self._counted(pen, continuations, begin, ended, (True, section.needed))
-        elif section.failing is not None:
-            self._counted(pen, continuations, begin, ended, (False, section.failing))
+            self._counted(pen, continuations, begin, ended, section.needed)
         else:
             self._one_by_one(pen, continuations, begin, ended)
 
@@ -128,31 +126,26 @@ class Leaving(NamedTuple):
                     self._leave(pen, f"{name}_{number}", taken, continuations(outcome))
 
     def _counted(
-        self, pen: Pen, continuations: Continuations, begin: int, all_ended: list[str], goal: tuple[bool, int]
+        self, pen: Pen, continuations: Continuations, begin: int, all_ended: list[str], needed: int
     ) -> None:
-        """The outcome of a block that so many successes, or failures, decide: they are counted up to that.
-
-        Where failures are counted the failure of a mandatory child stands for as many as fail the block.
-        """
-        well, most = goal
-        last, word = len(self.section.branches), "ok" if well else "fail"
+        """The outcome of a block that so many successes decide: they are counted up to that."""
+        last = len(self.section.branches)
         after: dict[tuple[int, int], list[str]] = {(0, 0): []}
         counts = [0]
         for i, branch in enumerate(self.section.branches, 1):
-            weight = most if branch.mandatory and not well else 1
-            reached = sorted({min(n + more, most) for n in counts for more in (0, weight)})
+            reached = sorted({min(n + more, needed) for n in counts for more in (0, 1)})
             for count in reached:
-                after[i, count] = [] if i == last else [pen.place(f"{word}{count}of{i}")]
+                after[i, count] = [] if i == last else [pen.place(f"ok{count}of{i}")]
             ended = all_ended if i == begin + 1 else []
             for count, ok in product(counts, (True, False)):
                 taken = [*after[i - 1, count], self.done(branch, ok), *ended]
                 part = f"note{i}_{count}_{int(not ok)}"
-                counted = min(count + weight * (ok is well), most)
+                counted = min(count + ok, needed)
                 if i < last:
                     pen.transition(part, taken, after[i, counted], rank=self._rank)
                 else:
-                    reaches = "success" if (counted == most) is well else "failure"
-                    self._leave(pen, part, taken, continuations(reaches))
+                    outcome = "success" if counted == needed else "failure"
+                    self._leave(pen, part, taken, continuations(outcome))
             counts = reached
 
     @property

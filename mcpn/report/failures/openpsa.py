@@ -234,7 +234,7 @@ class Losses:
         if section.failing is None:
             return found
         unwell = [self._ending(branch, (SUCCEED,)) for branch in section.branches]
-        return found | self._at_least(section.failing, unwell)
+        return found | self._at_least(section.failing + 1, unwell)  # the last of all fails nothing any more
 
     def _failing(self, section: Section) -> Zdd:
         """The losses after which a section cannot fail; an elementary objective can always fail."""

@@ -389,8 +389,6 @@ class Interpreter:
         if any(sibling.name not in ended for sibling in siblings):
             return replace(state, ended=frozenset(ended.items()))
         well = all(ended[sibling.name] or not sibling.mandatory for sibling in siblings)
-        if (most := branch.parent.failing) is not None and sum(not ended[s.name] for s in siblings) >= most:
-            well = False
         if (needed := branch.parent.needed) is not None:
             well = sum(ended[sibling.name] for sibling in siblings) >= needed
         others = frozenset(e for e in ended.items() if self.branches[e[0]].parent is not branch.parent)
