@@ -63,10 +63,10 @@ class Drawing:
             LimitError: The extra ``pictures`` is missing.
         """
         resvg = needed("resvg_py", "a PNG file")
-        text = _on_paper(self.svg)
-        width, height = (int(n) for n in _SIZE.findall(text)[:2])
+        width, height = (int(n) for n in _SIZE.findall(self.svg)[:2])
         zoom = min(2.0, (MOST_PIXELS / (width * height)) ** 0.5)
-        return bytes(resvg.svg_to_bytes(svg_string=text, zoom=zoom, font_family=FAMILY, font_files=_fonts()))
+        fonts = {"font_family": FAMILY, "font_files": _fonts()}
+        return bytes(resvg.svg_to_bytes(svg_string=self.svg, zoom=zoom, **fonts))
 
     def save(self, path: Path | str) -> None:
         """Writes the picture, whole or not at all.
@@ -92,19 +92,17 @@ class Drawing:
 _SIZE = re.compile(r'(?:width|height)="(\d+)"')
 _VARIABLE = re.compile(r"(?<![\w-])(--[\w-]+):\s*([^:;{}]+);")
 _USED = re.compile(r"var\((--[\w-]+)\)")
-_STYLE = re.compile(r"<style>(.*?)</style>", re.DOTALL)
 _MEDIA = re.compile(r"@media[^{]*\{(?:[^{}]*\{[^{}]*\})*[^{}]*\}")
 
 
-def _on_paper(svg: str) -> str:
-    """The SVG without variables in its style and without dark mode, which not every program supports."""
+def on_paper(style: str) -> str:
+    """A style sheet with its colours in place of custom properties, and without dark mode.
 
-    def resolved(style: re.Match[str]) -> str:
-        text = _MEDIA.sub("", style[1])
-        values = dict(_VARIABLE.findall(text))
-        return f"<style>{_USED.sub(lambda used: values[used[1]], _VARIABLE.sub('', text))}</style>"
-
-    return _STYLE.sub(resolved, svg, count=1)
+    SVG itself knows neither: librsvg, CairoSVG and Inkscape drop what uses them, and all is black.
+    """
+    text = _MEDIA.sub("", style)
+    values = dict(_VARIABLE.findall(text))
+    return _USED.sub(lambda used: values[used[1]], _VARIABLE.sub("", text))
 
 
 def _fonts() -> list[str]:
@@ -114,5 +112,7 @@ def _fonts() -> list[str]:
 
 
 def rendered(template: str, **values: object) -> str:
-    """A template of a picture, filled in as a text that stands alone."""
-    return environment().get_template(template).render(alone=True, prefix="", **values)
+    """A template of a picture, filled in as a text that stands alone, in the colours of paper."""
+    found = environment()
+    style = on_paper(found.get_template("picture.css").render())
+    return found.get_template(template).render(alone=True, style=style, prefix="", **values)
