@@ -99,6 +99,42 @@ def test_fmeca_and_fault_tree_are_written(tmp_path: Path) -> None:
     assert [(row["hardware"], row["objective"]) for row in listed] == list(rows)
 
 
+RISKY = """<mission name="m" xmlns="urn:mcpn:mission:1">
+<robot name="r"><event name="leak" rate="0.01"/>
+<hardware name="gps" failure_rate="1e-5 .. 1e-3" demand_probability="0.02" detected="late"/>
+<hardware name="radio" initial="oos" repair_rate="1"/>
+<activity name="fix" consumes="gps" detects="gps" detection_rate="2"/>
+<activity name="call" consumes="radio"/></robot>
+<on event="leak" goto="fail"/>
+<objective name="go" activities="fix" duration="6" failure_probability="0.1"/>
+<objective name="say" activities="call" duration="1"/></mission>"""
+
+
+def test_a_fault_tree_is_told_with_what_it_lacks(tmp_path: Path) -> None:
+    (tmp_path / "m.xml").write_text(RISKY)
+    run = mcpn("causes", tmp_path / "m.xml", "--openpsa", tmp_path / "t.xml")
+    assert run.returncode == 0, run.stderr
+    lacking, means, asked = [line for line in run.stderr.splitlines() if "t.xml: " in line]
+    for named in (
+        "no demand_probability (gps)",
+        "no status at the start (radio)",
+        "no rate (leak)",
+        "no detection_rate (fix)",
+        "no failure_probability (go)",
+        "no duration (go, say)",
+    ):
+        assert named in lacking
+    assert means.endswith("geometric means of intervals: failure_rate of gps 0.0001")
+    assert "scram --probability true --mission-time HOURS, with the hours" in asked
+    assert (
+        etree.parse(tmp_path / "t.xml")
+        .findtext("define-fault-tree/label", "")
+        .startswith("the fault tree holds no")
+    )
+    run = mcpn("causes", ULYSSE, "--openpsa", tmp_path / "t.xml")
+    assert "no hardware has a failure_rate" in run.stderr
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -73,7 +74,8 @@ def causes(
     from mcpn.files import write_atomically
     from mcpn.mission.static.intervals import at_their_means, interval_rates
     from mcpn.report.failures import objects, tables, terminal
-    from mcpn.report.failures.openpsa import open_psa
+    from mcpn.report.failures.openpsa import beside_the_tree, open_psa
+    from mcpn.report.terminal import plain
     from mcpn.report.text import print_choice
 
     started = time.perf_counter()
@@ -111,6 +113,10 @@ def causes(
         usage = study.mission_net.usage
         tree = open_psa(usage, every.mission.cut_sets, cut_sets, safety, every.unsafe_aborts)
         write_atomically(openpsa, tree)
+        tops = (every.mission.cut_sets, *cut_sets.values(), safety or ())
+        said = [] if question.as_json else beside_the_tree(usage, chain.from_iterable(tops))
+        for sentence in said:
+            click.echo(f"{openpsa}: {plain(sentence)}", err=True)
     if fmeca is not None:
         tables.save_fmeca(rows, fmeca, classes)
     if question.as_json:

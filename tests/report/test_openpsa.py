@@ -43,12 +43,15 @@ GRAMMAR = """
 <define name="gate"><element name="define-gate"><ref name="name"/><ref name="label"/><ref name="formula"/>
 </element></define>
 <define name="formula"><choice>
+  <ref name="argument"/>
+  <element name="and"><oneOrMore><ref name="argument"/></oneOrMore></element>
+  <element name="or"><oneOrMore><ref name="argument"/></oneOrMore></element>
+</choice></define>
+<define name="argument"><choice>
   <element name="gate"><ref name="name"/></element>
   <element name="basic-event"><ref name="name"/></element>
   <element name="constant"><attribute name="value"><choice><value>true</value><value>false</value></choice>
   </attribute></element>
-  <element name="and"><oneOrMore><ref name="formula"/></oneOrMore></element>
-  <element name="or"><oneOrMore><ref name="formula"/></oneOrMore></element>
 </choice></define>
 <define name="event"><element name="define-basic-event"><ref name="name"/><ref name="label"/>
   <optional><element name="attributes"><element name="attribute">

@@ -6,6 +6,8 @@ Elsewhere each top gate is the sum of its minimal cut sets. A tree that follows 
 its minimal cut sets are those of the state space; else the sum is written.
 
 Names are Open-PSA identifiers, which know no dots: ``transect.diving`` becomes ``objective-transect-diving``.
+A formula holds arguments alone, references and constants: the format has formulas inside formulas, but SCRAM
+took them up to its version 0.16.2 only.
 Rates become probabilities of being out of service at the ``system-mission-time``. Where some resource has a
 failure rate, one without is taken never to fail, as :mod:`mcpn.answers.causes.risk` does, and its basic event
 says so; where none has, the tree is qualitative.
@@ -17,9 +19,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import reduce
-from itertools import pairwise
+from itertools import chain, pairwise
 from operator import and_, or_
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, cast
 
 from lxml import etree
 
@@ -30,8 +32,10 @@ from mcpn.mission.expansion.faults import Crash
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Hardware
+from mcpn.mission.static.intervals import at_their_means
 from mcpn.mission.static.usage import Usage
 from mcpn.report.terminal import plain
+from mcpn.sentences import enumeration, shortened
 from mcpn.spaces.images import ImageStore
 from mcpn.spaces.memoized import memoized
 
@@ -70,14 +74,53 @@ def open_psa(
     tops = {MISSION: mission} | {_objective(name): cut_sets for name, cut_sets in objectives.items()}
     tops |= {} if safety is None else {ROBOT: safety}
     flat = _flat(usage, tops)
+    label = "; ".join(beside_the_tree(usage, chain.from_iterable(tops.values())))
     if len(objectives) > MAX_OBJECTIVES:
-        return flat.document()
+        return flat.document(label)
     try:
         tree = structured(usage, unsafe)
         same = all(tree.cut_sets(top) == set(map(frozenset, found)) for top, found in tops.items())
     except LimitError:  # too many products to be read by anybody
         same = False
-    return (tree if same else flat).document()
+    return (tree if same else flat).document(label)
+
+
+SCRAM_ORDER = 20
+"""Events of a product beyond which SCRAM leaves it out, unless ``--limit-order`` says otherwise."""
+
+
+def beside_the_tree(usage: Usage, cut_sets: Iterable[CutSet]) -> list[str]:
+    """What a reader of a fault tree has to know, a sentence each: what it lacks, and how SCRAM is asked.
+
+    Args:
+        usage: The mission's static analysis.
+        cut_sets: The minimal cut sets of the tree's top gates.
+    """
+    mission = usage.mission
+    sections = list(usage.graph.walk())
+    given = {
+        "demand_probability": [h.name for h in mission.hardware if h.demand_probability],
+        "status at the start": [h.name for h in mission.hardware if h.faulty and h.initial == "oos"],
+        "rate": [event.name for event in mission.events if event.rate],
+        "detection_rate": [activity.name for activity in mission.activities if activity.detection_rate],
+        "failure_probability": [section.name for section in sections if section.failure_probability],
+        "duration": [section.name for section in sections if section.duration],
+    }
+    lacking = [f"no {what} ({shortened(names)})" for what, names in given.items() if names]
+    told = [f"the fault tree holds {enumeration(lacking)}"] if lacking else []
+    if means := at_their_means(mission):
+        told.append(f"the fault tree is {means}")
+    if not any(h.failure_rate is not None for h in mission.hardware if h.faulty):
+        told.append("no hardware has a failure_rate: the fault tree has no probabilities to ask SCRAM for")
+        return told
+    order = max(map(len, cut_sets), default=0)
+    limit = f" --limit-order {order}" if order > SCRAM_ORDER else ""
+    asked = f"scram --probability true --mission-time HOURS{limit}"
+    defaults = "a year" + (f" and products of up to {SCRAM_ORDER} events" if limit else "")
+    told.append(
+        f"ask SCRAM by {asked}, with the hours that the mission takes: by default it takes {defaults}"
+    )
+    return told
 
 
 class FaultTree:
@@ -116,18 +159,17 @@ class FaultTree:
         found = self.images.minimal(self.function(("gate", gate)))
         return {frozenset(self.hardware[member].name for member in members) for members in found}
 
-    def document(self) -> bytes:
-        """The whole tree with its basic events."""
+    def document(self, label: str) -> bytes:
+        """The whole tree with its basic events, and what is to be said of it."""
         root = etree.Element("opsa-mef")
         tree = etree.SubElement(root, "define-fault-tree", name=_identifier(self.usage.mission.name))
+        etree.SubElement(tree, "label").text = label
         labels = {MISSION: f"mission {self.usage.mission.name} cannot succeed"}
         labels[ROBOT] = f"mission {self.usage.mission.name} can reach no safe end, success or abort"
         labels |= {_objective(o.name): f"{o.name} cannot succeed" for o in self.usage.graph.walk()}
         labels |= {_activity(name): f"{name} has no possible alternative" for name in self.usage.started}
         for name in filter(self.gates.__contains__, labels):
-            gate = etree.SubElement(tree, "define-gate", name=name)
-            etree.SubElement(gate, "label").text = labels[name]
-            _write(gate, self.gates[name])
+            _define(tree, name, self.gates[name], labels[name])
         data = etree.SubElement(root, "model-data")
         quantitative = any(hardware.failure_rate is not None for hardware in self.hardware)
         for hardware in self.hardware:
@@ -281,17 +323,39 @@ def _sum(products: Iterable[Sequence[Reference]]) -> Formula:
     return "or", [("and", product) for product in products]
 
 
-def _write(parent: etree._Element, formula: Formula) -> None:
-    """Writes a formula: a connective without arguments as a constant, of one argument as this argument."""
+def _define(tree: etree._Element, name: str, formula: Formula, label: str = "") -> None:
+    """Writes a gate; each connective inside its own is a gate, too, for a formula holds arguments alone."""
+    gate = etree.SubElement(tree, "define-gate", name=name)
+    if label:
+        etree.SubElement(gate, "label").text = label
+    formula = _collapsed(formula)
+    if formula[0] not in ("and", "or") or not formula[1]:
+        _argument(gate, formula)
+        return
+    holder, operands = etree.SubElement(gate, formula[0]), cast(Sequence[Formula], formula[1])
+    for number, operand in enumerate(map(_collapsed, operands), start=1):
+        if operand[0] in ("and", "or") and operand[1]:
+            inner = f"{name}-{number}"  # no name of a mission has a part that begins with a digit
+            _argument(holder, ("gate", inner))
+            _define(tree, inner, operand)
+        else:
+            _argument(holder, operand)
+
+
+def _collapsed(formula: Formula) -> Formula:
+    """A formula without connectives of one argument at its top."""
+    while formula[0] in ("and", "or") and len(formula[1]) == 1:
+        formula = cast(Sequence[Formula], formula[1])[0]
+    return formula
+
+
+def _argument(parent: etree._Element, formula: Formula) -> None:
+    """Writes a reference, or a connective of nothing as a constant."""
     kind, operands = formula
     if isinstance(operands, str):
         etree.SubElement(parent, kind, name=_identifier(operands))
-    elif not operands:
-        etree.SubElement(parent, "constant", value="true" if kind == "and" else "false")
     else:
-        holder = etree.SubElement(parent, kind) if len(operands) > 1 else parent
-        for inner in operands:
-            _write(holder, inner)
+        etree.SubElement(parent, "constant", value="true" if kind == "and" else "false")
 
 
 def _objective(name: str) -> str:
