@@ -391,7 +391,7 @@ def write_hoa(automaton: Automaton, name: str, formula: Formula, said: Callable[
         f"acc-name: generalized-Buchi {automaton.marks}" if automaton.marks else "acc-name: all",
         f"Acceptance: {automaton.marks} {inf or 't'}",
         f"properties: {properties}{' stutter-invariant' if 'stutter-insensitive' in hierarchy else ''}",
-        f"mcpn.classes: {' '.join(map(json.dumps, hierarchy))}",
+        f"mcpn-classes: {' '.join(map(json.dumps, hierarchy))}",
         "--BODY--",
     ]
     for number, edges in enumerate(automaton.edges):

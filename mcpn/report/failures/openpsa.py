@@ -21,7 +21,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import reduce
 from itertools import chain, pairwise
 from operator import and_, or_
-from typing import Literal, TypeAlias, cast
+from typing import Literal, TypeAlias
 
 from lxml import etree
 
@@ -332,8 +332,8 @@ def _define(tree: etree._Element, name: str, formula: Formula, label: str = "") 
     if formula[0] not in ("and", "or") or not formula[1]:
         _argument(gate, formula)
         return
-    holder, operands = etree.SubElement(gate, formula[0]), cast(Sequence[Formula], formula[1])
-    for number, operand in enumerate(map(_collapsed, operands), start=1):
+    holder = etree.SubElement(gate, formula[0])
+    for number, operand in enumerate(map(_collapsed, formula[1]), start=1):
         if operand[0] in ("and", "or") and operand[1]:
             inner = f"{name}-{number}"  # no name of a mission has a part that begins with a digit
             _argument(holder, ("gate", inner))
@@ -345,7 +345,7 @@ def _define(tree: etree._Element, name: str, formula: Formula, label: str = "") 
 def _collapsed(formula: Formula) -> Formula:
     """A formula without connectives of one argument at its top."""
     while formula[0] in ("and", "or") and len(formula[1]) == 1:
-        formula = cast(Sequence[Formula], formula[1])[0]
+        formula = formula[1][0]
     return formula
 
 

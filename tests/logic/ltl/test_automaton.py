@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from itertools import product
 from pathlib import Path
@@ -119,8 +120,11 @@ def test_automata_are_printed(tmp_path: Path) -> None:
     assert printed.returncode == 0
     assert printed.stdout.startswith('HOA: v1\nname: "G (on -> F off)"\n')
     assert 'AP: 2 "on" "off"' in printed.stdout
-    assert 'mcpn.classes: "recurrence" "stutter-insensitive"' in printed.stdout
+    assert 'mcpn-classes: "recurrence" "stutter-insensitive"' in printed.stdout
     assert printed.stdout.endswith("--END--\n")
+    headers, _, _ = printed.stdout.partition("--BODY--")
+    for line in headers.splitlines():  # HEADERNAME of the format's version 1, which has no dot
+        assert re.match("[A-Za-z_][A-Za-z0-9_-]*: ", line), line
 
 
 @pytest.mark.parametrize("levels", [1, 5, 40])
