@@ -214,14 +214,22 @@ def _reached(spaces: Spaces, max_states: int) -> tuple[Space[Any] | None, Bounde
         bounded = boundedness(spaces.net, max_states=max_states)
         if not bounded.bounded:
             return None, bounded, None
-        return spaces.with_tokens(max_states), bounded, bounded.bound
+        return spaces.with_tokens(max_states), bounded, _own_most(spaces.net, bounded.bounds, bounded.bound)
     except UnboundedError as error:
         return None, Boundedness(False, error.bounds, error.run, error.pump, REPEATED), None
     most = space.space.max_tokens_in_place
     if most <= 1:
         return space, Boundedness(True, None, reason="a 1-safe net is bounded"), most
     bounds = tuple(space.encoding.most(space.everything))
-    return space, Boundedness(True, bounds, reason="all its markings were reached"), most
+    found = Boundedness(True, bounds, reason="all its markings were reached")
+    return space, found, _own_most(spaces.net, bounds, most)
+
+
+def _own_most(net: PetriNet, bounds: tuple[int, ...] | None, most: int | None) -> int | None:
+    """The most tokens in a place that stands for no inhibitor arcs, by the bounds of all."""
+    if not net.complements or bounds is None:
+        return most
+    return max((bound for place, bound in enumerate(bounds) if place not in net.complements), default=0)
 
 
 def _names(net: PetriNet, transitions: Iterable[int]) -> tuple[str, ...]:

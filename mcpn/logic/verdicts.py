@@ -21,16 +21,17 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mcpn.errors import InputError, LimitError, McpnError
 from mcpn.logic.evaluate import largest
-from mcpn.logic.formulas import EG, EU, EX, on_one_path, says_paths
+from mcpn.logic.formulas import EG, EU, EX, OPERATORS, on_one_path, says_paths
 from mcpn.logic.known import SOME_DEADLOCK, Known
 from mcpn.logic.questions import Answer, Questions
 from mcpn.logic.simplify import at_first, bounds_of, conditions, parts_at_first
 from mcpn.logic.witness import NoRun, Witness, explain
+from mcpn.nets.petri import PetriNet
 from mcpn.spaces.diagrams.slices import within_seconds
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.spaces.engines import Asked, Choice, NoSpace
 from mcpn.spaces.search import EXPLICIT, HOME, INITIAL_STATE, RANDOM_WALK, STATE_EQUATION
-from mcpn.spaces.search.goal import FALSE, TRUE, And, Fires, Formula
+from mcpn.spaces.search.goal import FALSE, TRUE, And, AtMost, Fires, Formula
 from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
@@ -111,12 +112,21 @@ def answer_all(
     meant: dict[str, Meaning] = {}
     for name in examinations:
         searched = name == "ReachabilityDeadlock" and questions.searchable
-        meant[examination(questions, name)] = SOME_DEADLOCK if searched else name
+        meaning: Meaning = SOME_DEADLOCK if searched else name
+        if name == ONE_SAFE and questions.net.complements:
+            meaning = _safe_beside(questions.net)
+        meant[examination(questions, name)] = meaning
     for asked in properties:
         if asked.name in meant:
             raise InputError.at(asked.source, f"found {asked.name} a second time, expected a name of its own")
         meant[asked.name] = asked.meaning
     return _Answers(questions, meant).all()
+
+
+def _safe_beside(net: PetriNet) -> Formula:
+    """That no place holds two tokens but those that stand for inhibitor arcs."""
+    own = (place for place in range(len(net.places)) if place not in net.complements)
+    return OPERATORS["AG"](And(*(AtMost(((place, 1),), 1) for place in own)))
 
 
 def examination(questions: Questions, name: str) -> str:

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 from mcpn.errors import InputError, Source
 from mcpn.nets.bounds import Inhibitions, coarse_bounds, listed_bounds
-from mcpn.nets.petri import Arcs, PetriNet, Place, Transition
+from mcpn.nets.petri import COMPLEMENT, Arcs, PetriNet, Place, Provenance, Transition
 from mcpn.nets.structure import changes, place_bounds
 
 
@@ -65,10 +65,13 @@ def without_inhibitors(net: PetriNet, arcs: Sequence[Inhibitor]) -> PetriNet:
         pair = net.place_index[arc.place], arc.weight
         blocked.setdefault(net.transition_index[arc.transition], []).append(pair)
     waiting, made = {place for pairs in blocked.values() for place, _ in pairs}, net
-    guarded = _guarded(net, blocked)
+    guarded, exact = _guarded(net, blocked), None
     while waiting:
         bounds = list(map(min, place_bounds(made), guarded))
         proved = {place: int(bounds[place]) for place in waiting if bounds[place] < float("inf")}
+        if exact is None and any(bound > 1 for bound in proved.values()):
+            exact = listed_bounds(net, blocked) or bounds  # a bound that no marking reaches counts tokens
+        proved = {place: int(min(bound, (exact or bounds)[place])) for place, bound in proved.items()}
         proved = proved or _listed(net, arcs, blocked, bounds, waiting)
         made = _complemented(made, proved, blocked)
         waiting -= proved.keys()
@@ -122,7 +125,8 @@ def _complemented(net: PetriNet, bounds: Mapping[int, int], blocked: Inhibitions
         while name in names:
             name += "'"
         names.add(name)
-        places.append(Place(name, bounds[place] - net.initial[place]))
+        origin = Provenance(COMPLEMENT, net.places[place].name)
+        places.append(Place(name, bounds[place] - net.initial[place], origin))
     transitions = [_reading(net, number, own, bounds, blocked) for number in range(len(net.transitions))]
     return replace(net, places=tuple(places), transitions=tuple(transitions))
 

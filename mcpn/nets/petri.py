@@ -32,6 +32,9 @@ from mcpn.records import ValueRecord
 Marking: TypeAlias = tuple[int, ...]
 """Tokens of each place, in the order of the net's places."""
 
+COMPLEMENT = "complement"
+"""The kind of element that makes the complement of a place."""
+
 EVENTS = 0xFFFF
 """The rank of events, after that of any internal transition."""
 
@@ -45,7 +48,8 @@ class Provenance(ValueRecord):
 
     Args:
         kind: ``hardware``, ``software``, ``activity``, ``alternative``, ``objective``, ``parallel``,
-            ``fact``, ``once`` (a handler that happens once), ``exit`` (of a part) or ``mission``.
+            ``fact``, ``once`` (a handler that happens once), ``exit`` (of a part) or ``mission``;
+            ``complement``, of a place, which stands for inhibitor arcs.
         name: The element's name, qualified where a use of a protocol qualifies it.
         source: Its file and line, if it has any.
     """
@@ -172,6 +176,12 @@ class PetriNet(Drawn, ValueRecord):
     def transition_labels(self) -> Mapping[str, Sequence[int]]:
         """Indices of the transitions that have each label."""
         return _labelled(self.transitions)
+
+    @cached_property
+    def complements(self) -> frozenset[int]:
+        """Places that stand for inhibitor arcs: how many tokens they hold says nothing of its own."""
+        made = ((number, place.provenance) for number, place in enumerate(self.places))
+        return frozenset(number for number, by in made if by is not None and by.kind == COMPLEMENT)
 
     @cached_property
     def largest(self) -> int:

@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
+from unittest.mock import patch
 
 import pytest
 from hypothesis import assume, event, given
 from hypothesis import strategies as st
 
+import mcpn
 from mcpn.errors import InputError, Source
+from mcpn.logic.behaviour import NetCheck
+from mcpn.logic.questions import Questions
+from mcpn.logic.verdicts import answer_all
 from mcpn.nets.bounds import coarse_bounds, listed_bounds, proved_bounds
 from mcpn.nets.inhibitors import Inhibitor, without_inhibitors
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet
 from mcpn.nets.structure import place_bounds
-from tests.nets.nets import token_nets
+from tests.nets.nets import state_machines, token_nets
 
 Edges = dict[Marking, set[tuple[str, Marking]]]
 
@@ -66,6 +72,57 @@ def test_markings_and_firings_are_those_of_the_definition(net: PetriNet, data: s
     assert by_arcs(found, len(net.places)) == expected
 
 
+@given(state_machines(), st.data())
+def test_whether_a_net_is_safe_is_asked_of_its_own_places(
+    drawn: tuple[PetriNet, object], data: st.DataObject
+) -> None:
+    """Also where a bound is larger than what is reached: here invariants alone give it."""
+    net = drawn[0]
+    assume(net.transitions and not net.priorities)
+    place = st.sampled_from([p.name for p in net.places])
+    transition = st.sampled_from([t.name for t in net.transitions])
+    arcs = data.draw(st.lists(st.builds(Inhibitor, place, transition, st.integers(1, 2)), max_size=3))
+    expected = by_definition(net, arcs, 400)
+    assume(expected is not None)
+    assert expected is not None
+    with patch("mcpn.nets.bounds.MAX_LISTED", 0), suppress(InputError):
+        found = without_inhibitors(net, arcs)
+        event(f"{len(found.complements)} complements")
+        safe = all(tokens <= 1 for marking in expected for tokens in marking)
+        (verdict,) = answer_all(Questions(found), (), ["OneSafe"])
+        assert verdict.value == str(safe).upper()
+        checked = mcpn.open(found).check()
+        assert isinstance(checked, NetCheck)
+        assert (checked.safe, checked.bound) == (safe, max(map(max, expected)))
+
+
+def test_a_bound_that_is_not_reached_makes_no_net_unsafe() -> None:
+    """An invariant lets p hold 2 tokens; q keeps one of them."""
+    builder = NetBuilder("n")
+    for name, initial in (("p", 1), ("q", 1), ("r", 0)):
+        builder.place(name, initial=initial)
+    builder.transition("t", consume=["p"], read=["q"], produce=["r"])
+    builder.transition("u", consume=["r"], produce=["p"])
+    builder.transition("v", consume=["q"], produce=["p"])
+    builder.transition("w", consume=["p"], produce=["q"])
+    arcs = [Inhibitor("p", "u", 1), Inhibitor("p", "v", 1), Inhibitor("q", "w", 1)]
+    net = builder.build()
+    markings = by_definition(net, arcs, 100)
+    assert markings is not None
+    assert max(map(max, markings)) == 1
+    with (
+        patch("mcpn.nets.bounds.MAX_LISTED", 0),
+        patch("mcpn.nets.inhibitors._guarded", return_value=[9] * 3),
+    ):
+        found = without_inhibitors(net, arcs)
+    assert mcpn.open(found).states().max_tokens_in_place == 2  # the complement of p, where p is empty
+    (verdict,) = answer_all(Questions(found), (), ["OneSafe"])
+    assert verdict.value == "TRUE"
+    checked = mcpn.open(found).check()
+    assert isinstance(checked, NetCheck)
+    assert checked.safe
+
+
 def growing() -> NetBuilder:
     builder = NetBuilder("n")
     builder.place("p")
@@ -78,6 +135,7 @@ def growing() -> NetBuilder:
 def test_a_place_that_inhibits_what_fills_it_is_bounded_by_that() -> None:
     net = without_inhibitors(growing().build(), [Inhibitor("p", "t", 3)])  # q is unbounded beside it
     assert [(place.name, place.initial) for place in net.places[2:]] == [("complement of p", 3)]
+    assert net.complements == {2}
     marking = net.initial
     for _ in range(3):
         assert 0 in net.enabled(marking)

@@ -98,6 +98,8 @@ def save_net(net: PetriNet, path: Path | str) -> str | None:
     path = Path(path)
     suffix = path.suffix.lower()
     warning = None
+    if net.complements:
+        warning = f"{path}: inhibitor arcs are written as arcs of {len(net.complements)} complement places"
     if suffix == ".pnml":
         from mcpn.nets.formats.pnml import write_pnml
 

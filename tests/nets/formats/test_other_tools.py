@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -316,3 +317,28 @@ def test_files_of_other_tools_are_named(name: str, text: str, words: str, tmp_pa
     for opened in (mcpn.open, read_net):
         with pytest.raises(InputError, match=words):
             opened(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    ("name", "right"),
+    [
+        ("coremodel.pnml", (2, 2)),
+        ("ptnetb_2004.pnml", (2, 2)),
+        ("pipe_value.pnml", (1, 1)),
+        ("type_as_text.pnml", (2, 1)),
+        ("one_line.net", (2, 2)),
+        ("two_on_a_line.net", (3, 2)),
+        ("tapaal_attributes.pnml", "invariant='<= 3' of place q, expected '< inf'"),
+        ("arc_type_attribute.pnml", "inscription='3' of arc b, expected '1'"),
+        ("json_unknown_keys.json", "the document has the key 'extra'"),
+        ("graph.ndr", "ndrio"),
+    ],
+)
+def test_files_that_once_were_read_wrongly(faults: Path, name: str, right: tuple[int, int] | str) -> None:
+    path = faults / "files" / name
+    if isinstance(right, str):
+        with pytest.raises(InputError, match=re.escape(right)):
+            mcpn.open(path)
+        return
+    net = read_net(path)
+    assert (len(net.places), mcpn.open(net).states().states) == right
