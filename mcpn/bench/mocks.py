@@ -219,6 +219,11 @@ class _RulePlayer:
                 raise _Unplayable(
                     f"{answer.leaf.node.title} answers in the tick that asks it, before another leaf does"
                 )
+            if answer.leaf.rounds:
+                raise _Unplayable(
+                    f"{answer.leaf.node.title} is in a loop that is ticked again while something behind it "
+                    "runs, and the library halts that between two rounds"
+                )
             if answer.leaf.kept and answer.leaf.place in given:
                 raise _Unplayable(f"{answer.leaf.node.title} changes its answer, which a replaced leaf keeps")
             given.add(answer.leaf.place)

@@ -11,6 +11,7 @@ from mcpn.errors import Problem
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Handler, Recursive
 from mcpn.mission.robot import FactChange
 from mcpn.trees.ledger import Kind
+from mcpn.trees.nodes.forest import tree_of
 from mcpn.trees.nodes.node import TreeNode
 from mcpn.trees.pieces import Part, Result, handled, marked, placed, tidied, wrapped
 from mcpn.trees.translator import TURNS, Context, Rule, Translator, called, parallel
@@ -44,20 +45,22 @@ def _noted(
 def series(at: Translator, name: str, results: list[Result], context: Context, *, stops: bool) -> Result:
     """What a sequence of results becomes, or a fallback of them, where ``stops`` is true."""
     pieces: list[Part] = []
-    end = not stops
+    end, answered = not stops, False
     for result in results:
         if isinstance(result, Part):
             pieces.append(result)
         elif result == stops:
             end = stops
             break
+        else:
+            answered = True  # so that it is not skipped, whatever its other children are
     if not pieces:
         return end
-    if len(pieces) == 1 and end != stops:
+    if len(pieces) == 1 and end != stops and not (answered and pieces[0].skips):
         return pieces[0]
     after = SUCCEED if end else FAIL
     out = SUCCEED if stops else FAIL
-    unknown = end != stops and all(piece.skips for piece in pieces)
+    unknown = end != stops and not answered and all(piece.skips for piece in pieces)
     blocks: list[Block] = []
     last = (
         replace(
@@ -248,10 +251,10 @@ def parallel_node(at: Translator, node: TreeNode, context: Context) -> Result:
     branches = in_parallel(at, pieces)
     kind, why = Kind.EXACT, ""
     if any(piece.skips for piece in pieces):
-        kind, why = _skipping(at, node)
+        kind, why = _skipping(at, node, results)
     success = "all" if wanted == len(branches) else str(wanted) if wanted > 1 else "any"
     if len(branches) == 1:
-        made: Block = branches[0]
+        made = _alone(at, branches[0])
     else:
         made = parallel(name, branches, success, "any" if losing == 1 else "all")
         if 1 < losing < len(branches):
@@ -268,17 +271,46 @@ def parallel_node(at: Translator, node: TreeNode, context: Context) -> Result:
     return Part(made)
 
 
-def _skipping(at: Translator, node: TreeNode) -> tuple[Kind, str]:
+def _skipping(at: Translator, node: TreeNode, results: list[Result]) -> tuple[Kind, str]:
     """How faithful a parallel node is of which a child may be skipped."""
-    if at.forest.choice.value(node, "success_count").startswith("-"):
-        return (
-            Kind.MORE,
-            "a child that is skipped counts as one that has succeeded, and is asked again meanwhile",
-        )
-    return (
-        Kind.LEFT_OUT,
-        "with a count it stays running beside a child that is skipped, which is not modelled",
-    )
+    if any(_skips_later(at, child) for child, r in zip(node.children, results, strict=True) if _skips(r)):
+        return Kind.LEFT_OUT, "a child that is skipped after a part of it has run begins anew: not modelled"
+    every = at.forest.rule(node) == "parallel_all"
+    if every and all(_skips(result) for result in results):
+        return Kind.LEFT_OUT, "that it is skipped where all its children are is not modelled"
+    if every or at.forest.choice.value(node, "success_count").startswith("-"):
+        return Kind.MORE, "a child that is skipped counts as one that has succeeded, and is asked again"
+    return Kind.LEFT_OUT, "with a count it stays running beside a child that is skipped: not modelled"
+
+
+def _alone(at: Translator, branch: Block) -> Block:
+    """The only branch, with what it says of its abort: that holds inside of a block of its own."""
+    if branch.abort is None:
+        return branch
+    return Recursive(name=at.names.fresh(f"{branch.name}_alone"), blocks=(branch,))
+
+
+def _skips(result: Result) -> bool:
+    return isinstance(result, Part) and result.skips
+
+
+def _skips_later(at: Translator, node: TreeNode) -> bool:
+    """Whether a node may be skipped by anything but its own ``_skipIf``, which is asked before it begins."""
+    if "_while" in node.rules or "_skipIf" not in node.rules:
+        return True
+    tree = tree_of(at.forest, node)
+    inside = [*node.children, *([tree.root] if tree else [])]
+    below = [node, *(each for child in inside for each in child.walk())]
+    return any(_may_skip(at, each) or each.category == "SubTree" for each in below[1:]) or _decides(at, node)
+
+
+def _may_skip(at: Translator, node: TreeNode) -> bool:
+    return "_while" in node.rules or "_skipIf" in node.rules or _decides(at, node)
+
+
+def _decides(at: Translator, node: TreeNode) -> bool:
+    """Whether a decorator is skipped as it likes."""
+    return at.forest.rule(node) in ("once", "precondition", "skip_unless_updated", "loop")
 
 
 def in_parallel(at: Translator, pieces: list[Part]) -> list[Block]:
@@ -309,17 +341,15 @@ def parallel_all(at: Translator, node: TreeNode, context: Context) -> Result:
         at.note(node, became(failed < allowed), Kind.EXACT)
         return failed < allowed
     kind, skipped = Kind.EXACT, ""
-    if pieces and all(piece.skips for piece in pieces):
-        kind, skipped = Kind.LEFT_OUT, "that it is skipped where all its children are is not modelled"
-    elif any(piece.skips for piece in pieces):
-        kind, skipped = Kind.MORE, "a child that is skipped counts as one that has succeeded"
+    if any(piece.skips for piece in pieces):
+        kind, skipped = _skipping(at, node, results)
     if allowed - failed == 1:
-        block: Block = branches[0] if len(branches) == 1 else parallel(name, branches)
+        block: Block = _alone(at, branches[0]) if len(branches) == 1 else parallel(name, branches)
         at.note(node, block.name, kind, skipped)
         return Part(block)
     if allowed - failed <= 0 or allowed - failed > len(branches):
         well = allowed - failed > len(branches)
-        block = parallel(name, branches) if len(branches) > 1 else branches[0]
+        block = parallel(name, branches) if len(branches) > 1 else _alone(at, branches[0])
         at.note(node, name, kind, skipped)
         return Part(block, good=well, bad=well)
     inner = parallel(at.names.fresh(f"{name}_all"), branches)
@@ -516,6 +546,8 @@ def while_do_else(at: Translator, node: TreeNode, context: Context) -> Result:
 CONTROLS: dict[str, Rule] = {
     "sequence": sequence,
     "fallback": fallback,
+    "async_sequence": sequence,
+    "async_fallback": fallback,
     "with_memory": with_memory,
     "with_memory_unhalted": with_memory,
     "if_then_else": if_then_else,

@@ -34,6 +34,7 @@ class Instance:
         path: Its path in the library.
         asked: Whether it is ticked again after it has answered, while something behind it runs.
         kept: Whether the library keeps its answer then: a node that is not reset is not asked anew.
+        rounds: Whether a loop around it returns between its rounds, and is ticked again then.
     """
 
     node: TreeNode
@@ -41,6 +42,7 @@ class Instance:
     path: str
     asked: bool
     kept: bool
+    rounds: bool = False
 
 
 def place_of(chain: tuple[TreeNode, ...], leaf: TreeNode) -> Place:
@@ -63,7 +65,7 @@ class _Expansion:
         self.made = 0
 
     def leaves(
-        self, node: TreeNode, around: Place, prefix: str, asked: bool, kept: bool
+        self, node: TreeNode, around: Place, prefix: str, asked: bool, kept: bool, rounds: bool = False
     ) -> Iterator[Instance]:
         self.made += 1
         if self.made > MAX_NODES:
@@ -74,15 +76,16 @@ class _Expansion:
         place = (*around, id(node))
         if (tree := tree_of(self.forest, node)) is not None:
             inner = f"{prefix}{node.name or f'{node.id}::{self.made}'}/"
-            yield from self.leaves(tree.root, place, inner, asked, kept)
+            yield from self.leaves(tree.root, place, inner, asked, kept, rounds)
         elif not node.children and self.forest.rule(node) not in ("succeeds", "fails"):
-            yield Instance(node, place, path, asked, kept)
+            yield Instance(node, place, path, asked, kept, rounds)
         rule = self.forest.rule(node)
         for number, child in enumerate(node.children):
             earlier = number + 1 < len(node.children) if rule != "while_do_else" else number == 0
             again = rule in ASKING and earlier
             stays = again and rule in NOT_RESETTING
-            yield from self.leaves(child, around, prefix, asked or again, stays)
+            turns = rounds or (asked and rule in ("retry", "repeat", "keep_running", "loop"))
+            yield from self.leaves(child, around, prefix, asked or again, stays, turns)
 
 
 def filters(forest: Forest, found: list[Instance]) -> dict[str, str]:

@@ -118,6 +118,8 @@ STATEFUL = TURNS | MEMORIES | {"once", "trigger"}
 """Rules of nodes that remember something from one entry to the next."""
 CONSTANT = MappingProxyType({"succeeds": True, "fails": False})
 """Rules of leaves that always answer the same, at once."""
+RETURNING = MEMORIES | {"async_sequence", "async_fallback"}
+"""Rules of nodes that return between their children, so that they may be interrupted."""
 LOOPS = frozenset({"retry", "repeat"})
 """Rules of nodes that run their child so often as their port says."""
 LOOKS_LIKE_CONDITION = re.compile(
@@ -441,6 +443,7 @@ class Translator:
         if node.children:
             # A loop runs on between its rounds.
             slow = rule in ("keep_running", "delay", "loop")
+            slow |= rule in RETURNING and len(node.children) > 1
             slow |= rule in LOOPS and self.rounds(node) not in (0, 1)
             return not slow and all(self.at_once(child) for child in node.children)
         return rule == "asked" or rule in CONSTANT or self.condition(node)

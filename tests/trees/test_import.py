@@ -150,13 +150,26 @@ LEAVES = st.sampled_from([A, B, C, D, X, Y, "<AlwaysSuccess/>", "<AlwaysFailure/
 
 
 @st.composite
-def trees(draw: st.DrawFn, depth: int = 2) -> str:
-    """A tree of known nodes; none but conditions in places where a child that runs would be asked again."""
+def trees(
+    draw: st.DrawFn,
+    depth: int = 2,
+    leaves: st.SearchStrategy[str] = LEAVES,
+    without: frozenset[str] = frozenset(),
+) -> str:
+    """A tree of known nodes; none but conditions in places where a child that runs would be asked again.
+
+    Args:
+        draw: Draws.
+        depth: How many levels there are above leaves.
+        leaves: What these are drawn of.
+        without: Nodes that it does not have.
+    """
     if depth == 0 or draw(st.integers(0, 5)) == 0:
-        return draw(LEAVES)
-    tag = draw(st.sampled_from(sorted(_ARITY)))
+        return draw(leaves)
+    tag = draw(st.sampled_from(sorted(_ARITY.keys() - without)))
     least, most = _ARITY[tag]
-    children = [draw(trees(depth - 1)) for _ in range(draw(st.integers(least, most)))]
+    inside = trees(depth - 1, leaves, without)
+    children = [draw(inside) for _ in range(draw(st.integers(least, most)))]
     ports = {name: draw(st.sampled_from(values)) for name, values in _PORTS.get(tag, {}).items()}
     if tag == "Parallel":
         ports |= {

@@ -143,6 +143,10 @@ def test_what_is_written(tmp_path: Path) -> None:
         (node("RetryUntilSuccessful", A, num_attempts=-1), "only cannot succeed any more"),
         (node("WhileDoElse", X, A, B), "changes its answer"),
         (node("Strange", A), "has runs that the tree has not"),
+        (
+            node("ReactiveFallback", node("RetryUntilSuccessful", A, num_attempts=2), B),
+            "in a loop that is ticked",
+        ),
         (node("Sequence", '<a name="x"/>', '<b name="x"/>'), "no path of its own"),
     ],
 )

@@ -9,8 +9,8 @@ _rows = NodeRows(_LIBRARY)
 _add = _rows.add
 _add("Sequence", "3.0", "Control", "", "sequence", "children in turn, up to the first that fails")
 _add("Fallback", "3.0", "Control", "", "fallback", "children in turn, up to the first that succeeds")
-_add("AsyncSequence", "4.2", "Control", "", "sequence", "as Sequence, returning between children")
-_add("AsyncFallback", "4.2", "Control", "", "fallback", "as Fallback, returning between children")
+_add("AsyncSequence", "4.2", "Control", "", "async_sequence", "as Sequence, returning between children")
+_add("AsyncFallback", "4.2", "Control", "", "async_fallback", "as Fallback, returning between children")
 _add(
     "SequenceStar",
     "3.0-3.5",
