@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from mcpn.mission.model import Mission
 from mcpn.testing import missions
 from mcpn.testing.data import data_sharing_missions
+from mcpn.testing.ends import nested_ends
 from mcpn.testing.shape import UNCONTENDED, stacked_missions
 
 ANY = missions(sections=6)
@@ -132,6 +133,8 @@ LEFT_BY_FACTS_APART = missions(
     UNCONTENDED, sections=6, branches=3, depth=3, hardware=2, events=1, facts=3, aborts=2, early=3, becoming=7
 )
 """The same where nothing contends."""
+ENDS_AT_ONCE = nested_ends()
+"""Blocks in blocks of which one event, or one fact, ends several branches at the same moment."""
 NAMED = st.integers(0, 2).flatmap(
     lambda facts: missions(
         sections=6,
@@ -200,6 +203,7 @@ MISSIONS: st.SearchStrategy[Mission] = st.one_of(
     PAUSING_IN_TIME,
     LEFT_BY_FACTS,
     LEFT_BY_FACTS_APART,
+    ENDS_AT_ONCE,
     NAMED,
     WORLD,
     WORLD_ABORTED,

@@ -91,9 +91,35 @@ def decided_at_two_depths(**others: Any) -> Mission:
 
 
 BOTH_EARLY = decided_at_two_depths(success_when="any")
+
+
+def beside_an_early_end(goto: str, leads: str, **others: Any) -> Mission:
+    """One event ends ``a``, and fails an inner block at once, which leads somewhere."""
+    inner = Parallel(name="inner", blocks=(on_leak("b", "fail"), one("d")), failure_when="any", failure=leads)
+    return both(on_leak("a", goto), Recursive(name="r", blocks=(inner, one("e"))), **others)
+
+
+ABORT_AFTER_SUCCESS = beside_an_early_end("succeed", "abort", success_when="any", abort="g")
+ABORT_AFTER_FAILURE = beside_an_early_end("fail", "abort", failure_when="any", abort="f")
+STOPPED_WITHIN = beside_an_early_end("succeed", "e", success_when="any")
+"""The inner block leads to ``e``, which the outer one stops before it begins."""
+DEEPEST = Parallel(name="deepest", blocks=(on_leak("b", "succeed"), one("d")), success_when="any")
+DEEPER = Parallel(
+    name="deeper", blocks=(Recursive(name="s", blocks=(DEEPEST,)), one("e")), success_when="any"
+)
+THREE_DEEP = both(
+    on_leak("a", "fail"),
+    Recursive(name="r", blocks=(DEEPER,)),
+    success_when="any",
+    failure_when="any",
+)
 INNER_OVER = decided_at_two_depths()
 MISSIONS = {
     "both early": BOTH_EARLY,
+    "abort after success": ABORT_AFTER_SUCCESS,
+    "abort after failure": ABORT_AFTER_FAILURE,
+    "stopped within": STOPPED_WITHIN,
+    "three deep": THREE_DEEP,
     "inner over": INNER_OVER,
     "any": ANY,
     "two": TWO,
@@ -150,7 +176,11 @@ LEAK = (DECLARED, "leak")
         (NESTED, [OK["b"], OK["d"]], {"f"}),
         (ABORTS, [LEAK], {"g"}),
         (ABORTS_INSIDE, [LEAK], {"f"}),
-        (BOTH_EARLY, [LEAK], {"g"}),
+        (BOTH_EARLY, [LEAK], {"f"}),
+        (ABORT_AFTER_SUCCESS, [LEAK], {"g"}),
+        (ABORT_AFTER_FAILURE, [LEAK], {"f"}),
+        (STOPPED_WITHIN, [LEAK], {"f"}),
+        (THREE_DEEP, [LEAK], {"f"}),
         (INNER_OVER, [LEAK], {"f"}),
         (AGAIN, [OK["b"]], {"a", "b", "c"}),
         (FAILS_TWO, [BAD["b"]], {"a", "c"}),

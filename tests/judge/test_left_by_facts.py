@@ -96,6 +96,39 @@ FIRST_WINS = mission(
     one("d", success="succeed"),
     END,
 )  # fmt: skip
+
+
+def side_by_side(first: Handler, second: Handler, *, last: Handler | None = None) -> Mission:
+    """Branches that one fact leaves at the same moment; ``g`` after success, ``d`` after failure."""
+    handlers = (first, second) if last is None else (first, second, last)
+    branches = (one(name, handler) for name, handler in zip("abc", handlers, strict=False))
+    return mission(
+        ROBOT,
+        both("p", *branches, success_when="any", failure_when="any", success="g", failure="d"),
+        one("d", success="succeed"),
+        END,
+    )
+
+
+ABORTS_BESIDE = side_by_side(left("succeed"), left("abort"))
+FAILS_BESIDE = side_by_side(left("fail"), left("succeed"))
+TWO_FACTS = side_by_side(left("succeed"), left("abort", "door=open"), last=left("fail"))
+FIRST_THE_END = mission(
+    ROBOT,
+    both("p", one("a", left("abort")), one("c", lowers="success"), success_when="any", success="g"),
+    END,
+)
+"""The success of ``c`` ends the block before the fact that it makes true leaves ``a``."""
+AROUND = mission(
+    ROBOT,
+    block(
+        "r",
+        both("p", one("a", left("abort")), one("c", left("succeed")), success_when="any"),
+        handlers=(left("g"),),
+        success="succeed",
+    ),
+    END,
+)
 NESTED = mission(
     ROBOT,
     block(
@@ -141,6 +174,11 @@ MISSIONS = {
     "tries": TRIES,
     "branches": BRANCHES,
     "first wins": FIRST_WINS,
+    "aborts beside": ABORTS_BESIDE,
+    "fails beside": FAILS_BESIDE,
+    "two facts": TWO_FACTS,
+    "first the end": FIRST_THE_END,
+    "around": AROUND,
     "nested": NESTED,
     "guarded": GUARDED,
     "target": TARGET,
@@ -177,6 +215,13 @@ def test_all_that_play_it_agree(of: Mission) -> None:
         (FIRST_WINS, [(SUCCESS, "c")], {"g"}, None),
         (FIRST_WINS, [SINKS], {"c"}, None),
         (FIRST_WINS, [SINKS, (FAILURE, "c")], {"d"}, None),
+        # All that facts leave side by side counts, whatever the order.
+        (ABORTS_BESIDE, [SINKS], set(), "abort"),
+        (FAILS_BESIDE, [SINKS], {"g"}, None),
+        (TWO_FACTS, [SINKS], {"g"}, None),
+        (TWO_FACTS, [(DECLARED, "both")], set(), "abort"),
+        (FIRST_THE_END, [(SUCCESS, "c")], {"g"}, None),
+        (AROUND, [SINKS], {"g"}, None),
         # The outermost block counts, then the first condition that fits.
         (NESTED, [SINKS], {"g"}, None),
         (NESTED, [(DECLARED, "both")], set(), "failure"),

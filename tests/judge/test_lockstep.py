@@ -79,6 +79,12 @@ def test_blocks_left_by_facts_where_nothing_contends(of: Mission) -> None:
     check(of)
 
 
+@fewer(0.5)
+@given(drawn.ENDS_AT_ONCE)
+def test_branches_that_end_at_the_same_moment(of: Mission) -> None:
+    assert check(of) != "undetermined"
+
+
 @given(drawn.WORLD_APART)
 def test_facts_where_nothing_contends(of: Mission) -> None:
     assert check(of) != "undetermined"

@@ -81,9 +81,10 @@ class Ranks:
     kept producer is stopped because its consumers have given it up: what begins there may need it.
 
     Where a parallel block may abort, or end early, its halting and all other control comes before any of
-    that, aborts before other ends, and a block around before those in it: what an end stops begins nothing.
-    Then what runs is left as facts have become so, in the order of the document, a block around before those
-    in it, and what facts have become is forgotten.
+    that. A block waits for those in it, whose ends may be ends of its branches; of its own ends an abort
+    comes first, then success. What is led to, and stopped by a block around, has not begun.
+    Then facts are *asked*: all that is left as they have become so is left, in the order of the document, a
+    block around before those in it, and only then blocks end by that. What facts have become is forgotten.
     Then what begins changes facts, in the order of the document, before any activity looks at them. Such
     ranks are below 0, down to minus :attr:`below`.
 
@@ -95,15 +96,20 @@ class Ranks:
         self._deciding = dict(_deciding(usage.graph))
         self._starting = dict(_starting(usage.graph))
         self._becoming = dict(_becoming(usage.graph))
-        deciding = 1 + max(self._deciding.values(), default=-1)
         becoming = 2 + max(self._becoming.values(), default=-2)
-        self.below = 1 + deciding + becoming + 1 + max(self._starting.values(), default=-1)
+        deciding = 1 + max(self._deciding.values(), default=-1)
+        watched = len(usage.world.watched)
+        facts = watched + 2 if watched else 0
+        self.below = 1 + becoming + deciding + facts + 1 + max(self._starting.values(), default=-1)
         if not self._deciding and not self._starting and not self._becoming:
             self.below = 0
         self.control = -self.below
-        self._first_becoming = self.control + 1 + deciding
-        self._first_start = self._first_becoming + becoming
-        self.forgetting = self._first_start - 1
+        self._first_becoming = self.control + 1
+        self._first_deciding = self._first_becoming + becoming
+        self.asked = self._first_deciding - 1
+        self.asking = self._first_deciding + deciding
+        self.forgetting, self.forgotten = self.asking + watched, self.asking + watched + 1
+        self._first_start = self._first_deciding + deciding + facts
         self._several = (
             usage.sharing.anything or bool(usage.handover.gated) or self.below > 0 or bool(usage.requiring)
         )
@@ -119,7 +125,7 @@ class Ranks:
 
     def deciding(self, block: str, outcome: str, branch: str) -> int:
         """How a branch that has ended halts its block: each branch of a section has a rank of its own."""
-        return self.control + 1 + self._deciding[block, outcome, branch]
+        return self._first_deciding + self._deciding[block, outcome, branch]
 
     def becoming(self, section: str, outcome: str, number: int) -> int:
         """How a section is left as facts become so: each word of each condition has a rank of its own."""
@@ -144,15 +150,15 @@ class Ranks:
 def _deciding(graph: ObjectivesGraph) -> Iterator[tuple[tuple[str, str, str], int]]:
     """Branches that may end their block, by block, outcome and name, each with its number in its section.
 
-    First those that abort, from outside in, then the others.
+    A block comes after those in it. Of its branches first those count that abort, then by whom it succeeds.
     """
     for section in graph.sections:
-        every, level = list[tuple[str, str, str]](), [section]
+        levels, level = list[list[tuple[str, str, str]]](), [section]
         while level:
             blocks = [inner for inner in level if isinstance(inner, ParallelSection)]
-            every += [(b.name, outcome, branch.name) for b in blocks for outcome, branch in b.deciding]
+            levels += [[(b.name, outcome, branch.name) for b in blocks for outcome, branch in b.deciding]]
             level = [inner for block in blocks for graph in block.graphs for inner in graph.sections]
-        every.sort(key=lambda branch: branch[1] != "abort")
+        every = (branch for level in reversed(levels) for branch in level)
         yield from ((branch, number) for number, branch in enumerate(every))
 
 
@@ -254,6 +260,11 @@ class Canvas(NetBuilder):
         """Whose interfaces of a resource are drawn (``None``: it has one for all)."""
         owners = self.usage.sharing.owners(resource)
         return [o for o in owners if o is None or ("activity", o) not in self.left_out]
+
+    @cached_property
+    def asking(self) -> str:
+        """The place that says that facts are asked, after all that the event itself ends has ended."""
+        return self.place_of("mission", self.usage.mission.name, "asking")
 
     @cached_property
     def resting(self) -> list[str]:

@@ -41,11 +41,25 @@ def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:
     for handler in graph.once():
         draw_once(canvas, handler)
     draw_facts(canvas)
+    _draw_asking(canvas, pen)
     for resting in canvas.resting:
         pen.transition("rested", [pen.own(resting)], [], rank=canvas.ranks.rested)
     control = _Control(canvas, graph, exits)
     pen.transition("EV_START", [begin], control.enter(graph.entry), event=START)
     control.draw()
+
+
+def _draw_asking(canvas: Canvas, pen: Pen) -> None:
+    """Draws when facts are asked what is left as they have become so: once in each reaction."""
+    said = [(fact.name, value) for fact in canvas.facts for value in fact.values]
+    if watched := [each for each in said if each in canvas.usage.world.watched]:
+        ranks, asking = canvas.ranks, pen.own(canvas.asking)
+        unasked, asked = pen.place("unasked", initial=1), pen.place("asked")
+        for number, (name, value) in enumerate(watched):
+            read, rank = [canvas.became(name, value)], ranks.asking + number
+            pen.transition(("ask", name, value), [unasked], [asking], read=read, rank=rank)
+        pen.transition("asked", [asking], [asked], rank=ranks.asked)
+        pen.transition("forgotten", [asked], [unasked], rank=ranks.forgotten)
 
 
 class _Control(Interrupting):

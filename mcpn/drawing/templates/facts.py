@@ -8,7 +8,8 @@ any activity looks (:class:`mcpn.drawing.templates.canvas.Ranks`). So nothing th
 what changes it.
 
 A value for which blocks may be left has a second place, *became*: whatever changes the fact to it marks this
-one, too, and when facts have been asked it is forgotten. So it is empty in every stable state.
+one, too, and when facts have been asked (:mod:`mcpn.drawing.templates.control`) it is forgotten. So it is
+empty in every stable state.
 """
 
 from __future__ import annotations

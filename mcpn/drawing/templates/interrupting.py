@@ -211,7 +211,7 @@ class Interrupting(Level):
             for number, said in enumerate(each.when):
                 rank = self.canvas.ranks.becoming(section.name, outcome, number)
                 word = f"{outcome.replace(' ', '')}_{number + 1}"
-                yield outcome, word, [self.canvas.became(*said), *so], rank
+                yield outcome, word, [self.canvas.asking, self.canvas.became(*said), *so], rank
 
     def left_by_facts(self, pen: Pen, section: ParallelSection, all_halted: list[str]) -> None:
         """Halts every branch as facts become so, then goes on to what that leads to."""

@@ -174,7 +174,7 @@ class Leaving(NamedTuple):
     def _deciding(
         self, pen: Pen, running: str, outcome: str, last: Iterable[Branch], drawn: tuple[str, str]
     ) -> None:
-        """Branches that decide the end halt the others; of several at a time the first ones count."""
+        """Branches that decide the end halt the others; of several that end alike the first ones count."""
         section, (place, decides) = self.section, drawn
         counted = {"success": section.needed, "failure": section.failing}.get(outcome)
         if counted and (count := comb(len(section.branches), counted)) > MAX_DECIDING:

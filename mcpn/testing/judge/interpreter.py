@@ -273,10 +273,10 @@ class Interpreter:
         return self.reaction(replace(after, activities=rest))
 
     def left_as_facts_are(self, before: State, state: State, stopped: list[WrittenBlock]) -> State:
-        """Leaves blocks under way for which facts have become so, one after the other, and notes them.
+        """Leaves all blocks under way for which facts have become so, and notes them.
 
-        A block around comes before those in it, then the order is that of the document. What is left may end
-        blocks around, which are left with it.
+        A block around comes before those in it, which it stops. Those side by side are all left, whatever
+        their order; only then blocks around end by that.
         """
         new = state.facts - before.facts
         while True:
@@ -288,10 +288,10 @@ class Interpreter:
                 if so(state.facts, handler.when) and any(so(new, (word,)) for word in handler.when)
             )
             if (found := next(becoming, None)) is None:
-                return state
+                return self.decided(state, stopped)
             node, route = found
             stopped.append(node)
-            state = self.decided(self.follow(self.left(state, node), node, route, stopped), stopped)
+            state = self.follow(self.left(state, node), node, route, stopped)
 
     def paused(self, node: WrittenBlock, handler: Handler, state: State) -> WrittenBlock:
         """What is run while a block pauses, made for the objective that runs in it."""
@@ -395,25 +395,25 @@ class Interpreter:
         return self.end(replace(state, ended=others), branch.parent, SUCCEED if well else FAIL, aborted)
 
     def decided(self, state: State, stopped: list[WrittenBlock]) -> State:
-        """Parallel blocks whose end is decided are left, the outermost first, and noted."""
-        while (found := self.decision(dict(state.ended), [self.root])) is not None:
+        """Parallel blocks whose end is decided are left, and noted.
+
+        A block waits for those in it: what they lead to may end branches of it, too.
+        """
+        while (found := self.decision(dict(state.ended))) is not None:
             block, by = found
             stopped.append(block)
             state = self.end(self.left(state, block), block, by, stopped)
         return state
 
-    def decision(self, ended: dict[str, bool], level: list[WrittenBlock]) -> tuple[WrittenBlock, str] | None:
-        """The first parallel block, from outside in, that no longer waits, and by which exit it is left."""
-        while level:
-            for block in level:
-                children = block.children.values() if block.parallel else ()
-                well = sum(ended.get(child.name, False) for child in children)
-                if block.parallel and block.needed is not None and well >= block.needed:
-                    return block, SUCCEED
-                failed = [child for child in children if ended.get(child.name) is False]
-                if block.parallel and fails(block, failed):
-                    return block, FAIL
-            level = [child for block in level for child in block.children.values()]
+    def decision(self, ended: dict[str, bool]) -> tuple[WrittenBlock, str] | None:
+        """A parallel block that no longer waits, and none in it does, and by which exit it is left."""
+        for block in reversed([node for node in _nodes(self.root) if node.parallel]):  # what it holds before
+            children = block.children.values()
+            well = sum(ended.get(child.name, False) for child in children)
+            if block.needed is not None and well >= block.needed:
+                return block, SUCCEED
+            if fails(block, [child for child in children if ended.get(child.name) is False]):
+                return block, FAIL
         return None
 
     def end(self, state: State, node: WrittenBlock, by: str, aborted: list[WrittenBlock]) -> State:
