@@ -180,11 +180,11 @@ def test_no_two_classes_have_one_name() -> None:
 
 
 def test_rooms_are_of_a_size_to_be_seen() -> None:
-    """No folder has more than fifteen modules side by side; in the kernel header and source are one."""
+    """No folder has more than twenty modules side by side; in the kernel header and source are one."""
     rooms: dict[Path, set[str]] = {}
     for path in MODULES + SOURCES:
         rooms.setdefault(path.parent, set()).add(path.stem)
-    assert [str(room) for room, modules in rooms.items() if len(modules - {"__init__"}) > 15] == []
+    assert [str(room) for room, modules in rooms.items() if len(modules - {"__init__"}) > 20] == []
 
 
 def test_help_loads_nothing_heavy() -> None:

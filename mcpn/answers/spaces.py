@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from mcpn.answers.names import MissionNames
     from mcpn.composite.composite import CompositeSpace
     from mcpn.drawing.templates import TemplateSet
-    from mcpn.spaces.diagrams.symbolic import SymbolicSpace
+    from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
     from mcpn.spaces.search.goal import Formula
     from mcpn.spaces.stable.alternatives import AlternativesGraph
 

@@ -19,8 +19,8 @@ from mcpn.composite.section_type import ALL, Allowed
 from mcpn.composite.sections import BEGIN, NOWHERE, Kind, Stage, WholeNet, ends_of, outside
 from mcpn.nets.petri import Marking
 from mcpn.spaces.algebra import Edge, Guards, Piece, Without
+from mcpn.spaces.by_steps import layers_back
 from mcpn.spaces.components import strongly_connected
-from mcpn.spaces.diagrams.base import layers_back
 from mcpn.spaces.images import ImageStore
 from mcpn.spaces.memoized import ByKey, memoized
 

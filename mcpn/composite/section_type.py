@@ -23,11 +23,13 @@ from mcpn.drawing.status import Element
 from mcpn.errors import LimitError, PremiseError
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.algebra import Edge
+from mcpn.spaces.diagrams.closing import chained
 from mcpn.spaces.diagrams.encoding import Encoding
 from mcpn.spaces.diagrams.order import clustered
 from mcpn.spaces.diagrams.race import Resting
+from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives
-from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY, SymbolicSpace, chained, reaching
+from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY, reaching
 from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.memoized import memoized
 from mcpn.spaces.stable.big_steps import MOST_STEPS, BigStepSpace, Steps, reach_in_big_steps

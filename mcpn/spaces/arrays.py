@@ -14,7 +14,8 @@ import numpy as np
 from mcpn._kernel import Zdd
 from mcpn.nets.petri import Marking, PetriNet
 from mcpn.nets.structure import needs
-from mcpn.spaces.algebra import Edge, Guards, Piece
+from mcpn.spaces.algebra import Edge, Guards
+from mcpn.spaces.by_steps import BySteps
 from mcpn.spaces.images import ImageStore
 from mcpn.spaces.markings.graph import Mask, StateGraph, rows
 from mcpn.spaces.stable.alternatives import AlternativesGraph
@@ -60,7 +61,7 @@ class ArraySet:
         return int(self.mask.argmax()) if self else None
 
 
-class ArraySpace:
+class ArraySpace(BySteps[ArraySet]):
     """A markings graph or an alternatives graph in arrays.
 
     Args:
@@ -85,11 +86,6 @@ class ArraySpace:
         if isinstance(self.graph, AlternativesGraph) or not self.net.priorities:
             return self.everything
         return self.everything - self.enabling([i for i, t in enumerate(self.net.transitions) if t.internal])
-
-    @cached_property
-    def regions(self) -> Sequence[ArraySet]:
-        """One region: cycles are looked for by components."""
-        return (self.everything,)
 
     # --- what states say ---
 
@@ -118,14 +114,6 @@ class ArraySpace:
         for place in unmarked:
             mask &= ~self.graph.marked(place)
         return ArraySet(mask)
-
-    def varying(self, states: ArraySet) -> Collection[int]:
-        """All places."""
-        return range(len(self.net.places))
-
-    def pieces(self, states: ArraySet) -> Iterator[Piece[ArraySet]]:
-        """One piece, unless there is none."""
-        return iter((Piece(states),) if states else ())
 
     def at_most(self, weights: Mapping[int, int], bound: int) -> ArraySet:
         """States whose weighted sum of tokens is at most a bound."""

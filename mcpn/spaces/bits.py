@@ -12,7 +12,8 @@ from typing import TypeAlias
 
 from mcpn._kernel import Zdd
 from mcpn.nets.petri import Marking, PetriNet
-from mcpn.spaces.algebra import Edge, Guards, Piece
+from mcpn.spaces.algebra import Edge, Guards
+from mcpn.spaces.by_steps import BySteps
 from mcpn.spaces.images import ImageStore
 from mcpn.spaces.memoized import ByKey, memoized
 
@@ -67,7 +68,7 @@ class BitSet:
         return next(iter(self), None)
 
 
-class BitSpace:
+class BitSpace(BySteps[BitSet]):
     """An alternatives graph; state 0 is the initial one.
 
     Args:
@@ -81,10 +82,9 @@ class BitSpace:
     ) -> None:
         self.net, self._markings, self._rows = net, markings, rows
         self.nothing = BitSet(0)
-        self.everything = self.stable = BitSet((1 << len(markings)) - 1)
+        self.everything = BitSet((1 << len(markings)) - 1)
         self.initial = self.single(0)
         self.dead = BitSet(sum(1 << state for state, row in enumerate(rows) if not row))
-        self.regions = (self.everything,)
         self._marked = ByKey(self._marking)
 
     def _marking(self, place: int) -> int:
@@ -115,14 +115,6 @@ class BitSpace:
         for place in marked:
             bits &= self._marked[place]
         return BitSet(bits) - self.marked(unmarked)
-
-    def varying(self, states: BitSet) -> Collection[int]:
-        """All places."""
-        return range(len(self.net.places))
-
-    def pieces(self, states: BitSet) -> Iterator[Piece[BitSet]]:
-        """One piece, unless there is none."""
-        return iter((Piece(states),) if states else ())
 
     def at_most(self, weights: Mapping[int, int], bound: int) -> BitSet:
         """States whose weighted sum of tokens is at most a bound."""
@@ -199,55 +191,6 @@ class BitSpace:
     ) -> BitSet:
         """States that an edge leads to from some states."""
         return BitSet(_led(states, self._steps(transitions, guards, back=False)))
-
-    def crossing(self, among: BitSet, into: BitSet) -> Iterator[tuple[int, BitSet]]:
-        """Transitions with edges from some states into others, each with the states before it."""
-        for t, (before, edges) in self._edges.items():
-            if before & among.bits:
-                crossing = (s for s, after in edges if among.bits >> s & 1 and into.bits >> after & 1)
-                if bits := sum(1 << state for state in crossing):
-                    yield t, BitSet(bits)
-
-    def reaching(
-        self,
-        goal: BitSet,
-        along: BitSet | None = None,
-        transitions: Collection[int] | None = None,
-        guards: Guards[BitSet] = None,
-    ) -> BitSet:
-        """States from which some run through ``along`` leads into a goal, the goal's own included."""
-        return self._closure(goal, along, self._steps(transitions, guards, back=True))
-
-    def reached(
-        self,
-        begin: BitSet,
-        along: BitSet | None = None,
-        transitions: Collection[int] | None = None,
-        guards: Guards[BitSet] = None,
-    ) -> BitSet:
-        """States of ``along`` to which some run through it leads, those it begins from included."""
-        begin = begin if along is None else begin & along
-        return self._closure(begin, along, self._steps(transitions, guards, back=False))
-
-    def _closure(self, begin: BitSet, along: BitSet | None, steps: Steps) -> BitSet:
-        found = new = begin.bits
-        allowed = (self.everything if along is None else along).bits
-        while new:
-            new = _led(BitSet(new), steps) & allowed & ~found
-            found |= new
-        return BitSet(found)
-
-    def staying(
-        self, along: BitSet, asked: BitSet | None = None, transitions: Collection[int] | None = None
-    ) -> BitSet:
-        """States from which a maximal run stays in a set; see :meth:`mcpn.spaces.algebra.Space.staying`."""
-        steps, left, before = self._steps(transitions, None, back=False), along.bits, -1
-        while left != before:
-            before = left
-            for state in BitSet(left):
-                if steps[state] and not steps[state] & left:
-                    left ^= 1 << state
-        return BitSet(left)
 
     # --- runs ---
 

@@ -19,8 +19,9 @@ from mcpn.nets.petri import PetriNet
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.diagrams.bounded import reach_markings, reaching_markings
 from mcpn.spaces.diagrams.race import Resting
+from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
-from mcpn.spaces.diagrams.symbolic import SymbolicSpace, reaching
+from mcpn.spaces.diagrams.symbolic import reaching
 from mcpn.spaces.engines import FEW_FIRINGS, Asked, Choice, Engine, On, choices_of_net, refuse_unknown
 from mcpn.spaces.markings.explicit import MAX_MARKINGS, Counts, KernelNet, count, explore
 from mcpn.spaces.names import PROGRESS, Names

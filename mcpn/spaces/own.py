@@ -19,7 +19,8 @@ from typing import Any, Protocol, TypeAlias
 from mcpn._kernel import Zdd
 from mcpn.errors import InputError, UnsafeError
 from mcpn.nets.petri import EVENTS, Marking, PetriNet
-from mcpn.spaces.algebra import Edge, Guards, Piece
+from mcpn.spaces.algebra import Edge, Guards
+from mcpn.spaces.by_steps import BySteps
 from mcpn.spaces.images import ImageStore
 
 GROUP = "mcpn.engines"
@@ -109,7 +110,7 @@ class OwnSet:
         return tuple(tokens)
 
 
-class OwnSpace:
+class OwnSpace(BySteps[OwnSet]):
     """The markings graph of a 1-safe net over an engine of one's own.
 
     Args:
@@ -188,18 +189,6 @@ class OwnSpace:
         """Markings that enable no transition."""
         return self.everything - self.enabling(range(len(self.net.transitions)))
 
-    @cached_property
-    def stable(self) -> OwnSet:
-        """Markings that enable no internal transition; all where the net has no priorities."""
-        if not self.net.priorities:
-            return self.everything
-        return self.everything - self.enabling([i for i, t in enumerate(self.net.transitions) if t.internal])
-
-    @property
-    def regions(self) -> Sequence[OwnSet]:
-        """One region."""
-        return (self.everything,)
-
     # --- what states say ---
 
     def single(self, state: Marking) -> OwnSet:
@@ -234,14 +223,6 @@ class OwnSpace:
             return without | within(states.moved({place: True}), number + 1, left - weights[place])
 
         return within(self.everything, 0, bound)
-
-    def varying(self, states: OwnSet) -> Collection[int]:
-        """All places."""
-        return range(len(self.net.places))
-
-    def pieces(self, states: OwnSet) -> Iterator[Piece[OwnSet]]:
-        """One piece, unless there is none."""
-        return iter((Piece(states),) if states else ())
 
     def enabling(self, transitions: Collection[int]) -> OwnSet:
         """Markings in which some of these transitions fire."""
@@ -302,84 +283,11 @@ class OwnSpace:
             found = found | (states & enabled).moved(self._before[t], self._after[t])
         return found
 
-    def reaching(
-        self,
-        goal: OwnSet,
-        along: OwnSet | None = None,
-        transitions: Collection[int] | None = None,
-        guards: Guards[OwnSet] = None,
-    ) -> OwnSet:
-        """Markings from which some run through ``along`` leads into a goal, the goal's own included."""
-        found = new = goal
-        while new:
-            new = self.before(new, transitions, guards, along) - found
-            found = found | new
-        return found
-
-    def reached(
-        self,
-        begin: OwnSet,
-        along: OwnSet | None = None,
-        transitions: Collection[int] | None = None,
-        guards: Guards[OwnSet] = None,
-    ) -> OwnSet:
-        """Markings of ``along`` to which some run through it leads, those it begins from included."""
-        found = new = begin if along is None else begin & along
-        while new:
-            after = self.after(new, transitions, guards)
-            new = (after if along is None else after & along) - found
-            found = found | new
-        return found
-
-    def crossing(self, among: OwnSet, into: OwnSet) -> Iterator[tuple[int, OwnSet]]:
-        """Transitions with edges from some markings into others, each with the markings before it."""
-        for t in range(len(self.net.transitions)):
-            if states := self.before(into, [t], among=among):
-                yield t, states
-
-    def staying(
-        self, along: OwnSet, asked: OwnSet | None = None, transitions: Collection[int] | None = None
-    ) -> OwnSet:
-        """Markings from which some maximal run stays in a set; see the algebra."""
-        stays, ends = along, self.dead if transitions is None else along - self.enabling(transitions)
-        while lost := stays - (self.before(stays, transitions) | ends):
-            stays = stays - lost
-        return stays
-
     # --- runs ---
 
     def edges(self, state: Marking) -> Iterator[Edge]:
         """The edges of one marking."""
         return (Edge(t, self.net.fire(state, t)) for t in self.net.enabled(state))
-
-    def run(
-        self,
-        begin: Marking,
-        goal: OwnSet,
-        along: OwnSet | None = None,
-        transitions: Collection[int] | None = None,
-        guards: Guards[OwnSet] = None,
-    ) -> list[Edge] | None:
-        """A shortest run from a marking into a goal; see :meth:`mcpn.spaces.algebra.Space.run`."""
-        start, layers, known = self.single(begin), [goal], goal
-        while not start & layers[-1]:
-            if not (layer := self.before(layers[-1], transitions, guards, along) - known):
-                return None
-            layers.append(layer)
-            known = known | layer
-        found: list[Edge] = []
-        for layer in layers[-2::-1]:
-            at = self.single(begin)
-            edge = next(
-                edge
-                for edge in self.edges(begin)
-                if (transitions is None or edge.transition in transitions)
-                and self.single(edge.target) & layer
-                and at & (guards or {}).get(edge.transition, at)
-            )
-            found.append(edge)
-            begin = edge.target
-        return found
 
 
 def engine_named(name: str) -> Any:

@@ -14,7 +14,7 @@ from mcpn.spaces.kept import Subject, spaces_of
 from mcpn.spaces.markings.explicit import Counts
 
 if TYPE_CHECKING:
-    from mcpn.spaces.diagrams.symbolic import SymbolicSpace
+    from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
     from mcpn.spaces.own import OwnSpace
     from mcpn.spaces.pyeda_reference import ReferenceCounts
 

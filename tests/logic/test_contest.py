@@ -24,7 +24,7 @@ from mcpn.logic.questions import Questions
 from mcpn.logic.verdicts import _Answers, answer_all
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.arrays import ArraySpace
-from mcpn.spaces.diagrams import runners
+from mcpn.spaces.diagrams import symbolic
 from mcpn.spaces.diagrams.bounded import reach_markings
 from mcpn.spaces.diagrams.runners import OneByOne
 from mcpn.spaces.engines import Asked
@@ -151,7 +151,7 @@ def test_what_was_listed_before_a_diagram_held_it_answers_the_same(
         yield OneByOne(net, "file", tuple(range(len(net.places))), 1 << 30, edges=True)
 
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(runners, "runners", exploring)
+        patched.setattr(symbolic, "runners", exploring)
         questions = Questions(net)
         assert isinstance(questions.space, ArraySpace)
         assert questions.choice.engine == "explicit"

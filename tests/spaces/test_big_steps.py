@@ -21,7 +21,8 @@ from mcpn.nets.events import Event, What
 from mcpn.nets.petri import PetriNet, Place, Transition
 from mcpn.spaces.diagrams.encoding import Encoding
 from mcpn.spaces.diagrams.order import Order, clustered
-from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY, SymbolicSpace
+from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
+from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY
 from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.stable import big_steps
 from mcpn.spaces.stable.big_steps import BigStepSpace, reach_in_big_steps

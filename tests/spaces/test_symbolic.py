@@ -15,7 +15,8 @@ from mcpn.nets.events import Event
 from mcpn.nets.formats import read_net
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.diagrams.order import candidates
-from mcpn.spaces.diagrams.symbolic import SymbolicSpace, reach
+from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
+from mcpn.spaces.diagrams.symbolic import reach
 from mcpn.spaces.markings.explicit import explore
 from mcpn.testing import missions
 from tests.nets.nets import nets, reachable

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import cycle
 
 from mcpn._kernel import BudgetExceeded, Zdd
 from mcpn.nets.petri import Marking
-from mcpn.spaces.algebra import Edge, Guards, Piece
+from mcpn.spaces.algebra import Edge, Guards
+from mcpn.spaces.by_steps import BySteps
+from mcpn.spaces.diagrams.closing import elements
 from mcpn.spaces.diagrams.encoding import distinct
+from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
 from mcpn.spaces.diagrams.staying import Staying
-from mcpn.spaces.diagrams.symbolic import SymbolicSpace, elements
 from mcpn.spaces.images import ImageStore
 
 CLOSURE_FACTOR = 4
 """By how many times the budget of a closure grows from turn to turn."""
 
 
-class Diagrams:
+class Diagrams(BySteps[Zdd]):
     """What both spaces of diagrams share.
 
     Args:
@@ -41,18 +43,7 @@ class Diagrams:
         self.most_steps = 0  # about the most that a closure may take; 0: any number
         self.steps = 0  # what layers have taken
         self._left_off: dict[tuple[Zdd, Zdd | None], Staying] = {}
-        first = self.net.internal_ranks[0] if self.net.priorities and self.net.internal_ranks else ()
-        free = set(first if self.net.priorities else self.encoding.events)
-        self.free = [t for t in self.encoding.events if t in free]
-        """Transitions that fire wherever they have their tokens."""
-        early = free.union(t for t, made in enumerate(self.net.transitions) if made.internal)
-        self.waiting = [t for t in self.encoding.events if t not in early]
-        """Transitions that priorities let fire in stable markings only."""
-
-    @property
-    def regions(self) -> Sequence[Zdd]:
-        """One region: the diagram does not know where cycles are."""
-        return (self.everything,)
+        self.free, self.waiting = space.free, space.waiting
 
     @cached_property
     def dead(self) -> Zdd:
@@ -84,14 +75,6 @@ class Diagrams:
         condition = self.encoding.condition(marked, unmarked)
         return self.nothing if condition is None else states - states.without([condition])
 
-    def varying(self, states: Zdd) -> Collection[int]:
-        """All places."""
-        return range(len(self.net.places))
-
-    def pieces(self, states: Zdd) -> Iterator[Piece[Zdd]]:
-        """One piece, unless there is none."""
-        return iter((Piece(states),) if states else ())
-
     def at_most(self, weights: Mapping[int, int], bound: int) -> Zdd:
         """States whose weighted sum of tokens is at most a bound."""
         return self.encoding.at_most(self.everything, weights, bound)
@@ -116,17 +99,9 @@ class Diagrams:
         return firings
 
     @cached_property
-    def later(self) -> list[tuple[list[int], Zdd]]:
-        """Internal transitions that wait for others, by rank, each with the states in which they may fire."""
-        if not self.net.priorities or len(self.net.internal_ranks) <= 1:
-            return []
-        both = zip(self.net.internal_ranks[1:], self.space.allowed[1:], strict=True)
-        return [([t for t in transitions if t in self.encoding.events], where) for transitions, where in both]
-
-    @cached_property
     def groups(self) -> list[tuple[list[int], Zdd]]:
         """Transitions that label edges, each group with the states in which they may fire."""
-        return [(self.free, self.everything), *self.later, (self.waiting, self.stable)]
+        return self.space.groups
 
     def image(self, states: Zdd, places: Sequence[int], images: ImageStore) -> Zdd:
         """How some states mark some places; see :meth:`mcpn.spaces.algebra.Space.image`."""
@@ -212,37 +187,6 @@ class Diagrams:
             if self.most_steps and budget > self.most_steps:
                 raise BudgetExceeded(f"a closure took more than {self.most_steps} steps")
 
-    def run(
-        self,
-        begin: Sequence[int],
-        goal: Zdd,
-        along: Zdd | None = None,
-        transitions: Collection[int] | None = None,
-        guards: Guards[Zdd] = None,
-    ) -> list[Edge] | None:
-        """A shortest run from a state into a goal; see :meth:`mcpn.spaces.algebra.Space.run`."""
-
-        def back(states: Zdd) -> Zdd:
-            earlier = self.before(states, transitions, guards)
-            return earlier if along is None else earlier & along
-
-        layers = layers_back(self.single(begin), goal, back)
-        if layers is None:
-            return None
-        run, state = list[Edge](), begin
-        wanted = None if transitions is None else set(transitions)
-        for layer in reversed(layers[:-1]):
-            edge = next(
-                e
-                for e in self.edges(state)
-                if (wanted is None or e.transition in wanted)
-                and self.single(e.target) & layer
-                and (not guards or e.transition not in guards or self.single(state) & guards[e.transition])
-            )
-            run.append(edge)
-            state = edge.target
-        return run
-
     def before(
         self,
         states: Zdd,
@@ -260,21 +204,11 @@ class Diagrams:
         """All states with an edge into some states."""
         raise NotImplementedError
 
-    def reaching(self, goal: Zdd, along: Zdd | None = None) -> Zdd:
-        """States from which some run through ``along`` leads into a goal, the goal's own included."""
+    def after(
+        self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
+    ) -> Zdd:
+        """States that an edge leads to from some states."""
         raise NotImplementedError
-
-    def reached(self, begin: Zdd, along: Zdd | None = None) -> Zdd:
-        """States of ``along`` to which some run through it leads, those it begins from included."""
-        raise NotImplementedError
-
-    def crossing(self, among: Zdd, into: Zdd) -> Iterator[tuple[int, Zdd]]:
-        """Transitions with edges from some states into others, each with the states before it."""
-        candidates = self.before(into, among=among)
-        for t in sorted(self.firings(candidates)) if candidates else ():
-            states = self.before(into, [t], among=candidates)
-            if states:
-                yield t, states
 
     def edges(self, state: Sequence[int]) -> Iterator[Edge]:
         """The edges of one state."""
@@ -308,15 +242,3 @@ class Diagrams:
         """Transitions that fire on edges from some states, or more."""
         internal = (t for t, made in enumerate(self.net.transitions) if made.internal)
         return frozenset(self.firings(states)).union(internal if self.net.priorities else ())
-
-
-def layers_back(start: Zdd, goal: Zdd, back: Callable[[Zdd], Zdd]) -> list[Zdd] | None:
-    """Backward breadth-first layers, by length of shortest runs to a goal, until one meets some states."""
-    layers, seen = [goal], goal
-    while not layers[-1] & start:
-        earlier = back(layers[-1]) - seen
-        if not earlier:
-            return None
-        seen |= earlier
-        layers.append(earlier)
-    return layers

@@ -16,9 +16,10 @@ from typing import TYPE_CHECKING
 from mcpn._kernel import BudgetExceeded, Cancelled
 from mcpn.errors import UnsafeError
 from mcpn.nets.petri import PetriNet
+from mcpn.spaces.diagrams.closing import Encode, close
 from mcpn.spaces.diagrams.encoding import Encoding
 from mcpn.spaces.diagrams.order import Order, candidates
-from mcpn.spaces.diagrams.symbolic import Encode, ListedMarkings, SymbolicSpace, close
+from mcpn.spaces.diagrams.reached_markings import ListedMarkings, SymbolicSpace
 from mcpn.spaces.markings.explicit import Counts, KernelNet
 
 if TYPE_CHECKING:

@@ -15,8 +15,9 @@ from typing import TypeAlias
 from mcpn._kernel import Zdd
 from mcpn.spaces.algebra import Edge, Guards
 from mcpn.spaces.diagrams.base import Diagrams
+from mcpn.spaces.diagrams.closing import chained
 from mcpn.spaces.diagrams.encoding import behind, leading
-from mcpn.spaces.diagrams.symbolic import SymbolicSpace, chained
+from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
 from mcpn.spaces.run import Completion
 
 Step: TypeAlias = Callable[[Zdd], Zdd]

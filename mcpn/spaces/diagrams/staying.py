@@ -20,13 +20,12 @@ come to, and removal transition by transition took longer on most sets.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Collection
+from typing import Protocol
 
 from mcpn._kernel import BudgetExceeded, Zdd
 from mcpn.nets.structure import repeatable
-
-if TYPE_CHECKING:
-    from mcpn.spaces.diagrams.base import Diagrams
+from mcpn.spaces.algebra import Space
 
 SHARE = 4
 """Layers of some transitions alone are worth while where they are at most one in so many."""
@@ -34,6 +33,20 @@ FIRST_CHECK = 8
 """After how many layers what may fire on cycles is looked at again."""
 LONGER = 2
 """By how many times both ways may take longer each time, and what may fire on cycles is looked at later."""
+
+
+class Steps(Space[Zdd], Protocol):
+    """A space of diagrams, with the steps of the kernel that it has taken."""
+
+    steps: int
+    steps_of_layers: int
+    most_steps: int
+
+    def continuing(self, states: Zdd, transitions: Collection[int] | None = None) -> Zdd:
+        """Those of some states with an edge of some transitions that leads to one of them."""
+
+    def firing(self, states: Zdd) -> frozenset[int]:
+        """Transitions that fire on edges from some states, or more."""
 
 
 class Staying:
@@ -45,7 +58,7 @@ class Staying:
         asked: Where given, it is enough to know whether some of these are among them.
     """
 
-    def __init__(self, space: Diagrams, along: Zdd, asked: Zdd | None) -> None:
+    def __init__(self, space: Steps, along: Zdd, asked: Zdd | None) -> None:
         self.space = space
         self.asked = asked
         self.rest = along
@@ -76,7 +89,7 @@ class Staying:
 class _ByCycles:
     """EG by the cycles that runs come to; given up where that has no advantage over layers."""
 
-    def __init__(self, space: Diagrams, along: Zdd, asked: Zdd | None) -> None:
+    def __init__(self, space: Steps, along: Zdd, asked: Zdd | None) -> None:
         self.space = space
         self.along = along
         self.asked = asked

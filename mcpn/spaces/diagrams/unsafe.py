@@ -7,8 +7,8 @@ from itertools import groupby
 from mcpn._kernel import Zdd
 from mcpn.errors import UnsafeError
 from mcpn.spaces.diagrams.encoding import Encoding
+from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
 from mcpn.spaces.diagrams.spaces import DiagramMarkings
-from mcpn.spaces.diagrams.symbolic import SymbolicSpace
 
 
 def refuse_unsafe(space: SymbolicSpace) -> None:

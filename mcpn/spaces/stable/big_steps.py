@@ -23,9 +23,11 @@ from typing import Literal, TypeAlias
 from mcpn._kernel import BigSteps as KernelSteps
 from mcpn._kernel import Firings, MemoryLimit, StateLimit, Zdd, choices
 from mcpn.spaces.algebra import Guards
+from mcpn.spaces.diagrams.closing import chained
 from mcpn.spaces.diagrams.encoding import Encoding, distinct
+from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives, Step
-from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY, SymbolicSpace, chained
+from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY
 from mcpn.spaces.markings.explicit import KernelNet
 
 Steps: TypeAlias = Mapping[int, bytes | None]

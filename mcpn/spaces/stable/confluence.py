@@ -23,8 +23,9 @@ from mcpn.errors import SemanticsError
 from mcpn.nets.petri import Marking, PetriNet
 from mcpn.nets.structure import conflicts
 from mcpn.spaces.diagrams.encoding import Encoding, behind, distinct, passing
+from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
 from mcpn.spaces.diagrams.spaces import DiagramMarkings
-from mcpn.spaces.diagrams.symbolic import SymbolicSpace, reach
+from mcpn.spaces.diagrams.symbolic import reach
 from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.stable.completion import MOST_ENDS, fault_after, settled
 from mcpn.spaces.stable.falsification import nearest_fault
