@@ -23,18 +23,21 @@ from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSec
 from mcpn.mission.model import FAIL, SUCCEED
 
 if TYPE_CHECKING:
-    from mcpn.mission.static.usage import Usage
+    from mcpn.mission.static.demands import ConcurrentDemands
+    from mcpn.mission.static.sharing import Sharing
 
 
 class Handover:
     """What must be over before a section begins.
 
     Args:
-        usage: The static analysis of the mission.
+         usage: What activities demand.
+        sharing: Which resources they share.
     """
 
-    def __init__(self, usage: Usage) -> None:
+    def __init__(self, usage: ConcurrentDemands, sharing: Sharing) -> None:
         self.usage = usage
+        self.sharing = sharing
 
     @cached_property
     def with_idle(self) -> frozenset[str]:
@@ -74,7 +77,7 @@ class Handover:
     def _may_compete(self, ending: frozenset[str], beginning: frozenset[str]) -> bool:
         """Whether activities that stop may compete for a resource or a producer with those that begin."""
         usage, before, after = self.usage, self._reached(ending), self._reached(beginning)
-        if not any(usage.may_wait(a) or usage.sharing.serves(a) for a in before):
+        if not any(usage.may_wait(a) or self.sharing.serves(a) for a in before):
             return False
         shared = usage.resources_of(before) & usage.resources_of(after)
         return bool(shared) or not before.isdisjoint(after)

@@ -5,98 +5,15 @@ hardware is exclusive, unless it is declared shared. Where no two activities can
 moment, nor one of them ask for it again as soon as it has given it back, there is nothing to share, and the
 resource has the one interface of the paper. Elsewhere each activity that consumes it has an interface of its
 own.
-
-Activities that may want what serves one at a time at the same moment are rivals, of which the mission is
-warned.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
-from mcpn.errors import Problem, Source
-from mcpn.mission.conditions import FACTS, cause
-from mcpn.mission.expansion.copies import grouped
 from mcpn.mission.flatten import ParallelSection
-from mcpn.mission.graph import ObjectivesGraph
-from mcpn.mission.model import Mission
-
-if TYPE_CHECKING:
-    from mcpn.mission.static.usage import Usage
-
-
-class Contention(NamedTuple):
-    """Two rivals that may run together and both need one resource or activity that serves one at a time.
-
-    Args:
-        wanted: An exclusive resource, or ``activity NAME``.
-        rivals: Two activities that consume the resource, or two branches that start the activity; sorted.
-        context: Where they run together, in words ("parallel block census").
-        source: The line of that context.
-    """
-
-    wanted: str
-    rivals: tuple[str, str]
-    context: str
-    source: Source | None = None
-
-    def __str__(self) -> str:
-        first, second = self.rivals
-        return f"{first} and {second}, both in {self.context}, both need {self.wanted}"
-
-    @property
-    def where(self) -> tuple[str, str]:
-        """What sort of thing the context is, and its name."""
-        kind, _, name = self.context.rpartition(" ")
-        return kind, name
-
-    @property
-    def of_branches(self) -> bool:
-        """Whether the rivals are branches, not activities."""
-        return self.wanted.startswith("activity ")
-
-
-def contention_warnings(
-    contentions: Iterable[Contention], mission: Mission, graph: ObjectivesGraph
-) -> Iterator[Problem]:
-    """One warning for each pair of rivals, however many copies of a block are their context.
-
-    Args:
-        contentions: Those of the mission.
-        mission: A valid mission.
-        graph: Its objectives graph.
-    """
-    copies = graph.copies
-
-    def alike(one: Contention) -> object:
-        kind, name = one.where
-        rivals = tuple(map(copies.written, one.rivals)) if one.of_branches else one.rivals
-        return one.wanted, rivals, kind, name if kind == "activity" else copies.written(name)
-
-    for one, *others in grouped(contentions, alike).values():
-        if others:
-            (kind, _), names = one.where, [each.where[1] for each in (one, *others)]
-            context, _ = copies.subject(kind, names, [section.name for section in graph.all_sections()])
-            rivals = one.rivals
-            if one.of_branches:
-                rivals = copies.written(rivals[0])[1], copies.written(rivals[1])[1]
-            one = one._replace(rivals=rivals, context=context)
-        yield Problem(one.source, str(one))
-
-
-Occasion: TypeAlias = tuple[str, str]
-"""A hardware resource and ``fails`` or ``returns``; or :data:`FACTS` and ``change``."""
-
-
-def occasions(fails: Iterable[str], returns: Iterable[str]) -> frozenset[Occasion]:
-    """The occasions at which some hardware fails and some returns.
-
-    :data:`FACTS` among them has one occasion: one change of facts may end and allow alternatives at once.
-    """
-    both = (*((h, "fails") for h in fails), *((h, "returns") for h in returns))
-    return frozenset((FACTS, "change") if h == FACTS else (h, what) for h, what in both)
+from mcpn.mission.static.demands import ConcurrentDemands
 
 
 class Sharing:
@@ -106,9 +23,8 @@ class Sharing:
         usage: The static analysis of the mission.
     """
 
-    def __init__(self, usage: Usage) -> None:
+    def __init__(self, usage: ConcurrentDemands) -> None:
         self.usage = usage
-        self._under: dict[tuple[str, str], frozenset[str]] = {}
 
     @cached_property
     def consumers(self) -> Mapping[str, tuple[str, ...]]:
@@ -192,43 +108,3 @@ class Sharing:
             for a in usage.started
             if not changed.isdisjoint(usage.world.read_by(a)) or usage.resources_of({a}) & late
         )
-
-    def affecting(self, consumers: Collection[str], producer: str) -> frozenset[Occasion]:
-        """What may make some activities ask or release, errors of the producer aside.
-
-        A failure reaches them from below, by an error of something else that they consume, and from above,
-        where it makes their own consumers release. A return makes them, or their consumers, switch back.
-        """
-        usage = self.usage
-        above = [a for a in usage.started if not usage.closure(a).isdisjoint(consumers)]
-        return frozenset[Occasion]().union(
-            *(occasions(self._under_all(a, producer), usage.switching.returns(a)) for a in above)
-        )
-
-    def ending(self, activity: str, alternative: int, producer: str) -> frozenset[Occasion]:
-        """What may end an alternative, errors of the products of one producer aside."""
-        usage = self.usage
-        consumed = usage.activities[activity].alternatives[alternative].consumes
-        declared = usage.activities[activity].switch_back
-        better = usage.switching.higher(activity, alternative) if declared else ()
-        facts = {FACTS} if usage.world.requires(activity, alternative) else set[str]()
-        under = self._under_resources(consumed, producer) | facts
-        return occasions(under, map(cause, frozenset[str]().union(*better)))
-
-    def _under_all(self, activity: str, without: str) -> frozenset[str]:
-        key = (activity, without)
-        if key not in self._under:
-            facts = {FACTS} if activity in self.usage.world.requiring else set[str]()
-            resources = self.usage.resources_of({activity})
-            self._under[key] = self._under_resources(resources, without) | facts
-        return self._under[key]
-
-    def _under_resources(self, resources: Iterable[str], without: str) -> frozenset[str]:
-        usage = self.usage
-        hardware = frozenset[str]()
-        for k in resources:
-            if k in usage.hardware:
-                hardware |= usage.hardware_under(k)
-            elif usage.producer[k] != without and usage.can_fail(k):
-                hardware |= self._under_all(usage.producer[k], without)
-        return hardware

@@ -18,7 +18,7 @@ from mcpn.errors import LimitError
 from mcpn.mission.conditions import cause
 
 if TYPE_CHECKING:
-    from mcpn.mission.static.usage import Usage
+    from mcpn.mission.static.suppliers import Suppliers
 
 _T = TypeVar("_T")
 
@@ -40,7 +40,7 @@ class Switching:
         usage: The static analysis of the mission.
     """
 
-    def __init__(self, usage: Usage) -> None:
+    def __init__(self, usage: Suppliers) -> None:
         self.usage = usage
         self._ways: dict[str, frozenset[Held]] = {}
 

@@ -10,7 +10,7 @@ from mcpn.mission.expansion.copies import grouped
 from mcpn.mission.fact_errors import fact_warnings
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, flatten
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Holder, Mission, Use, walk
-from mcpn.mission.static.sharing import contention_warnings
+from mcpn.mission.static.contention import contention_warnings
 from mcpn.mission.static.usage import Usage
 
 
