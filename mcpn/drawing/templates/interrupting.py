@@ -19,13 +19,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from math import prod
-from typing import Literal, TypeAlias
+from typing import TypeAlias
 
 from mcpn.drawing.templates.canvas import Pen
 from mcpn.drawing.templates.facts import FactArcs
-from mcpn.drawing.templates.interruption import Arcs, Pausing, Position, Region, called, events_of
+from mcpn.drawing.templates.halting import Halting
+from mcpn.drawing.templates.interruption import Position, called, events_of
 from mcpn.drawing.templates.leaving import Leaving
-from mcpn.drawing.templates.level import Level, element_of
+from mcpn.drawing.templates.level import element_of
+from mcpn.drawing.templates.pausing import Pausing
 from mcpn.errors import LimitError
 from mcpn.mission.expansion.routes import Interrupted
 from mcpn.mission.flatten import ElementarySection, Interruption, ParallelSection, Section
@@ -35,14 +37,11 @@ from mcpn.nets.events import Event, What
 MAX_POSITIONS = 10_000
 """Combinations of where the branches of a block may be that handle one event, each with a transition."""
 
-Word: TypeAlias = Literal["halt", "pause", "resume", "drop"]
-"""What a token of a branch has it do."""
-
 _Ways: TypeAlias = Iterable[tuple[list[str], Iterable[str]]]
 """For each combination of values of facts: the places that say so, and the places to mark."""
 
 
-class Interrupting(Level):
+class Interrupting(Halting):
     """Draws what interrupts the sections of one level."""
 
     # --- events ---
@@ -141,24 +140,6 @@ class Interrupting(Level):
 
     # --- what stops and goes on ---
 
-    def regions(self, section: ParallelSection, phase: int) -> list[Region[Interrupting]]:
-        """The branches of a block; of a later phase that alone which runs while the block pauses."""
-        if phase:
-            return [Region(self.meanwhile(section, phase), [], partial(self.of_phase, section, phase))]
-        leaving = Leaving(self.canvas, section)
-        return [
-            Region(self.inside(section, branch), leaving.ends(branch), partial(self.of_branch, branch))
-            for branch in section.branches
-        ]
-
-    def of_phase(self, section: ParallelSection, phase: int, word: str) -> str:
-        """A place of a phase of a block."""
-        return self.of(section, f"{word}_meanwhile{phase}" if phase else word)
-
-    def tokens(self, section: ParallelSection, phase: int, word: str) -> list[str]:
-        """The place of this name of each branch, or of what runs while the block pauses."""
-        return [region.place(word) for region in self.regions(section, phase)]
-
     def stopping(self, section: ParallelSection, phase: int, own: Interruption, number: int) -> list[str]:
         """The places that an event marks which interrupts a block as a whole."""
         if own.pauses is not None:
@@ -223,80 +204,3 @@ class Interrupting(Level):
         for outcome, place in left.items():
             part = f"left_{outcome.replace(' ', '')}"
             self.onward(pen, part, [place, *all_halted], self.led(section, outcome))
-
-    def each(self, pen: Pen, section: ParallelSection, phase: int, word: Word) -> None:
-        """Draws how the branches, or what runs while the block pauses, are halted, resumed and so on."""
-        number = 0
-        for region in self.regions(section, phase):
-            token = pen.own(region.place(word))
-            if word == "halt":
-                pen.own(region.place("halted"))
-            for taken, put, read in region.level.arcs(word, region):
-                number += 1
-                part = f"{word}{number}" + (f"of{phase}" if phase else "")
-                pen.transition(part, [token, *taken], put, read=[*read], rank=self.first)
-
-    def arcs(self, word: Word, region: Region[Interrupting]) -> Iterator[Arcs]:
-        """What a branch does with its token ``word``, by where it is in this graph.
-
-        To *pause* notes where the branch is; to *resume* and to *drop* ask what was noted::
-
-                     at its entry   in an objective      in a phase of a block   ended
-            halt     halted         stops, halted        its branches halt       halted
-            pause    noted, halted  stops, noted, halted its branches pause      stays, halted
-            resume                  enters it again      its branches resume     stays
-            drop                    halted               its branches drop       halted
-        """
-        halted = region.place("halted")
-        for inner in self.graph.sections:
-            if isinstance(inner, ElementarySection):
-                yield from self._in_objective(word, inner, halted)
-                continue
-            if word == "halt" and self.gated(inner):
-                yield Arcs([self.of(inner, "enter")], [halted])
-            for phase in range(len(inner.pause_graphs) + 1):
-                yield self._in_phase(word, inner, phase)
-        if word in ("halt", "drop"):
-            yield from (Arcs(list(end), [halted]) for end in region.ends)
-        else:
-            put = [halted] if word == "pause" else []
-            yield from (Arcs([], put, [end]) for end in region.ended)
-        if word == "halt" and self.graph.aborts and region.ends:
-            yield Arcs([region.place("abort")], [halted])
-
-    def _in_objective(self, word: Word, section: ElementarySection, halted: str) -> Iterator[Arcs]:
-        paused = self.of(section, "paused")
-        if word == "resume":
-            yield Arcs([paused], self.enter(section.name))
-        elif word == "drop":
-            yield Arcs([paused], [halted])
-        else:
-            left = [halted] if word == "halt" else [paused, halted]
-            if self.gated(section):
-                yield Arcs([self.of(section, "enter")], left)
-            if word == "halt" and section.setting("start"):
-                yield Arcs([self.of(section, "starts")], left)
-            yield Arcs([self.of(section)], [*self.stops(section), *left])
-
-    def _in_phase(self, word: Word, section: ParallelSection, phase: int) -> Arcs:
-        running, paused = self.active(section, phase), self.of_phase(section, phase, "paused")
-        match word:
-            case "halt":
-                halting = self.of_phase(section, phase, "halting")
-                return Arcs([running], [halting, *self.tokens(section, phase, word)])
-            case "pause":
-                pausing = self.of_phase(section, phase, "pausing")
-                return Arcs([running], [pausing, *self.tokens(section, phase, word)])
-            case "resume":
-                return Arcs([paused], self.going_on(section, phase))
-            case "drop":
-                then = self.of(section, "then_halted")
-                return Arcs([paused], [*self.given_up(section, phase), then])
-
-    def going_on(self, section: ParallelSection, phase: int) -> list[str]:
-        """Places to mark so that a phase of a block that paused goes on."""
-        return [self.active(section, phase), *self.tokens(section, phase, "resume")]
-
-    def given_up(self, section: ParallelSection, phase: int) -> list[str]:
-        """Places to mark so that a phase of a block that paused is given up."""
-        return [self.of_phase(section, phase, "dropping"), *self.tokens(section, phase, "drop")]
