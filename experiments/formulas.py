@@ -12,7 +12,7 @@ from pathlib import Path
 
 from mcpn import __version__
 from mcpn.drawing.compose import compose
-from mcpn.logic.questions import Questions
+from mcpn.logic.asking import Questions
 from mcpn.mission.xml import read_mission
 
 ULYSSE = Path(__file__).parent / "ulysse" / "mission.xml"

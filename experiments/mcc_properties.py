@@ -72,8 +72,8 @@ def answer_questions(
 ) -> None:
     """Answers one file, or the examinations, within CPU seconds; sends verdicts as they come."""
     from mcpn.errors import McpnError
+    from mcpn.logic.asking import Questions
     from mcpn.logic.contest import read_properties
-    from mcpn.logic.questions import Questions
     from mcpn.logic.verdicts import answer_all
     from mcpn.nets.formats import read_net
 

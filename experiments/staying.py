@@ -30,8 +30,8 @@ from limits import Result, measured
 from mcpn import __version__
 from mcpn._kernel import Zdd
 from mcpn.errors import McpnError
+from mcpn.logic.asking import Questions
 from mcpn.logic.contest import read_properties
-from mcpn.logic.questions import Questions
 from mcpn.logic.verdicts import answer_all
 from mcpn.nets.formats import read_net
 from mcpn.nets.petri import PetriNet

@@ -17,13 +17,15 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from mcpn.version import VERSION
+
 if TYPE_CHECKING:
     from mcpn.mission.xml import read_mission
     from mcpn.study import Study
     from mcpn.study import open_study as open
 
 __all__ = ["Study", "open", "read_mission"]
-__version__ = "0.1.0"
+__version__ = VERSION
 
 _FROM = {
     "Study": ("mcpn.study", "Study"),

@@ -39,8 +39,9 @@ if TYPE_CHECKING:
     from mcpn.drawing.compose import MissionNet
     from mcpn.drawing.templates import TemplateSet
     from mcpn.findings import Findings
+    from mcpn.logic.asking import Questions
     from mcpn.logic.behaviour import NetCheck, Structure
-    from mcpn.logic.questions import Answer, Questions
+    from mcpn.logic.questions import Answer
     from mcpn.mission.model import Mission
     from mcpn.report.pictures.drawing import Drawing
     from mcpn.spaces.algebra import Space
@@ -253,7 +254,7 @@ class Study:
             >>> questions.answer("EF deadlock").holds
             True
         """
-        from mcpn.logic.questions import Questions
+        from mcpn.logic.asking import Questions
 
         key = on, tuple(fair), engine, max_states
         if key not in self._questions:

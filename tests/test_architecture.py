@@ -22,6 +22,7 @@ BASE = (
     "records",
     "sentences",
     "declared",
+    "version",
     "steps",
     "cluster",
     "workers",
@@ -79,7 +80,7 @@ def test_imports_only_point_backwards() -> None:
         room = path.relative_to(PACKAGE).parts[0].removesuffix(".py")
         ours = {name for name in imported(path) if name.startswith("mcpn.")}
         if room == "__init__":  # its imports are for type checkers alone; test_face.py: it loads nothing
-            strangers = ours - {"mcpn.mission.xml", "mcpn.study"}
+            strangers = ours - {"mcpn.mission.xml", "mcpn.study", "mcpn.version"}
         else:
             assert room in WAY, f"{path} stands in no known room"
             strangers = {name for name in ours if WAY.index(name.split(".")[1]) > WAY.index(room)}
@@ -102,6 +103,21 @@ def test_rooms_do_not_import_each_other_in_circles() -> None:
     assert [
         sorted(circle) for circle in networkx.strongly_connected_components(ways) if len(circle) > 1
     ] == []
+
+
+def test_files_do_not_import_each_other_in_circles() -> None:
+    """Not for types alone either: each file can be read after those that it imports."""
+    files: networkx.DiGraph[str] = networkx.DiGraph()
+    names = {".".join(("mcpn", *path.relative_to(PACKAGE).with_suffix("").parts)): path for path in MODULES}
+    for name, path in names.items():
+        for node in nodes(path):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").partition(".")[0] == "mcpn":
+                whole = [f"{node.module}.{alias.name}" for alias in node.names]
+                for target in (each if each in names else str(node.module) for each in whole):
+                    files.add_edge(name, target if target in names else f"{target}.__init__")
+    assert files.number_of_edges() > 1_000
+    circles = networkx.strongly_connected_components(files)
+    assert [sorted(circle) for circle in circles if len(circle) > 1] == []
 
 
 def test_the_wing_of_nets_knows_no_mission() -> None:

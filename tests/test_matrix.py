@@ -21,8 +21,8 @@ from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import flat_controller
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import InputError
+from mcpn.logic.asking import Questions
 from mcpn.logic.behaviour import Behaviour
-from mcpn.logic.questions import Questions
 from mcpn.mission.model import Mission, Objective, Parallel
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.spaces.engines import Engine, On

@@ -15,7 +15,8 @@ from mcpn.cli.shared import EXIT_FAILED, FILE, Question, choice_object, emit_jso
 if TYPE_CHECKING:
     from mcpn.answers.safety import SafetyAnswer
     from mcpn.drawing.compose import MissionNet
-    from mcpn.logic.questions import Answer, Questions
+    from mcpn.logic.asking import Questions
+    from mcpn.logic.questions import Answer
     from mcpn.logic.verdicts import ContestAnswer
     from mcpn.logic.witness import Witness
     from mcpn.nets.petri import PetriNet

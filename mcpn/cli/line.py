@@ -12,10 +12,10 @@ from typing import Any
 
 import click
 
-from mcpn import __version__
 from mcpn.cli.shared import EXIT_BAD_INPUT, EXIT_FAILED, emit_json, json_asked
 from mcpn.errors import ConfluenceError, InputError, McpnError, SemanticsError
 from mcpn.report.terminal import LEAST_WIDTH, WIDTH, plain
+from mcpn.version import VERSION
 
 TRACEBACK = "MCPN_TRACEBACK"
 """Variable of the environment that shows where an internal error comes from."""
@@ -109,7 +109,7 @@ class _CommandLine(click.Group):
     params=[_width()],
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-@click.version_option(__version__, prog_name="mcpn")
+@click.version_option(VERSION, prog_name="mcpn")
 def command_line() -> None:
     """Verify robot missions and generate their controllers."""
 

@@ -16,9 +16,9 @@ from pygls.lsp.server import LanguageServer
 from pygls.uris import to_fs_path
 from pygls.workspace import TextDocument
 
-from mcpn import __version__
 from mcpn.editor.answers import SOURCE, Answers
 from mcpn.editor.project import Memory, Project
+from mcpn.version import VERSION
 
 PAUSE = 0.3
 """For how many seconds nothing is typed before it is looked for what is suspicious."""
@@ -33,7 +33,7 @@ class MissionServer(LanguageServer):
     """Answers a client about files of missions; what their states say is found beside it after a save."""
 
     def __init__(self) -> None:
-        super().__init__("mcpn", __version__, text_document_sync_kind=SYNC)
+        super().__init__("mcpn", VERSION, text_document_sync_kind=SYNC)
         self.told: dict[Path, set[Path]] = {}
         self.names: dict[str, str] = {}
         self.problems: dict[Path, list[lsp.Diagnostic]] = {}

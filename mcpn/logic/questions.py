@@ -52,8 +52,8 @@ class Answer(Told):
         return f"<{self.formula} {'holds' if self.holds else 'fails'}>"
 
 
-class Questions:
-    """Answers questions about one net; the space is built once, when it is first needed.
+class Session:
+    """What questions about one net share: how they are meant, and the space, built when it is first needed.
 
     Args:
         subject: The spaces of a mission or of a net, or what they are to be built of.
@@ -209,9 +209,3 @@ class Questions:
     def evaluation(self) -> Evaluation[Any]:
         """Evaluates formulas on the space, under the constraints."""
         return Evaluation(self.space, self.fair)
-
-    def answer(self, text: str) -> Answer:
-        """Answers a formula, and shows by a run why; see :func:`mcpn.logic.verdicts.answer_typed`."""
-        from mcpn.logic.verdicts import answer_typed
-
-        return answer_typed(self, [text])[0]

@@ -23,7 +23,7 @@ from mcpn.errors import InputError, LimitError, McpnError
 from mcpn.logic.evaluate import largest
 from mcpn.logic.formulas import EG, EU, EX, OPERATORS, on_one_path, says_paths
 from mcpn.logic.known import SOME_DEADLOCK, Known
-from mcpn.logic.questions import Answer, Questions
+from mcpn.logic.questions import Answer, Session
 from mcpn.logic.simplify import at_first, bounds_of, conditions, parts_at_first
 from mcpn.logic.witness import NoRun, Witness, explain
 from mcpn.nets.petri import PetriNet
@@ -93,7 +93,7 @@ class ContestAnswer:
 
 
 def answer_all(
-    questions: Questions, properties: Iterable[Property] = (), examinations: Iterable[str] = ()
+    questions: Session, properties: Iterable[Property] = (), examinations: Iterable[str] = ()
 ) -> Iterator[ContestAnswer]:
     """Answers properties, of one file or several, and examinations, on one space.
 
@@ -129,12 +129,12 @@ def _safe_beside(net: PetriNet) -> Formula:
     return OPERATORS["AG"](And(*(AtMost(((place, 1),), 1) for place in own)))
 
 
-def examination(questions: Questions, name: str) -> str:
+def examination(questions: Session, name: str) -> str:
     """What the answer to an examination of a net is called."""
     return f"{questions.net.name}-{name}"
 
 
-def answer_typed(questions: Questions, texts: Sequence[str]) -> list[Answer]:
+def answer_typed(questions: Session, texts: Sequence[str]) -> list[Answer]:
     """Answers formulas as people type them, each with a run that shows why.
 
     Args:
@@ -167,7 +167,7 @@ class _Answers:
         typed: Whether a run is to show each answer.
     """
 
-    def __init__(self, questions: Questions, waiting: dict[str, Meaning], *, typed: bool = False) -> None:
+    def __init__(self, questions: Session, waiting: dict[str, Meaning], *, typed: bool = False) -> None:
         self.questions, self.net, self.waiting = questions, questions.net, waiting
         self.typed, self.asked = typed, dict(waiting)
         self.ways: dict[str, dict[str, None]] = {name: {} for name in waiting}  # that decided parts of it

@@ -13,9 +13,9 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
-from mcpn import __version__
 from mcpn.answers.compare import DIAGRAM, GROWING, SIZES, Disagreement, Measured, Measurement, exponents
 from mcpn.report.terminal import Terminal
+from mcpn.version import VERSION
 
 COLUMNS = (
     *("name", "size", "places", "transitions", "arcs", "engine", *SIZES),
@@ -41,7 +41,7 @@ def machine() -> dict[str, str | int | float]:
         "system": platform.system(),
         "load": round(os.getloadavg()[0], 1),
         "python": platform.python_version(),
-        "mcpn": __version__,
+        "mcpn": VERSION,
     }
     for package in ("numpy", "pyeda"):
         try:

@@ -19,7 +19,6 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mcpn import __version__
 from mcpn.errors import InputError
 from mcpn.mission.model import Mission
 from mcpn.report.assets import environment
@@ -30,6 +29,7 @@ from mcpn.report.pages.tables import tables
 from mcpn.report.pictures.boxes import boxes
 from mcpn.report.pictures.layout import lay_out
 from mcpn.report.pictures.machines import LocalPictures, local_pictures
+from mcpn.version import VERSION
 
 if TYPE_CHECKING:
     from mcpn.errors import Problem, Source
@@ -48,7 +48,7 @@ MOST_DIGITS = 16
 def identity(findings: Findings) -> Iterator[tuple[str, str, str]]:
     """The lines of the head of a page: name, value, and the text of the tooltip."""
     check = findings.check
-    yield "made", f"{date()} by mcpn {__version__}", ""
+    yield "made", f"{date()} by mcpn {VERSION}", ""
     yield "engine", findings.engine, check.choice.why or "it was named"
     confluent = check.verdicts["confluent"]
     if confluent.holds:
@@ -127,7 +127,7 @@ def page(
             name=mission_net.mission.name,
             description=mission_net.mission.description,
             identity=list(identity(findings)),
-            foot=f"mission {mission_net.mission.name}, made {date()} by mcpn {__version__}",
+            foot=f"mission {mission_net.mission.name}, made {date()} by mcpn {VERSION}",
             picture=lay_out(root, mission_net.mission),
             alone=False,
             served=served,
@@ -150,7 +150,7 @@ def page(
             data=data.replace("<", "\\u003c"),
             script=script,
             digest=digest,
-            version=__version__,
+            version=VERSION,
         )
     )
 

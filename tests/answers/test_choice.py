@@ -10,7 +10,7 @@ from mcpn.answers.verdicts.mission import check
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.templates import PaperTemplates
 from mcpn.errors import LimitError
-from mcpn.logic.questions import Questions
+from mcpn.logic.asking import Questions
 from mcpn.mission.model import Objective
 from mcpn.mission.xml import read_mission
 from mcpn.spaces.engines import Choice, Engine, On, answered

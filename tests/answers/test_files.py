@@ -11,9 +11,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from mcpn.errors import Source
+from mcpn.logic.asking import Questions
 from mcpn.logic.behaviour import EXAMINATIONS
 from mcpn.logic.contest import Property
-from mcpn.logic.questions import Questions
 from mcpn.logic.verdicts import answer_all
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.engines import Asked

@@ -11,7 +11,7 @@ from mcpn.answers.verdicts.mission import check
 from mcpn.answers.verdicts.modes import Situation
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import InputError
-from mcpn.logic.questions import Questions
+from mcpn.logic.asking import Questions
 from mcpn.mission.model import SUCCEED, Handler, Objective, Recursive
 from mcpn.mission.robot import Fact
 from mcpn.nets.events import Event, What

@@ -12,7 +12,7 @@ from mcpn.answers.spaces import spaces_of
 from mcpn.answers.verdicts.mission import check
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, LimitError
-from mcpn.logic.questions import Questions
+from mcpn.logic.asking import Questions
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import FAIL, SUCCEED, Handler, Mission, Objective, Parallel
 from mcpn.mission.robot import DeclaredEvent

@@ -11,7 +11,7 @@ from hypothesis import event, given
 from mcpn.answers.spaces import spaces_of
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
-from mcpn.logic.questions import Questions
+from mcpn.logic.asking import Questions
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import EntryGuard, Handler, Mission, Objective, Recursive, walk
 from mcpn.mission.robot import DeclaredEvent, Fact, FactChange

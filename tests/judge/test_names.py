@@ -17,8 +17,8 @@ from mcpn.answers.verdicts.mission import check
 from mcpn.controller.monitors import monitors_of
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import InputError
+from mcpn.logic.asking import Questions
 from mcpn.logic.ltl.formulas import Happens
-from mcpn.logic.questions import Questions
 from mcpn.mission.model import Handler, Mission, Objective, Protocol, Recursive, Use
 from mcpn.mission.requirement import Requirement, RestrictedAvoidance
 from mcpn.nets.events import ENDING, Event

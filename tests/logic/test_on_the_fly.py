@@ -9,9 +9,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from mcpn._kernel import Checker, Goals, TokenNet
+from mcpn.logic.asking import Questions
 from mcpn.logic.formulas import EG, EU, EX
 from mcpn.logic.on_the_fly import LocalChecks, OnTheFlyCheck
-from mcpn.logic.questions import Questions
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.nets.reduction import reduce_for_branching
 from mcpn.spaces.search.goal import TRUE, AtMost

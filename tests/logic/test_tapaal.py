@@ -13,8 +13,8 @@ import pytest
 from lxml import etree
 
 from mcpn.errors import InputError
+from mcpn.logic.asking import Questions
 from mcpn.logic.contest import read_properties
-from mcpn.logic.questions import Questions
 from mcpn.logic.verdicts import answer_all
 from mcpn.nets.formats import read_net
 from tests.logic import judge_of_queries as judge

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from mcpn.answers.spaces import MissionSpaces, spaces_of
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
-from mcpn.logic.questions import Answer, Questions
+from mcpn.logic.asking import Questions
+from mcpn.logic.questions import Answer
 from mcpn.logic.verdicts import answer_typed
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 import mcpn
 from mcpn.errors import InputError, Source
+from mcpn.logic.asking import Questions
 from mcpn.logic.behaviour import NetCheck
-from mcpn.logic.questions import Questions
 from mcpn.logic.verdicts import answer_all
 from mcpn.nets.bounds import coarse_bounds, listed_bounds, proved_bounds
 from mcpn.nets.inhibitors import Inhibitor, without_inhibitors

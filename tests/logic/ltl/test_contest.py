@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from mcpn.logic.questions import Questions
+from mcpn.logic.asking import Questions
 from mcpn.nets.formats import read_net
 from mcpn.spaces.engines import Asked
 from tests.logic.test_ctl import compare

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import assume, event, given
 from hypothesis import strategies as st
 
+from mcpn.logic.asking import Questions
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.formulas import Justice, every_path, on_one_path, says_paths, some_path
 from mcpn.logic.known import Known
@@ -16,7 +17,6 @@ from mcpn.logic.ltl.automaton import translated
 from mcpn.logic.ltl.formulas import SomePath, is_of_paths, normal
 from mcpn.logic.ltl.lasso import FoundPath, PathSearch
 from mcpn.logic.ltl.parts import PathParts
-from mcpn.logic.questions import Questions
 from mcpn.logic.syntax import parse, parse_open, show
 from mcpn.logic.witness import explain
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet
