@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import random
 import shutil
+from collections.abc import Iterator
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -134,6 +135,23 @@ def test_every_schema_is_one_and_is_used() -> None:
         Draft202012Validator.check_schema(schema)
     left = {"snapshot", "journal"}
     assert set(SCHEMAS) == {*PRINTED.values(), *(name for _, name in WRITTEN.values()), *left}
+
+
+def unions(schema: object) -> Iterator[object]:
+    """Types that are several, of which one is not null: ajv refuses them in its strict mode."""
+    if isinstance(schema, dict):
+        if isinstance(types := schema.get("type"), list) and len({*types} - {"null"}) > 1:
+            yield schema
+        for inside in schema.values():
+            yield from unions(inside)
+    elif isinstance(schema, list):
+        for inside in schema:
+            yield from unions(inside)
+
+
+@pytest.mark.parametrize("name", SCHEMAS)
+def test_no_schema_has_a_union_of_types(name: str) -> None:
+    assert list(unions(SCHEMAS[name])) == []
 
 
 def test_what_a_run_leaves_is_of_its_format(ulysse_document: dict[str, Any]) -> None:

@@ -151,7 +151,7 @@ def schema(format_: str, as_json: bool) -> None:
 
     Save it beside your files (mcpn schema > mission.rng) and write as the second line of each of them
     <?xml-model href="mission.rng"?>. Other forms, XSD or compact, are made from it by trang (package trang
-    of Debian): trang mission.rng mission.xsd.
+    of Debian): trang mission.rng mission.xsd, an XSD that Xerces takes.
     """
     import json
     from importlib import resources

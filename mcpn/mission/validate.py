@@ -20,7 +20,7 @@ from mcpn.mission.expansion.pauses import no_siblings, pause_problems
 from mcpn.mission.expansion.recovery import problems as recoveries
 from mcpn.mission.expansion.scope import clashes
 from mcpn.mission.fact_errors import fact_errors
-from mcpn.mission.language.datatypes import NAME
+from mcpn.mission.language.datatypes import NAME, Interval
 from mcpn.mission.language.forms import Field, form_of
 from mcpn.mission.language.references import cycles, duplicates, repeats, unseen
 from mcpn.mission.model import (
@@ -232,7 +232,8 @@ class _Checks:
             if attribute.several:
                 yield from repeats(element.source, f"{attribute.tag} of {name}", value)
             elif value is not None and not datatype.allows(value):
-                shown = f"{value:g}" if isinstance(value, float) else value
+                whole = isinstance(value, float) and not isinstance(value, Interval)
+                shown = f"{value:g}" if whole else value
                 message = f"{attribute.tag} of {name} is {shown}, expected {datatype.allowed}"
                 yield Problem(element.source, message)
 

@@ -27,6 +27,11 @@ from mcpn.xmlio import parse_bytes
 
 _BLOCKS = tuple(dict.fromkeys(block.TAG for block in get_args(Block)))
 _UNKNOWN = Tag()
+LOCATION = "{http://www.w3.org/2001/XMLSchema-instance}schemaLocation"
+"""Where an XML Schema is: any root element may have it by that standard; here it has no meaning.
+
+The schema does not say so: trang would declare it in the XSD, which Xerces then refuses.
+"""
 SCHEMA = Path(__file__).with_name("schema.rng")
 
 
@@ -53,6 +58,7 @@ def find_misfits(
     if name.namespace != NAMESPACE or name.localname not in {root.TAG for root in ROOTS}:
         found = f"expected a mission file (namespace {NAMESPACE}), found the root element {root.tag}"
         return [(_line(root), found)]
+    root.attrib.pop(LOCATION, "")
     validator = _validator()
     excerpt, suspects = new or (root, root.iter())
     if validator.validate(excerpt):

@@ -541,3 +541,5 @@ def test_what_is_no_interval_is_said(text: str, tmp_path: Path) -> None:
     assert found.returncode == 2
     assert "leg.xml:3" in found.stderr
     assert "interval" in found.stderr
+    if text == "2 .. 1":
+        assert "failure_rate of gps is 2.0 .. 1.0, expected" in found.stderr

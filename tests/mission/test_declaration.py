@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import shutil
+import subprocess
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -23,6 +25,7 @@ from mcpn.mission.writer import write_mission, written
 from mcpn.mission.xml import SCHEMA, read_mission
 from mcpn.testing import missions
 from mcpn.testing.names import renamed
+from tests.conftest import ROOT
 from tests.mission.test_built import nodes, put
 
 RELAX_NG = etree.RelaxNG(etree.parse(SCHEMA))
@@ -300,3 +303,61 @@ def test_renaming_reaches_every_name_and_nothing_else(drawn: Mission) -> None:
                 expected = [re.sub(r"^(!?)(done\()?", renaming, word) for word in names]
             assert str(element.get(attribute)) == (" ".join(expected) if kind else str(value))
     assert renamed(there, lambda kind, name: name.removeprefix(f"{kind}__")) == drawn
+
+
+# --- as XML Schema -----------------------------------------------------------------------------------------
+
+NG = "{http://relaxng.org/ns/structure/1.0}"
+XSI = 'xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" xsi:schemaLocation="urn:mcpn:mission:1 m.xsd"'
+LEG = f"""<mission name="m" xmlns="{NAMESPACE}" {XSI}><robot name="r"><hardware name="h"/>
+<activity name="a"><alternative name="x" consumes="h"/><parameter name="p" value="1"/></activity></robot>
+<objective name="o" activities="a"><parameter name="q" value="2"/></objective></mission>"""
+
+
+def begins(pattern: etree._Element) -> set[str]:
+    """The elements with which what a pattern matches may begin."""
+    if pattern.tag == f"{NG}ref":
+        name = str(pattern.get("name"))
+        return {name} if name in language() else set()
+    if pattern.tag == f"{NG}attribute":
+        return set()
+    found = set[str]()
+    for part in pattern:
+        first = begins(part)
+        found |= first
+        in_turn = pattern.tag in (f"{NG}group", f"{NG}oneOrMore")
+        if in_turn and first and part.tag not in (f"{NG}optional", f"{NG}zeroOrMore"):
+            break
+    return found
+
+
+def test_what_comes_first_tells_the_way() -> None:
+    """Unique Particle Attribution, which XML Schema asks: no two ways of a choice begin alike."""
+    schema = etree.parse(SCHEMA)
+    assert next(schema.iter(f"{NG}interleave"), None) is None
+    for choice in schema.iter(f"{NG}choice"):
+        ways = [begins(way) for way in choice]
+        assert sum(map(len, ways)) == len(set().union(*ways)), etree.tostring(choice)
+
+
+def test_trang_makes_an_xsd_that_xerces_takes(tmp_path: Path) -> None:
+    if shutil.which("trang") is None or shutil.which("jing") is None:
+        pytest.skip("needs trang and jing (apt-get install trang jing)")
+    xsd = tmp_path / "mission.xsd"
+    subprocess.run(["trang", SCHEMA, xsd], check=True, capture_output=True)
+    (tmp_path / "leg.xml").write_text(LEG)
+    fitting = [tmp_path / "leg.xml", *sorted((ROOT / "experiments").glob("*/mission.xml"))]
+    found = subprocess.run(["jing", xsd, *fitting], capture_output=True, text=True, check=False)
+    assert (found.returncode, found.stdout) == (0, "")
+    (tmp_path / "leg.xml").write_text(LEG.replace("parameter", "parametre"))
+    found = subprocess.run(["jing", xsd, tmp_path / "leg.xml"], capture_output=True, text=True, check=False)
+    assert found.returncode == 1
+
+
+def test_a_root_may_say_where_an_xsd_is(tmp_path: Path) -> None:
+    path = tmp_path / "m.xml"
+    path.write_text(LEG)
+    assert read_mission(path).name == "m"
+    path.write_text(LEG.replace(f" {XSI}", "").replace('<robot name="r"', f'<robot name="r" {XSI}'))
+    with pytest.raises(InputError, match=r"found the attribute .*schemaLocation on <robot>"):
+        read_mission(path)

@@ -283,11 +283,15 @@ def _element(name: str, tag: Tag) -> etree._Element:
     shared = [a for a in tag.attributes.values() if all(a in said for said, _, _ in variants)]
     groups = dict.fromkeys(a.owner.TAG for a in shared if a.owner in GROUPS)
     attributes = [_attribute(a) for a in shared if a.owner not in GROUPS]
+    frees = [free for _, free, _ in variants]
+    common = [child for child in frees[0] if all(child in free for free in frees)] if len(frees) > 1 else []
     ways = [
-        [*(_attribute(a) for a in said if a not in shared), *_children(free, needed, len(variants) > 1)]
+        [*(_attribute(a) for a in said if a not in shared), *_children(free, needed, common)]
         for said, free, needed in variants
     ]
     rest = ways[0] if len(ways) == 1 else [_node("choice", *(_node("group", *way) for way in ways))]
+    if common:
+        rest = [_node("zeroOrMore", _any(common)), *rest]
     return _node(
         "element",
         _note(tag.words),
@@ -311,11 +315,23 @@ def _variants(tag: Tag) -> Iterator[tuple[list[Field], list[str], list[str]]]:
         yield [*form.attributes], free, needed
 
 
-def _children(free: list[str], needed: list[str], mixed: bool) -> Iterator[etree._Element]:
-    """What may stand inside, and what must: after it, or mixed with it."""
-    parts = [_node("zeroOrMore", _any(free))] if free else []
-    parts += [_node("oneOrMore", _any(needed))] if needed else []
-    yield from [_node("interleave", *parts)] if mixed and len(parts) > 1 else parts
+def _children(free: list[str], needed: list[str], common: list[str]) -> Iterator[etree._Element]:
+    """What may stand inside, and what must: after it, or mixed with it where elements are ``common``.
+
+    Those are children of all ways to write an element and stand before the choice among these: what comes
+    first then tells the way, as XML Schema asks ("Unique Particle Attribution").
+    """
+    if not common:
+        yield from [_node("zeroOrMore", _any(free))] if free else []
+        yield from [_node("oneOrMore", _any(needed))] if needed else []
+        return
+    own = [child for child in free if child not in common]
+    assert not (own and needed), "what is mixed with what must stand inside is common"
+    if needed:
+        yield _any(needed)
+        yield _node("zeroOrMore", _any([*free, *needed]))
+    elif own:
+        yield _node("optional", _node("group", _any(own), _node("zeroOrMore", _any(free))))
 
 
 def _any(names: Iterable[str]) -> etree._Element:

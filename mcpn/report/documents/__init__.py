@@ -81,10 +81,7 @@ def _schema(shape: JsonShape, parts: dict[str, Any]) -> dict[str, Any]:
         case OneOf():
             return {**found, "enum": list(shape.values)}
         case Either():
-            each = [_schema(one, parts) for one in shape.shapes]
-            if all(schema.keys() <= {"type"} for schema in each):
-                return {"type": [schema["type"] for schema in each], **found}
-            return {**found, "anyOf": each}
+            return {**found, "anyOf": [_schema(one, parts) for one in shape.shapes]}
         case ListOf():
             differ = {"uniqueItems": True} if shape.differ else {}
             return {"type": "array", **found, "items": _schema(shape.item, parts), **differ}

@@ -6,7 +6,6 @@ from mcpn.answers.safety import ASKED
 from mcpn.report.documents.graphs import ANSWERED
 from mcpn.runtime.documents import REQUIREMENT, texts
 from mcpn.runtime.shapes import (
-    Anything,
     Boolean,
     Document,
     Integer,
@@ -20,6 +19,20 @@ from mcpn.runtime.shapes import (
     String,
 )
 
+RUN = Nullable(
+    ObjectOf(
+        "A run that shows it.",
+        {
+            "events": texts("Events of the run."),
+            "firings": texts("All firings of the run."),
+            "cycle": Nullable(
+                Integer("Where the part begins that is repeated for ever; null where nothing is.")
+            ),
+            "notes": texts("What holds where along the run."),
+        },
+    )
+)
+"""A run that shows an answer, or null."""
 CHECK = Document(
     "check",
     "mcpn check MISSION --json",
@@ -62,7 +75,7 @@ CHECK = Document(
                             "Parts of a formula that holds of which it says nothing: it holds whatever they "
                             "are."
                         ),
-                        "witness": Nullable(MapOf("A run that shows why, as ask prints it.", Anything())),
+                        "witness": RUN,
                     },
                 ),
             ),
@@ -398,21 +411,7 @@ ASK = Document(
             {
                 "formula": String("What was asked, or the property's name."),
                 "holds": Nullable(Boolean("The answer; null where it is a bound.")),
-                "witness": Nullable(
-                    ObjectOf(
-                        "A run that shows it.",
-                        {
-                            "events": texts("Events of the run."),
-                            "firings": texts("All firings of the run."),
-                            "cycle": Nullable(
-                                Integer(
-                                    "Where the part begins that is repeated for ever; null where nothing is."
-                                )
-                            ),
-                            "notes": texts("What holds where along the run."),
-                        },
-                    )
-                ),
+                "witness": RUN,
                 "techniques?": texts("How it was answered."),
                 "value?": Integer("Of a property that asks for a bound: the bound.", least=None),
                 "engine?": OneOf(
