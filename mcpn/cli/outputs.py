@@ -2,13 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Literal
 
 import click
 
 from mcpn.cli.shared import FILE, Question, emit_json, question
-from mcpn.errors import InputError, Source
+from mcpn.cli.verified import require_verified
+from mcpn.errors import InputError, SemanticsError, Source
+
+REFUSED = "not written: mcpn check says no (--unverified writes it all the same)"
+MANY_BYTES = 2_000_000
+"""Bytes of a controller's files from which the form is named that is smaller."""
+
+
+def _once() -> Callable[[str], None]:
+    """Says on standard error what has not been said before."""
+    said = set[str]()
+
+    def tell(text: str) -> None:
+        if text not in said:
+            click.echo(text, err=True)
+        said.add(text)
+
+    return tell
 
 
 @click.command()
@@ -31,6 +50,7 @@ from mcpn.errors import InputError, Source
 @click.option("--hierarchical", "form", flag_value="hierarchical", help="The same as --form hierarchical.")
 @click.option("--flat", "form", flag_value="flat", help="The same as --form flat.")
 @click.option("--minimise", "smallest", is_flag=True, help="Merge states that no run of events tells apart.")
+@click.option("--unverified", is_flag=True, help="Do not verify the mission first; the files say so.")
 @question(workers=True)
 def controller(
     question: Question,
@@ -39,30 +59,43 @@ def controller(
     output: Path,
     form: Literal["auto", "hierarchical", "modular", "flat"],
     smallest: bool,
+    unverified: bool,
 ) -> None:
-    """Generate the controller of MISSION: state machines, or rules, that do what was verified."""
+    """Generate the controller of MISSION: state machines, or rules, that do what was verified.
+
+    A mission that mcpn check says no to is reported, and nothing is written: exit code 1.
+    """
     if smallest and form == "modular":
         raise click.UsageError("--minimise merges states of machines: a modular controller has none")
+    from mcpn.controller.generate import refuse_or_tell
     from mcpn.controller.hierarchy import TableController
     from mcpn.controller.minimise import minimise
+    from mcpn.controller.sizes import representatives
     from mcpn.controller.targets import OF_RULES, files
     from mcpn.files import write_folder
 
     study = question.study(mission)
     if form == "auto" and (smallest or target not in OF_RULES):
         form = "hierarchical"
+    told = _once()
     with question.work():
-        found = study.controller(
-            form,
-            max_states=question.max_states,
-            told=lambda text: click.echo(text, err=True),
-        )
+        if not unverified and not study.is_net:
+            if form == "hierarchical":
+                composite = study.mission_spaces("a controller").composite
+                with suppress(SemanticsError):  # which verification reports with more
+                    refuse_or_tell(representatives(composite()), question.max_states, told)
+            require_verified(study, question, REFUSED)
+        found = study.controller(form, max_states=question.max_states, told=told)
     size = found.size
     if smallest and isinstance(found, TableController):
         found = minimise(found)
         size = f"{size}; minimised: {found.states} states, {found.moves} edges"
-    texts = files(found, study.mission_net, target)
+    texts = files(found, study.mission_net, target, verified=not unverified)
     write_folder(output, texts)
+    bytes_ = sum(len(text.encode()) for text in texts.values())
+    if bytes_ > MANY_BYTES and found.form != "modular" and target in OF_RULES:
+        mb = bytes_ / 1e6
+        click.echo(f"note: {mb:,.0f} MB; --form modular has rules in place of tables, mostly less", err=True)
     paths = [str(output / name) for name in texts]
     if question.as_json:
         emit_json({"mission": found.mission, "form": found.form, "size": size, "files": paths})

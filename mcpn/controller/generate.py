@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Literal, overload
 
 from mcpn.answers.spaces import MissionSubject, spaces_of
 from mcpn.composite.clash import in_mission_words
+from mcpn.composite.section_type import SectionType
 from mcpn.controller.hierarchy import TableController, flat_controller, hierarchical_controller
 from mcpn.controller.modular import AnyController, ModularController
 from mcpn.controller.rules import modular_controller
-from mcpn.controller.sizes import MAX_TABLE_STATES, rather_rules, representatives, too_large
+from mcpn.controller.sizes import (
+    MAX_TABLE_STATES,
+    rather_rules,
+    representatives,
+    rules_instead,
+    table_edges,
+    too_large,
+)
 from mcpn.errors import LimitError
 from mcpn.spaces.stable.completion import MAX_STABLE_STATES
 
 Form = Literal["flat", "hierarchical", "modular"]
+
+BYTES_OF_EDGE = 150
+"""Which an edge takes in a file, at least: two states, its event, some actions."""
 
 MOST_UNTOLD = 10_000
 """States of a section up to which it is listed without a call of ``told``."""
@@ -85,17 +96,36 @@ def generate(
     if form == "modular":
         return modular_controller(composite)
     name_of_type = representatives(composite)
-    if form == "hierarchical":
-        if error := too_large(name_of_type, MAX_TABLE_STATES if max_states is None else max_states):
-            raise error
-    elif error := rather_rules(name_of_type, max_states):
+    if form == "auto" and (error := rather_rules(name_of_type, max_states)):
         if told:
             told(f"{error}: a modular controller is made instead")
         return modular_controller(composite)
-    largest = max(name_of_type, key=lambda type_: type_.size)
-    if told and largest.size > MOST_UNTOLD:
-        total = sum(type_.size for type_ in name_of_type)
-        every = f"{len(name_of_type)} machines of sections list {total:,} states"
-        told(f"{every}, the largest, of section {name_of_type[largest]}, {largest.size:,}")
+    refuse_or_tell(name_of_type, max_states, told)
     listed = {type_: type_.listed() for type_ in name_of_type}
     return hierarchical_controller(composite, listed)
+
+
+def refuse_or_tell(
+    names: Mapping[SectionType, str], max_states: int | None, told: Callable[[str], object] | None
+) -> None:
+    """Refuses a hierarchical controller that is too large, or says how large it will be, before it is listed.
+
+    Args:
+        names: The types of sections, each with the name of a section.
+        max_states: How many states a machine may have.
+        told: Called with what there is to say of a large one.
+
+    Raises:
+        LimitError: It is too large.
+    """
+    if error := too_large(names, MAX_TABLE_STATES if max_states is None else max_states):
+        raise error
+    largest = max(names, key=lambda type_: type_.size)
+    if told is None or largest.size <= MOST_UNTOLD:
+        return
+    edges = sum(map(table_edges, names))
+    told(
+        f"{len(names)} machines of sections list {sum(type_.size for type_ in names):,} states, the largest, "
+        f"of section {names[largest]}, {largest.size:,}, and {edges:,} edges, in a file of more than "
+        f"{edges * BYTES_OF_EDGE / 1e6:,.1f} MB{rules_instead(names)}"
+    )

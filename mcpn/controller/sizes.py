@@ -16,6 +16,9 @@ MAX_TABLE_STATES = 1_000_000
 MOST_TABLED = 50_000
 """States of a section up to which ``auto`` makes a machine of it, where rules are possible, too."""
 
+MOST_TABLED_EDGES = 200_000
+"""Edges up to which ``auto`` makes machines, where rules are possible, too: files of some 50 MB."""
+
 MOST_ENTRIES = 1 << 20
 """States of hardware and facts with which a section may be entered, each with an entry of its own."""
 
@@ -72,6 +75,12 @@ def too_large(names: Mapping[SectionType, str], limit: int) -> LimitError | None
     return None
 
 
+def table_edges(type_: SectionType) -> int:
+    """How many edges the machine of a type has by its own events, counted before one is listed."""
+    own, _ = type_.firings(type_.inside, ())
+    return sum(own.values()) * type_.size // type_.graph.everything.count()
+
+
 def rather_rules(names: Mapping[SectionType, str], max_states: int | None) -> LimitError | None:
     """Why a mission gets rules where no form is named; ``None`` where it gets tables.
 
@@ -86,7 +95,20 @@ def rather_rules(names: Mapping[SectionType, str], max_states: int | None) -> Li
         if error := too_large(names, MAX_TABLE_STATES if max_states is None else max_states):
             raise error
         return None
-    return too_large(names, MOST_TABLED if max_states is None else max_states)
+    if error := too_large(names, MOST_TABLED if max_states is None else max_states):
+        return error
+    if max_states is None and (edges := sum(map(table_edges, names))) > MOST_TABLED_EDGES:
+        return LimitError(f"{WHY}: {edges:,} edges, the limit of --form auto is {MOST_TABLED_EDGES:,}")
+    return None
+
+
+def rules_instead(names: Mapping[SectionType, str]) -> str:
+    """What the modular form takes instead, where there is one and its size is known."""
+    if any(type_.steps is None for type_ in names):
+        return ""
+    rows = [row for type_ in names for row in (type_.steps or {}).values() if row is not None]
+    most = "" if any(map(is_function, rows)) else f"at most {sum(map(count_steps, rows)):,} "
+    return f"; --form modular has {most}rules instead, mostly a small part of it"
 
 
 def foreseen(composite: CompositeSpace, max_states: int | None = None) -> str:

@@ -248,6 +248,7 @@ def _controller(meaning: str, form: JsonShape, minimised: JsonShape, types: List
             "mission": String("Its name."),
             "form": form,
             "minimised": minimised,
+            "unverified?": OneOf("Where `mcpn controller` wrote it with `--unverified`.", True),
             "hardware": names("Hardware that can fail."),
             "out_of_service": names("Hardware that is out of service at the start, where there is some."),
             "unrepairable": names("Hardware that is never repaired, where there is some."),

@@ -22,7 +22,8 @@ import click
 
 from mcpn.cli import SIGNALS
 from mcpn.cli.robot.monitor import monitors_for
-from mcpn.cli.shared import EXIT_BAD_INPUT, EXIT_FAILED, FILE, Question, emit_json, question, tell_warnings
+from mcpn.cli.shared import EXIT_BAD_INPUT, EXIT_FAILED, FILE, Question, emit_json, question
+from mcpn.cli.verified import require_verified
 from mcpn.errors import InputError, Source
 
 if TYPE_CHECKING:
@@ -294,7 +295,7 @@ def run(
         return
     plan = read_drivers(drivers)
     if not unverified:
-        _verify(study, question)
+        require_verified(study, question, "not run: mcpn check says no (--unverified runs it all the same)")
     tables = Tables(document(study.controller("auto", max_states=question.max_states), study.mission_net))
     check_plan(plan, tables)
     controller = Controller(tables)
@@ -381,25 +382,6 @@ def _begin(study: Study, drivers: Path, question: Question) -> None:
         emit_json({"files": [str(drivers)]})
     else:
         click.echo(str(drivers))
-
-
-def _verify(study: Study, question: Question) -> None:
-    """Verifies a mission; one that fails is reported, and not run."""
-    warned = [] if question.as_json else tell_warnings(study.mission_net)
-    started = time.perf_counter()
-    found = study.verdicts(max_states=question.max_states)
-    if found.passed:
-        return
-    if question.as_json:
-        failed = [name for name, verdict in found.verdicts.items() if verdict.holds is False]
-        unmet = [answer.asked.name for answer in found.requirements if not answer.met]
-        emit_json({"mission": found.mission_net.mission.name, "failed": failed, "unmet": unmet})
-    else:
-        from mcpn.report.text import print_check
-
-        print_check(found, time.perf_counter() - started, told=warned)
-        click.echo("not run: mcpn check says no (--unverified runs it all the same)", err=True)
-    click.get_current_context().exit(EXIT_FAILED)
 
 
 @contextlib.contextmanager

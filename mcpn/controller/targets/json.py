@@ -4,6 +4,7 @@ One object with these keys, all of them always, whether there is something to sa
 
 - ``format``: ``mcpn-controller``; ``version``: 1; ``mission``; ``form``: ``flat``, ``hierarchical`` or
   ``modular``;
+  ``unverified``: true, where nobody asked whether the mission keeps what is required;
   ``minimised``: true where states that cannot be told apart have been merged;
 - ``hardware``: the hardware that can fail; ``initial``: the section entered at the mission's start;
 - ``sections``: each with ``name``, ``type`` (index in ``types``), ``routes`` (outcome, ``success``,
@@ -98,17 +99,23 @@ from mcpn.runtime.file_schema import digest_of
 FILE_NAME = "controller.json"
 
 
-def write_json(controller: AnyController, mission_net: MissionNet) -> str:
+def write_json(controller: AnyController, mission_net: MissionNet, *, verified: bool = True) -> str:
     """The controller as a JSON text, the same for the same mission.
 
     Args:
         controller: The controller.
         mission_net: The mission's net, for the parameters.
+        verified: Whether all that is required of the mission holds; else the text says that nobody asked.
 
     Returns:
         The text, a line for each state, entry and edge, ending in a newline.
     """
-    return _text(document(controller, mission_net), 0, 3) + "\n"
+    found = document(controller, mission_net)
+    if not verified:
+        said = {**found, "unverified": True}
+        del said["digest"]
+        found = said | {"digest": digest_of(said)}
+    return _text(found, 0, 3) + "\n"
 
 
 def document(controller: AnyController, mission_net: MissionNet) -> dict[str, Any]:
