@@ -1,13 +1,16 @@
-"""Bounds of places that are proved by invariants or by listing markings, exact ones or coarser ones."""
+"""Bounds of places, proved by weights of places or by listing markings, exact ones or coarser ones."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
+from math import inf
+from operator import mul
 
 from mcpn.nets.petri import Marking, PetriNet
-from mcpn.nets.structure import place_bounds
+from mcpn.nets.programs import minimise
+from mcpn.nets.structure import LARGEST, SCALES, changes, place_bounds
 
 MAX_LISTED = 50_000
 """Markings that are listed to prove a bound."""
@@ -34,7 +37,7 @@ def listed_bounds(
     """
     plain, blocked = replace(net, priorities=False), inhibitions or {}
     limit = min(MAX_LISTED, MAX_CELLS // max(len(net.places), 1))
-    most = [float("inf")] * len(net.places) if not counted else list(counted)
+    most = [inf] * len(net.places) if not counted else list(counted)
     first = tuple(int(min(pair)) for pair in zip(net.initial, most, strict=True))
     reached = list(first)
     seen, todo = {first}, [first]
@@ -50,7 +53,7 @@ def listed_bounds(
                     seen.add(after)
                     todo.append(after)
                     reached = list(map(max, reached, after))
-    return [tokens if tokens < far else float("inf") for tokens, far in zip(reached, most, strict=True)]
+    return [tokens if tokens < far else inf for tokens, far in zip(reached, most, strict=True)]
 
 
 def _fired(net: PetriNet, marking: Marking, transition: int, most: Sequence[float]) -> Iterator[Marking]:
@@ -90,9 +93,29 @@ def coarse_bounds(
     return listed_bounds(net, inhibitions, far)
 
 
+def weighted_bound(net: PetriNet, place: int) -> float:
+    """The most tokens of a place, by weights of places whose sum no firing raises; else infinity.
+
+    Weights that are rounded to whole numbers are checked in whole numbers: what the solver says is not
+    believed. They need not leave the sum as it is, as invariants do, so that tokens may vanish.
+    """
+    moved = [change for t in range(len(net.transitions)) if (change := changes(net, t))]
+    if net.largest > LARGEST:
+        return inf
+    lower = [1.0 if p == place else 0.0 for p in range(len(net.places))]
+    rows = [({p: float(by) for p, by in change.items()}, -inf, 0.0) for change in moved]
+    solution = minimise(list(map(float, net.initial)), rows, lower, [inf] * len(lower))
+    for scale in SCALES if solution.kind == "solved" else ():
+        whole = [round(weight * scale) for weight in solution.values[: len(lower)]]
+        if whole[place] > 0 and all(sum(whole[p] * by for p, by in change.items()) <= 0 for change in moved):
+            total: int = sum(map(mul, whole, net.initial))
+            return total // whole[place]
+    return inf
+
+
 def proved_bounds(net: PetriNet) -> list[float]:
     """The most tokens of each place, by invariants; where they leave one out, by all markings if few."""
     bounds = place_bounds(net)
-    if float("inf") in bounds and (listed := listed_bounds(net)) is not None:
+    if inf in bounds and (listed := listed_bounds(net)) is not None:
         return listed
-    return bounds
+    return [weighted_bound(net, p) if bound == inf else bound for p, bound in enumerate(bounds)]

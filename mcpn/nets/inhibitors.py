@@ -13,10 +13,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from math import inf
 from typing import NamedTuple
 
 from mcpn.errors import InputError, Source
-from mcpn.nets.bounds import Inhibitions, coarse_bounds, listed_bounds
+from mcpn.nets.bounds import Inhibitions, coarse_bounds, listed_bounds, weighted_bound
 from mcpn.nets.petri import COMPLEMENT, Arcs, PetriNet, Place, Provenance, Transition
 from mcpn.nets.structure import changes, place_bounds
 
@@ -68,7 +69,9 @@ def without_inhibitors(net: PetriNet, arcs: Sequence[Inhibitor]) -> PetriNet:
     guarded, exact = _guarded(net, blocked), None
     while waiting:
         bounds = list(map(min, place_bounds(made), guarded))
-        proved = {place: int(bounds[place]) for place in waiting if bounds[place] < float("inf")}
+        for place in waiting:
+            bounds[place] = bounds[place] if bounds[place] < inf else weighted_bound(net, place)
+        proved = {place: int(bounds[place]) for place in waiting if bounds[place] < inf}
         if exact is None and any(bound > 1 for bound in proved.values()):
             exact = listed_bounds(net, blocked) or bounds  # a bound that no marking reaches counts tokens
         proved = {place: int(min(bound, (exact or bounds)[place])) for place, bound in proved.items()}
@@ -87,7 +90,7 @@ def _guarded(net: PetriNet, blocked: Inhibitions) -> list[float]:
             least[place] = min(tokens, least.get(place, tokens))
         for place, more in changes(net, number).items():
             if more > 0:
-                held = least[place] - 1 if place in least else float("inf")
+                held = least[place] - 1 if place in least else inf
                 bounds[place] = max(bounds[place], held + more)
     return bounds
 
@@ -103,14 +106,14 @@ def _listed(
     if exact := listed_bounds(net, blocked):
         return {place: int(exact[place]) for place in waiting}
     coarse = coarse_bounds(net, blocked, known, waiting) or known
-    if proved := {place: int(coarse[place]) for place in waiting if coarse[place] < float("inf")}:
+    if proved := {place: int(coarse[place]) for place in waiting if coarse[place] < inf}:
         return proved
     arc = next(arc for arc in arcs if net.place_index[arc.place] in waiting)
     raise InputError.at(
         arc.source,
         f"found an inhibitor arc from {arc.place} to {arc.transition}, expected a bound of {arc.place}:"
-        " neither invariants nor the markings that were listed give one; such an arc is read where its place"
-        " never holds more than some number of tokens",
+        " neither weights of places nor the markings that were listed give one; such an arc is read where its"
+        " place never holds more than some number of tokens",
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
+from math import inf
 from unittest.mock import patch
 
 import pytest
@@ -15,7 +16,7 @@ from mcpn.errors import InputError, Source
 from mcpn.logic.asking import Questions
 from mcpn.logic.behaviour import NetCheck
 from mcpn.logic.verdicts import answer_all
-from mcpn.nets.bounds import coarse_bounds, listed_bounds, proved_bounds
+from mcpn.nets.bounds import coarse_bounds, listed_bounds, proved_bounds, weighted_bound
 from mcpn.nets.inhibitors import Inhibitor, without_inhibitors
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet
 from mcpn.nets.structure import place_bounds
@@ -178,12 +179,38 @@ def test_coarse_bounds_hold_of_every_marking(net: PetriNet, data: st.DataObject)
         st.sampled_from(range(len(net.transitions))), st.lists(pairs, max_size=2), max_size=3
     )
     blocked = data.draw(some)
-    exact, known = listed_bounds(net, blocked), [float("inf"), *place_bounds(net)[1:]]
+    exact, known = listed_bounds(net, blocked), [inf, *place_bounds(net)[1:]]
     assume(exact is not None)
     assert exact is not None
     coarse = coarse_bounds(net, blocked, known, {0})
     if coarse is not None:
         assert all(bound >= most for bound, most in zip(coarse, exact, strict=True))
+
+
+@given(token_nets() | state_machines().map(lambda drawn: drawn[0]))
+def test_weighted_bounds_hold_of_every_marking(net: PetriNet) -> None:
+    markings = by_definition(net, (), 400)
+    assume(markings is not None)
+    assert markings is not None
+    for place in range(len(net.places)):
+        bound = weighted_bound(net, place)
+        event("bounded" if bound < inf else "no bound")
+        assert bound >= max(marking[place] for marking in markings)
+
+
+def test_tokens_that_vanish_leave_a_bound() -> None:
+    """No invariant holds p: its tokens may go. An unbounded place beside it lets no markings be listed."""
+    builder = growing()
+    builder.place("r", initial=2)
+    builder.place("s")
+    builder.transition("v", consume=["r"], produce=["s"])
+    builder.transition("w", consume=["s"])
+    net = builder.build()
+    assert weighted_bound(net, net.place_index["s"]) == 2
+    with patch("mcpn.nets.bounds.MAX_LISTED", 0):
+        found = without_inhibitors(net, [Inhibitor("s", "t", 1)])
+    assert found.places[4].initial == 2
+    assert weighted_bound(net, 0) == inf
 
 
 @given(token_nets())

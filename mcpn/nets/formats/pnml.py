@@ -55,7 +55,7 @@ _NODES = "page place transition arc referencePlace referenceTransition"
 _LABEL = Declared("", f"text value {_DRAWN}")
 
 KNOWN = {
-    "pnml": Declared("", "net -toolspecific -k-bound -query -queries feature"),
+    "pnml": Declared("", "net -toolspecific -finalmarkings -k-bound -query -queries feature"),
     "feature": Declared("-isTimed isGame=false isColored=false isStochastic=false"),
     "net": Declared("id type name active=true", f"name {_NODES} {_DRAWN} token -labels -finalmarkings"),
     "token": Declared("id=Default -enabled -red -green -blue"),
