@@ -24,11 +24,11 @@ from pathlib import Path
 from missions import Parameters
 from missions import generate as generate_mission
 
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import TableController
 from mcpn.controller.minimise import minimise
 from mcpn.controller.targets import files
-from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError
 from mcpn.mission.xml import read_mission
@@ -85,7 +85,7 @@ int main(void)
 
 def measure(name: str, controller: TableController, mission_net: MissionNet, count: int | None) -> None:
     """Prints a row for one controller."""
-    texts = files(controller, mission_net, "c")
+    texts = files(document(controller, mission_net), "c")
     prefix = next(n for n in texts if n.endswith(".h")).removesuffix(".h")
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)

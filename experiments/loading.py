@@ -11,6 +11,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.targets.json import write_json
 from mcpn.drawing.compose import compose
@@ -43,7 +44,8 @@ def main() -> None:
         mission_net = compose(read_mission(mission))
         for form in ("hierarchical", "modular"):
             try:
-                text = write_json(generate(mission_net, form, max_states=arguments.max_states), mission_net)
+                found = generate(mission_net, form, max_states=arguments.max_states)
+                text = write_json(document(found, mission_net))
             except McpnError as error:
                 print(f"{mission}: {form}: {error}")
                 continue

@@ -37,13 +37,13 @@ from missions import generate as generate_mission
 
 import mcpn.runtime
 from mcpn.composite.composing import composite_space
+from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.hierarchy import TableController
 from mcpn.controller.minimise import minimise
 from mcpn.controller.modular import AnyController
 from mcpn.controller.simulator import Simulation
 from mcpn.controller.targets import files
-from mcpn.controller.targets.json import document
 from mcpn.controller.targets.names import identifiers
 from mcpn.controller.targets.scxml import event_name
 from mcpn.drawing.compose import MissionNet, compose
@@ -242,13 +242,11 @@ def run(name: str, mission_net: MissionNet, count: int, qt: int, seed: int) -> t
             folder = Path(place)
             said = document(controller, mission_net)
             compare(f"{what}, runtime", events, expected, runtime_lines(mcpn.runtime, Tables(said), events))
-            compare(
-                f"{what}, C", events, expected, c_lines(files(controller, mission_net, "c"), events, folder)
-            )
-            ((_, text),) = files(controller, mission_net, "python").items()
+            compare(f"{what}, C", events, expected, c_lines(files(said, "c"), events, folder))
+            ((_, text),) = files(said, "python").items()
             compare(f"{what}, Python", events, expected, python_lines(text, events))
             if qt and find_spec("PySide6") and isinstance(controller, TableController):
-                ((_, text),) = files(controller, mission_net, "scxml").items()
+                ((_, text),) = files(document(controller, mission_net), "scxml").items()
                 some = events[:qt]
                 wanted = wanted_of_qt(controller, said, some, expected)
                 compare(f"{what}, Qt", some, wanted, qt_lines(text, some, folder))

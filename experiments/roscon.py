@@ -29,9 +29,9 @@ from typing import Any
 
 from mcpn.answers.causes.risk import risk
 from mcpn.bench.runs import interval
+from mcpn.controller.document import document
 from mcpn.controller.monitors import files, monitors_of
 from mcpn.controller.simulator import Simulation
-from mcpn.controller.targets.json import document
 from mcpn.drivers.mapping import check_plan
 from mcpn.drivers.reading import read_drivers
 from mcpn.drivers.running import RobotRun

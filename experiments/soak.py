@@ -34,8 +34,8 @@ from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
+from mcpn.controller.document import document
 from mcpn.controller.monitors import files, monitors_of
-from mcpn.controller.targets.json import document
 from mcpn.drivers.functions import Call
 from mcpn.drivers.reading import read_drivers
 from mcpn.drivers.running import RobotRun

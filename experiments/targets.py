@@ -11,6 +11,7 @@ import argparse
 from pathlib import Path
 from typing import Literal
 
+from mcpn.controller.document import document
 from mcpn.controller.targets import TARGETS, files
 from mcpn.errors import McpnError
 from mcpn.study import open_study
@@ -31,7 +32,7 @@ def answer(path: Path, form: Literal["hierarchical", "modular", "flat"]) -> str:
     found, why = [], []
     for target in TARGETS:
         try:
-            files(controller, study.mission_net, target)
+            files(document(controller, study.mission_net), target)
         except McpnError as error:
             why.append(f"{target}: {error}")
         else:

@@ -13,8 +13,8 @@ from mcpn.answers.causes.find import Causes, find_causes
 from mcpn.answers.causes.fmeca import Row, fmeca
 from mcpn.answers.spaces import MissionSpaces, MissionSubject, spaces_of
 from mcpn.answers.verdicts.mission import MissionCheck, check
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
-from mcpn.controller.targets.json import document
 from mcpn.drawing.sections import SectionParts
 from mcpn.errors import LimitError, McpnError, SemanticsError
 from mcpn.mission.static.intervals import at_their_means
@@ -63,7 +63,7 @@ class Findings:
         causes: Its causes of failure.
         fmeca: The FMECA table.
         controller: The controller, of rules where it can be, as the JSON object of
-            :mod:`mcpn.controller.targets.json`.
+            :mod:`mcpn.controller.document`.
         notes: Why something is missing.
         warnings: What reading the mission found suspicious.
         engine: The engine that was used.

@@ -16,8 +16,8 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, settings
 
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
-from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission

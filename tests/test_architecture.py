@@ -132,6 +132,18 @@ def test_the_wing_of_nets_knows_no_mission() -> None:
     assert strangers == set()
 
 
+def test_targets_read_the_document_alone() -> None:
+    """What a target needs of a mission stands in the document; it imports nothing of missions."""
+    known = ("mcpn.controller.targets", "mcpn.runtime", "mcpn.nets.events", "mcpn.errors")
+    strangers = {
+        f"{path.relative_to(PACKAGE)} imports {name}"
+        for path in (PACKAGE / "controller" / "targets").glob("*.py")
+        for name in imported(path)
+        if name.startswith("mcpn.") and not name.startswith(known)
+    }
+    assert strangers == set()
+
+
 BUILDERS = {
     "by_reduction",
     "count",

@@ -22,9 +22,9 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
 from mcpn.composite.composing import composite_space
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import flat_controller
-from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.mission.model import Mission

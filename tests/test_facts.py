@@ -13,9 +13,9 @@ from hypothesis import HealthCheck, event, given, settings
 from mcpn.answers.names import MissionNames
 from mcpn.answers.spaces import spaces_of
 from mcpn.answers.verdicts.mission import check
+from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.targets import files
-from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
 from mcpn.logic.syntax import parse
@@ -316,7 +316,7 @@ def test_generated_controllers_know_facts(form: Form, tmp_path: Path) -> None:
     traced.restart()
     expected = traced.lines(events)
     assert any(line.endswith("success") for line in expected)
-    assert run_lines(build(files(controller, mission_net, "c"), tmp_path), events) == expected
+    assert run_lines(build(files(document(controller, mission_net), "c"), tmp_path), events) == expected
 
 
 def test_what_has_been_done_is_known(tmp_path: Path) -> None:

@@ -14,13 +14,13 @@ from hypothesis import strategies as st
 from mcpn.answers.spaces import spaces_of
 from mcpn.answers.verdicts.mission import check
 from mcpn.composite.composing import composite_space
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import TableController
 from mcpn.controller.minimise import minimise
 from mcpn.controller.modular import AnyController
 from mcpn.controller.simulator import Simulation
 from mcpn.controller.targets import files
-from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.mortal import forgetful
 from mcpn.drawing.sections import section_part
@@ -133,7 +133,7 @@ def hold_together(found: MissionNet, tmp_path: Path, seeds: Sequence[int] = (1, 
         events = random_events(traced, random.Random(number), 150)
         traced.restart()
         expected = traced.lines(events)
-        program = build(files(controller, found, "c"), tmp_path / f"c{number}")
+        program = build(files(document(controller, found), "c"), tmp_path / f"c{number}")
         assert run_lines(program, events) == expected
 
 
@@ -218,7 +218,7 @@ def test_in_scxml(text: str, tmp_path: Path) -> None:
         traced = Traced(document(controller, found))
         events = random_events(traced, random.Random(7), 60, noise=0)
         path = tmp_path / f"{number}.scxml"
-        path.write_text(next(iter(files(controller, found, "scxml").values())))
+        path.write_text(next(iter(files(document(controller, found), "scxml").values())))
         check_scxml("Qt", path, controller, traced, events)
 
 

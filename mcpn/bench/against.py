@@ -15,6 +15,7 @@ from typing import Any, Protocol
 from lxml import etree
 
 from mcpn.bench.world import ControllerPlace, Places
+from mcpn.controller.document import document
 from mcpn.controller.hierarchy import TableController
 from mcpn.controller.modular import AnyController
 from mcpn.controller.targets import files
@@ -68,14 +69,15 @@ class Statechart:
     """
 
     def __init__(self, controller: TableController, mission_net: MissionNet) -> None:
-        (text,) = files(controller, mission_net, "scxml").values()
+        said = document(controller, mission_net)
+        (text,) = files(said, "scxml").values()
         root = etree.fromstring(text.encode())
         for sending in list(root.iter("{*}send", "{*}cancel")):
             parent = sending.getparent()
             assert parent is not None
             parent.remove(sending)
         self._processor = interpreted(etree.tostring(root, encoding="unicode"))
-        self._regions = Regions(controller, mission_net)
+        self._regions = Regions(said)
         self._timers = frozenset(self._regions.timers.values())
 
     def answers(self, runs: list[list[str]]) -> list[str]:
@@ -148,7 +150,7 @@ class Program:
     """
 
     def __init__(self, controller: AnyController, mission_net: MissionNet, target: str, folder: Path) -> None:
-        texts = files(controller, mission_net, target)
+        texts = files(document(controller, mission_net), target)
         for name, text in texts.items():
             (folder / name).write_text(text, encoding="utf-8")
         if target == "python":

@@ -67,6 +67,7 @@ def controller(
     """
     if smallest and form == "modular":
         raise click.UsageError("--minimise merges states of machines: a modular controller has none")
+    from mcpn.controller.document import document
     from mcpn.controller.generate import refuse_or_tell
     from mcpn.controller.hierarchy import TableController
     from mcpn.controller.minimise import minimise
@@ -90,7 +91,7 @@ def controller(
     if smallest and isinstance(found, TableController):
         found = minimise(found)
         size = f"{size}; minimised: {found.states} states, {found.moves} edges"
-    texts = files(found, study.mission_net, target, verified=not unverified)
+    texts = files(document(found, study.mission_net, verified=not unverified), target)
     write_folder(output, texts)
     bytes_ = sum(len(text.encode()) for text in texts.values())
     if bytes_ > MANY_BYTES and found.form != "modular" and target in OF_RULES:

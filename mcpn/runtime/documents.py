@@ -250,6 +250,11 @@ def _controller(meaning: str, form: JsonShape, minimised: JsonShape, types: List
             "minimised": minimised,
             "unverified?": OneOf("Where `mcpn controller` wrote it with `--unverified`.", True),
             "hardware": names("Hardware that can fail."),
+            "size?": String("How large it is, in words."),
+            "all_hardware?": names("All hardware, what cannot fail too."),
+            "common_causes?": names("Of these, what stands for a cause by which several resources fail."),
+            "started?": names("Activities that some objective starts, itself or through resources."),
+            "timers?": Integer("How many timers run at a time, at most."),
             "out_of_service": names("Hardware that is out of service at the start, where there is some."),
             "unrepairable": names("Hardware that is never repaired, where there is some."),
             "crashing": names(

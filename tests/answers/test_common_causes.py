@@ -9,9 +9,9 @@ import pytest
 from mcpn.answers.causes.effects import Severity
 from mcpn.answers.causes.fmeca import fmeca
 from mcpn.answers.causes.risk import risk
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.simulator import Simulation, resources
-from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.writer import written

@@ -13,9 +13,9 @@ from mcpn.answers.causes.effects import Severity
 from mcpn.answers.causes.fmeca import fmeca
 from mcpn.answers.causes.risk import risk
 from mcpn.answers.verdicts.mission import check
+from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.simulator import Simulation, resources
-from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective

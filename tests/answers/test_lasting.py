@@ -9,9 +9,9 @@ import pytest
 
 from mcpn.answers.causes.risk import risk
 from mcpn.answers.verdicts.mission import check
+from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.targets import files
-from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import compose
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Hardware
@@ -114,7 +114,7 @@ def test_generated_code_knows_it_too(form: Form, tmp_path: Path) -> None:
     events = HISTORY + random_events(traced, random.Random(1), 300)
     traced.restart()
     lines = traced.lines(events)
-    assert run_lines(build(files(controller, net, "c"), tmp_path), events) == lines
+    assert run_lines(build(files(document(controller, net), "c"), tmp_path), events) == lines
 
 
 @pytest.mark.parametrize("name", list(INTERPRETERS))
@@ -122,7 +122,7 @@ def test_generated_code_knows_it_too(form: Form, tmp_path: Path) -> None:
 def test_charts_know_it_too(name: str, flat: bool, tmp_path: Path) -> None:
     net = compose(GOES)
     controller = generate(net, "flat" if flat else "hierarchical")
-    ((file, text),) = files(controller, net, "scxml").items()
+    ((file, text),) = files(document(controller, net), "scxml").items()
     (tmp_path / file).write_text(text)
     traced = Traced(document(controller, net))
     events = HISTORY + random_events(traced, random.Random(1), 100)

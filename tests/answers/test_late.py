@@ -17,9 +17,9 @@ from mcpn.answers.causes.fmeca import fmeca
 from mcpn.answers.causes.passages import Beside
 from mcpn.answers.causes.risk import Risk, risk
 from mcpn.answers.verdicts.mission import check
+from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.simulator import Simulation, resources
-from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import compose
 from mcpn.drawing.templates.compact import CompactTemplates
 from mcpn.errors import LimitError, SemanticsError

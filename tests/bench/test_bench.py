@@ -20,9 +20,9 @@ from mcpn.bench.against import Program, Statechart, compare
 from mcpn.bench.runs import bench, interval, one_run
 from mcpn.bench.sequences import sequences
 from mcpn.bench.world import ControllerPlace, Places, World
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.targets import files
-from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective
@@ -291,7 +291,7 @@ def test_sequences_take_every_edge_and_the_c_program_follows(ulysse_net: Mission
         else:
             replayed = Controller(tables)
     assert len(taken) == edges
-    program = build(files(controller, ulysse_net, "c"), tmp_path / "c")
+    program = build(files(document(controller, ulysse_net), "c"), tmp_path / "c")
     events = (tmp_path / "out" / "events.txt").read_text().splitlines()
     expected = (tmp_path / "out" / "expected.txt").read_text().splitlines()
     assert [line.split(" |")[0] for line in run_lines(program, events)] == expected

@@ -7,8 +7,8 @@ from hypothesis import given
 from mcpn.bench.runs import edge_of
 from mcpn.bench.sequences import sequences
 from mcpn.bench.world import Places
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
-from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import compose
 from mcpn.errors import ConfluenceError
 from mcpn.mission.model import Mission

@@ -12,11 +12,11 @@ from pathlib import Path
 
 import pytest
 
+from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.monitors import files as monitor_files
 from mcpn.controller.monitors import monitors_of
 from mcpn.controller.targets import files
-from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import MissionNet
 from mcpn.runtime.tables import Tables
 from mcpn.study import open_study
@@ -61,7 +61,7 @@ def _run(command: list[str]) -> None:
 
 def lockstep(mission_net: MissionNet, form: Form, folder: Path, against: list[str], steps: int) -> None:
     controller = generate(mission_net, form)
-    program = compiled(files(controller, mission_net, "btcpp"), folder, against)
+    program = compiled(files(document(controller, mission_net), "btcpp"), folder, against)
     model = Modelled(mission_net.mission, Tables(document(controller, mission_net)))
     events: list[str] = []
     expected: list[str] = []
@@ -107,7 +107,7 @@ def compiled_to_play(
     main = PROGRAM.replace("BODIES", played)
     for part in ("MORE", "WATCHED"):
         main = main.replace(part, parts.get(part, ""))
-    return compiled(files(generate(net, "hierarchical"), net, "btcpp"), folder, against, main=main)
+    return compiled(files(document(generate(net, "hierarchical"), net), "btcpp"), folder, against, main=main)
 
 
 def played(program: Path, body: str, tree: str = "") -> list[str]:

@@ -18,10 +18,10 @@ from hypothesis import HealthCheck, Phase, example, given, settings
 from hypothesis import strategies as st
 
 from mcpn.controller import rules
+from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.targets import files
 from mcpn.controller.targets.c import Array
-from mcpn.controller.targets.json import document
 from mcpn.controller.targets.names import C_KEYWORDS, C_SIGNIFICANT, c_string, comment, identifiers
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
@@ -73,7 +73,7 @@ def made(request: pytest.FixtureRequest, ulysse_net: MissionNet) -> tuple[dict[s
     form, _, parts = request.param.partition(" ")
     with patch.object(rules, "FEW_STEPS", 0 if parts else FEW_STEPS):
         controller = generate(ulysse_net, form)
-    return files(controller, ulysse_net, "c"), document(controller, ulysse_net)
+    return files(document(controller, ulysse_net), "c"), document(controller, ulysse_net)
 
 
 @pytest.fixture(scope="module")
@@ -242,7 +242,7 @@ def test_any_mission(
         controller = generate(mission_net, form, max_states=2000)
     except (SemanticsError, LimitError):
         return
-    program = build(files(controller, mission_net, "c"), tmp_path_factory.mktemp("c"))
+    program = build(files(document(controller, mission_net), "c"), tmp_path_factory.mktemp("c"))
     traced = Traced(document(controller, mission_net))
     events = random_events(traced, random.Random(seed), 300)
     traced.restart()
@@ -272,7 +272,7 @@ def named(name: str) -> dict[str, str]:
     robot = Robot(name="r", hardware=(Hardware(name="h"),), activities=(activity,))
     blocks = (Objective(name="o", activities=("a",), timeout=1.0),)
     mission_net = compose(Mission(name=name, robots=(robot,), blocks=blocks))
-    return files(generate(mission_net), mission_net, "c")
+    return files(document(generate(mission_net), mission_net), "c")
 
 
 def test_no_mission_s_name_makes_a_name_of_the_templates(tmp_path: Path) -> None:

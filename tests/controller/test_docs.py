@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.targets import files
 from mcpn.drawing.compose import MissionNet
@@ -20,7 +21,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "ros2.md"
 def test_the_node_hands_on_events_and_actions(
     ulysse_net: MissionNet, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    ((name, text),) = files(generate(ulysse_net), ulysse_net, "json").items()
+    ((name, text),) = files(document(generate(ulysse_net), ulysse_net), "json").items()
     (tmp_path / name).write_text(text)
     monkeypatch.chdir(tmp_path)
     published: dict[str, list[str]] = {}

@@ -8,12 +8,12 @@ from typing import Any, get_args
 
 import pytest
 
+from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.hierarchy import TableController
 from mcpn.controller.minimise import minimise, partition
 from mcpn.controller.modular import AnyController
 from mcpn.controller.targets import files
-from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.model import Objective, Parallel, Recursive
 from mcpn.mission.robot import Fault, Hardware, Robot
@@ -96,7 +96,7 @@ def test_every_edge_in_every_target(
     made: list[AnyController] = []
     made += both if target == "scxml" else [*both, generate(watch, "modular")]
     for number, controller in enumerate(made):
-        texts = files(controller, watch, target)
+        texts = files(document(controller, watch), target)
         traced = Traced(document(controller, watch))
         events, edges = tour(traced)
         taken = {event for _, event in edges}
@@ -135,11 +135,11 @@ def test_an_abort_in_every_target(tmp_path: Path) -> None:
         traced.restart()
         expected = traced.lines(events)
         assert any("| abort" in line for line in expected)
-        program = build(files(controller, mission_net, "c"), tmp_path / str(number))
+        program = build(files(document(controller, mission_net), "c"), tmp_path / str(number))
         assert run_lines(program, events) == expected
         if isinstance(controller, TableController) and controller.form == "hierarchical":
             path = tmp_path / "abort.scxml"
-            path.write_text(next(iter(files(controller, mission_net, "scxml").values())))
+            path.write_text(next(iter(files(document(controller, mission_net), "scxml").values())))
             check("Qt", path, controller, traced, events)
 
 
@@ -161,11 +161,11 @@ def test_a_common_cause_in_every_target(tmp_path: Path) -> None:
         assert {"board_EV_OOS", "fuse_EV_OOS", "fuse_EV_RD"} <= set(events)
         traced.restart()
         expected = traced.lines(events)
-        program = build(files(controller, mission_net, "c"), tmp_path / str(number))
+        program = build(files(document(controller, mission_net), "c"), tmp_path / str(number))
         assert run_lines(program, events) == expected
     controller = generate(mission_net)
     traced, path = Traced(document(controller, mission_net)), tmp_path / "fault.scxml"
-    path.write_text(next(iter(files(controller, mission_net, "scxml").values())))
+    path.write_text(next(iter(files(document(controller, mission_net), "scxml").values())))
     check("Qt", path, controller, traced, tour(traced)[0])
 
 
@@ -186,7 +186,7 @@ def test_more_outcomes_than_a_byte_has_numbers(tmp_path: Path) -> None:
     given = [text for name in names for text in ("", "MISSION_EV_START", name, "OBJ_a_EV_OK")]
     expected = traced.lines(given)
     assert sum("| failure" in line for line in expected) == 2 * 130
-    program = build(files(controller, mission_net, "c"), tmp_path / "c")
+    program = build(files(document(controller, mission_net), "c"), tmp_path / "c")
     assert run_lines(program, given) == expected
 
 

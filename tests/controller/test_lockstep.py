@@ -10,10 +10,10 @@ import pytest
 from hypothesis import event, given
 from hypothesis import strategies as st
 
+from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.machine import VERBS
 from mcpn.controller.modular import AnyController
-from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective

@@ -9,11 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.answers.verdicts.modes import Situation
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import Entry, Move, SectionMachine
 from mcpn.controller.machine import PlannedAction
 from mcpn.controller.minimise import minimise, partition, quotient
-from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.mortal import Guard
 from mcpn.errors import LimitError, SemanticsError

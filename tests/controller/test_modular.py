@@ -11,9 +11,10 @@ from hypothesis import event, given
 from hypothesis import strategies as st
 
 from mcpn.controller import rules
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.modular import ModularController
-from mcpn.controller.targets.json import document, write_json
+from mcpn.controller.targets.json import write_json
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import SUCCEED, Handler, Mission, Objective, Parallel, Recursive
@@ -198,7 +199,7 @@ def test_a_section_of_much_hardware_is_not_listed() -> None:
 
 @pytest.fixture(scope="module")
 def of_ulysse(ulysse_net: MissionNet) -> dict[str, Any]:
-    said: dict[str, Any] = json.loads(write_json(generate(ulysse_net, "modular"), ulysse_net))
+    said: dict[str, Any] = json.loads(write_json(document(generate(ulysse_net, "modular"), ulysse_net)))
     return said
 
 

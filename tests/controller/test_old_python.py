@@ -15,9 +15,10 @@ from typing import get_args
 import pytest
 
 import mcpn.runtime
+from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.targets import files
-from mcpn.controller.targets.json import document, write_json
+from mcpn.controller.targets.json import write_json
 from mcpn.drawing.compose import MissionNet
 from mcpn.files import write_folder
 from tests.controller.traces import Traced, canonical, random_events
@@ -40,7 +41,7 @@ def old(request: pytest.FixtureRequest) -> str:
 @pytest.mark.parametrize("form", get_args(Form))
 def test_the_generated_file(form: Form, old: str, ulysse_net: MissionNet, tmp_path: Path) -> None:
     controller = generate(ulysse_net, form)
-    ((name, text),) = files(controller, ulysse_net, "python").items()
+    ((name, text),) = files(document(controller, ulysse_net), "python").items()
     (tmp_path / name).write_text(text, encoding="utf-8")
     traced = Traced(document(controller, ulysse_net))
     events = random_events(traced, Random(1), 500)
@@ -72,7 +73,7 @@ def test_the_runtime_by_itself(old: str, ulysse_net: MissionNet, tmp_path: Path)
     whole = Path(mcpn.runtime.__file__).parent
     shutil.copytree(whole, tmp_path / "mcpn" / "runtime", ignore=shutil.ignore_patterns("__pycache__"))
     controller = generate(ulysse_net)
-    (tmp_path / "controller.json").write_text(write_json(controller, ulysse_net), encoding="utf-8")
+    (tmp_path / "controller.json").write_text(write_json(document(controller, ulysse_net)), encoding="utf-8")
     run = subprocess.run(
         [old, "-E", "-S", "-c", FAILING], cwd=tmp_path, capture_output=True, text=True, check=False
     )
@@ -85,7 +86,7 @@ def test_the_runtime_by_itself(old: str, ulysse_net: MissionNet, tmp_path: Path)
 
 def test_the_package_for_ros(old: str, ulysse_net: MissionNet, tmp_path: Path) -> None:
     """Every file of it is Python of that version."""
-    write_folder(tmp_path, files(generate(ulysse_net), ulysse_net, "ros2"))
+    write_folder(tmp_path, files(document(generate(ulysse_net), ulysse_net), "ros2"))
     assert len([*tmp_path.glob("*.py")]) == 4
     command = [old, "-m", "compileall", "-q", "-f", str(tmp_path)]
     run = subprocess.run(command, capture_output=True, text=True, check=False)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.targets import files
-from mcpn.controller.targets.json import document
 from mcpn.controller.targets.tables import MachineNumbers
 from mcpn.drawing.compose import compose
 from mcpn.mission.model import Mission, Objective
@@ -44,7 +44,7 @@ def test_the_objective_then_the_alternative_then_the_activity(
                 expected[name] = found[0]
                 break
     runtime = Runtime.from_document(document(controller, mission_net))
-    ((_, text),) = files(controller, mission_net, "python").items()
+    ((_, text),) = files(document(controller, mission_net), "python").items()
     for each in (runtime, Generated(text).controller()):
         (select,) = (a for a in each.handle("MISSION_EV_START") if a.verb == "select")
         assert {p.name: p.value for p in select.parameters} == expected
@@ -54,7 +54,7 @@ def test_the_objective_then_the_alternative_then_the_activity(
         "alternative": {p.name: p.value for p in of_way},
         "objective": {p.name: p.value for p in of_objective},
     }
-    numbers = MachineNumbers(controller, mission_net)
+    numbers = MachineNumbers(document(controller, mission_net))
     for kind, listed in (
         ("activities", "activity"),
         ("alternatives", "alternative"),

@@ -15,9 +15,9 @@ from hypothesis import event as seen
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.targets import files, python
-from mcpn.controller.targets.json import document
 from mcpn.controller.targets.python import bundle
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
@@ -60,7 +60,7 @@ class Generated:
 @pytest.mark.parametrize("form", get_args(Form))
 def test_every_edge_of_ulysse(form: Form, ulysse_net: MissionNet, tmp_path: Path) -> None:
     controller = generate(ulysse_net, form)
-    ((name, text),) = files(controller, ulysse_net, "python").items()
+    ((name, text),) = files(document(controller, ulysse_net), "python").items()
     traced = Traced(document(controller, ulysse_net))
     events, edges = tour(traced)
     assert len(edges) == 1332
@@ -92,7 +92,7 @@ def test_any_mission(mission: Mission, seed: int, form: Form) -> None:
     except (SemanticsError, LimitError):
         return
     seen(f"{form}, facts: {bool(mission_net.usage.world.facts)}")
-    ((_, text),) = files(controller, mission_net, "python").items()
+    ((_, text),) = files(document(controller, mission_net), "python").items()
     traced = Traced(document(controller, mission_net))
     events = random_events(traced, random.Random(seed), 60)
     traced.restart()
@@ -101,7 +101,7 @@ def test_any_mission(mission: Mission, seed: int, form: Form) -> None:
 
 def test_a_snapshot_of_one_is_one_of_the_other(ulysse_net: MissionNet) -> None:
     controller = generate(ulysse_net)
-    ((_, text),) = files(controller, ulysse_net, "python").items()
+    ((_, text),) = files(document(controller, ulysse_net), "python").items()
     generated, runtime = Generated(text), Runtime.from_document(document(controller, ulysse_net))
     one, other = generated.controller(), generated.controller()
     one.handle("MISSION_EV_START")
@@ -115,7 +115,7 @@ def test_a_snapshot_of_one_is_one_of_the_other(ulysse_net: MissionNet) -> None:
 
 
 def test_it_imports_python_alone(ulysse_net: MissionNet) -> None:
-    ((_, text),) = files(generate(ulysse_net), ulysse_net, "python").items()
+    ((_, text),) = files(document(generate(ulysse_net), ulysse_net), "python").items()
     imported = set[str]()
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Import):
@@ -135,7 +135,7 @@ def test_any_text_of_a_mission(said: str) -> None:
     robot = Robot(name="r", activities=(Activity(name="a", alternatives=(Alternative(name="w"),)),))
     block = Objective(name="x", activities=("a",), parameters=(told,))
     mission_net = compose(Mission(name="m", robots=(robot,), blocks=(block,)))
-    ((_, text),) = files(generate(mission_net), mission_net, "python").items()
+    ((_, text),) = files(document(generate(mission_net), mission_net), "python").items()
     (select,) = (a for a in Generated(text).controller().handle("MISSION_EV_START") if a.verb == "select")
     assert [(p.name, p.value, p.unit) for p in select.parameters] == [("depth", said, said)]
 

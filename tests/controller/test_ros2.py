@@ -15,9 +15,9 @@ from typing import Any
 import pytest
 from lxml import etree
 
+from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.targets import files
-from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import MissionNet
 from mcpn.files import write_folder
 from mcpn.runtime.tables import Tables
@@ -121,7 +121,7 @@ def lockstep(
     net: MissionNet, form: Form, folder: Path, ros: Ros, monkeypatch: pytest.MonkeyPatch, steps: int
 ) -> None:
     controller = generate(net, form)
-    node = node_of(files(controller, net, "ros2"), folder, monkeypatch)
+    node = node_of(files(document(controller, net), "ros2"), folder, monkeypatch)
     assert node.on_configure(None) == "success"
     model = Modelled(net.mission, Tables(document(controller, net)))
     for event in model.events(random.Random(11), steps):
@@ -171,7 +171,7 @@ def test_timers_are_the_node_s(ros: Ros, tmp_path: Path, monkeypatch: pytest.Mon
     net = composed(WATCH, tmp_path)
     time = 0.0
     monkeypatch.setattr("time.monotonic", lambda: time)
-    node = node_of(files(generate(net), net, "ros2"), tmp_path, monkeypatch)
+    node = node_of(files(document(generate(net), net), "ros2"), tmp_path, monkeypatch)
     node.on_configure(None)
     node.on_activate(None)
     (passed,) = ros.timers
@@ -187,7 +187,7 @@ def test_timers_are_the_node_s(ros: Ros, tmp_path: Path, monkeypatch: pytest.Mon
 
 def test_what_is_refused_is_told(ros: Ros, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     net = composed(WATCH, tmp_path)
-    node = node_of(files(generate(net), net, "ros2"), tmp_path, monkeypatch)
+    node = node_of(files(document(generate(net), net), "ros2"), tmp_path, monkeypatch)
     node.on_configure(None)
     node.on_activate(None)
     ros.told.clear()
@@ -199,7 +199,7 @@ def test_what_is_refused_is_told(ros: Ros, tmp_path: Path, monkeypatch: pytest.M
 def test_the_package_is_well_formed(name: str, tmp_path: Path) -> None:
     """Whatever the mission is called, as far as missions may be: names of packages are narrower."""
     net = composed(WATCH.replace('name="twice"', f'name="{name}"'), tmp_path)
-    texts = files(generate(net), net, "ros2")
+    texts = files(document(generate(net), net), "ros2")
     (package,) = [each for each in texts if "." not in each]
     assert package == {"x": "x", "a__b_": "a_b", "_9": "mission_9", "class": "class"}[name] + (
         "" if name == "_9" else "_mission"

@@ -17,8 +17,9 @@ from hypothesis import strategies as st
 from hypothesis.stateful import Bundle, RuleBasedStateMachine, invariant, precondition, rule
 
 from mcpn import runtime
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
-from mcpn.controller.targets.json import document, write_json
+from mcpn.controller.targets.json import write_json
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.xml import read_mission
 from mcpn.runtime import (
@@ -42,7 +43,7 @@ DIVING = ("OBJ_coral_head.manual_moving_EV_FAIL",)
 
 def test_it_is_read_from_its_file(ulysse_net: MissionNet, tmp_path: Path) -> None:
     path = tmp_path / "controller.json"
-    path.write_text(write_json(generate(ulysse_net), ulysse_net))
+    path.write_text(write_json(document(generate(ulysse_net), ulysse_net)))
     assert Controller.load(path).handle(START)[-1].verb == "start"
 
 

@@ -12,10 +12,10 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from lxml import etree
 
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import TableController
 from mcpn.controller.targets import files
-from mcpn.controller.targets.json import document
 from mcpn.controller.targets.names import identifiers
 from mcpn.controller.targets.scxml import NAMESPACE, event_name
 from mcpn.drawing.compose import MissionNet, compose
@@ -72,7 +72,7 @@ def check(name: str, path: Path, controller: TableController, traced: Traced, ev
 @pytest.mark.parametrize("form", ["flat", "hierarchical"])
 def test_ulysse(name: str, form: str, ulysse_net: MissionNet, tmp_path: Path) -> None:
     controller = generate(ulysse_net, "flat" if form == "flat" else "hierarchical")
-    ((file, text),) = files(controller, ulysse_net, "scxml").items()
+    ((file, text),) = files(document(controller, ulysse_net), "scxml").items()
     (tmp_path / file).write_text(text)
     traced = Traced(document(controller, ulysse_net))
     if name == "Qt":
@@ -107,7 +107,7 @@ def test_any_mission(
         controller = generate(mission_net, "flat" if flat else "hierarchical", max_states=300)
     except (SemanticsError, LimitError):
         return
-    ((file, text),) = files(controller, mission_net, "scxml").items()
+    ((file, text),) = files(document(controller, mission_net), "scxml").items()
     path = tmp_path_factory.mktemp("scxml") / file
     path.write_text(text)
     traced = Traced(document(controller, mission_net))
@@ -122,7 +122,7 @@ def test_the_document_is_what_the_recommendation_wants(
     """Each rule that the XML schema of W3C has for the elements used: content, attributes, their types."""
     mission_net = compose(TIMED) if timed else ulysse_net
     controller = generate(mission_net, "flat" if form == "flat" else "hierarchical")
-    ((_, text),) = files(controller, mission_net, "scxml").items()
+    ((_, text),) = files(document(controller, mission_net), "scxml").items()
     root = etree.fromstring(text.encode())
     children = {
         "scxml": {"parallel"},
@@ -182,7 +182,7 @@ def test_the_document_is_what_the_recommendation_wants(
 @pytest.mark.parametrize("form", ["flat", "hierarchical"])
 def test_parameters_travel_with_the_selection(form: str, ulysse_net: MissionNet, tmp_path: Path) -> None:
     controller = generate(ulysse_net, "flat" if form == "flat" else "hierarchical")
-    ((file, text),) = files(controller, ulysse_net, "scxml").items()
+    ((file, text),) = files(document(controller, ulysse_net), "scxml").items()
     (tmp_path / file).write_text(text)
     runtime = Runtime.from_document(document(controller, ulysse_net))
     events = ["MISSION_EV_START", "OBJ_coral_head.manual_moving_EV_FAIL", "OBJ_transect.diving_EV_OK"]

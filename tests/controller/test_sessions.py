@@ -12,11 +12,11 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.minimise import minimise
 from mcpn.controller.modular import AnyController
 from mcpn.controller.simulator import Simulation
-from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.xml import read_mission
 from mcpn.nets.events import Event

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from mcpn.controller.document import document
 from mcpn.controller.modular import ModularController
 from mcpn.controller.targets import TARGETS, files
 from mcpn.errors import InputError
@@ -18,6 +19,7 @@ from tests.conftest import ROOT, ULYSSE
 PROGRAM = """
 import hashlib, sys
 from pathlib import Path
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.minimise import minimise
 from mcpn.controller.targets import TARGETS, files
@@ -29,7 +31,7 @@ for path in sys.argv[1:]:
         controller = generate(net, form)
         for found in (controller, minimise(controller)):
             for target in TARGETS:
-                for name, text in files(found, net, target).items():
+                for name, text in files(document(found, net), target).items():
                     print(form, found.minimised, name, hashlib.sha256(text.encode()).hexdigest())
 """
 
@@ -77,9 +79,9 @@ def test_a_mission_that_passes_gets_every_target(path: str) -> None:
     controller, modular = study.controller("auto"), study.controller("modular")
     assert isinstance(modular, ModularController)
     for target in TARGETS:
-        assert all(files(controller, net, target).values())
+        assert all(files(document(controller, net), target).values())
         if target == "scxml":
             with pytest.raises(InputError, match="the target scxml of a modular controller"):
-                files(modular, net, target)
+                files(document(modular, net), target)
         else:
-            assert all(files(modular, net, target).values())
+            assert all(files(document(modular, net), target).values())

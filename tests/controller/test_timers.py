@@ -14,9 +14,9 @@ from typing import Any, get_args
 
 import pytest
 
+from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.targets import files
-from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.model import Handler, Mission, Objective, Parallel, Recursive
 from mcpn.runtime import AsyncController, Controller, EventQueue, Refused, SnapshotError
@@ -285,7 +285,8 @@ def test_c_ticks_as_the_runtime_does(
     net = compose(replace(of, name="m"))
     made = generate(net, form)
     lines, said = plan(Controller.from_document(document(made, net), clock=clock), clock, often)
-    texts = {name: text for name, text in files(made, net, "c").items() if not name.endswith("_main.c")}
+    every = files(document(made, net), "c")
+    texts = {name: text for name, text in every.items() if not name.endswith("_main.c")}
     program = build(texts | {"harness.c": HARNESS}, tmp_path, *SANITIZE)
     run = subprocess.run([program], input="\n".join(lines) + "\n", capture_output=True, text=True)
     assert (run.returncode, run.stderr) == (0, "")
@@ -300,7 +301,7 @@ def test_generated_python_ticks_as_the_runtime_does(
     net = compose(replace(of, name="m"))
     made = generate(net, form)
     lines, said = plan(Controller.from_document(document(made, net), clock=clock), clock, often)
-    ((_, text),) = files(made, net, "python").items()
+    ((_, text),) = files(document(made, net), "python").items()
     generated, later = Generated(text), Clock()
     other, found = generated.controller(clock=later), list[str]()
     for line in lines:

@@ -8,9 +8,9 @@ from pathlib import Path
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.simulator import Simulation
-from mcpn.controller.targets.json import document
 from mcpn.drivers.mapping import OTHER, DriverSpec, Plan, check_plan
 from mcpn.drivers.running import RobotRun
 from mcpn.errors import LimitError, SemanticsError

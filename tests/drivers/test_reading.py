@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
-from mcpn.controller.targets.json import document
 from mcpn.drivers.mapping import check_plan
 from mcpn.drivers.reading import lines_of, read_drivers, skeleton
 from mcpn.errors import InputError, LimitError, SemanticsError

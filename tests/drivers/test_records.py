@@ -18,9 +18,10 @@ import pytest
 
 import mcpn.files as mcpn_files
 from mcpn.cli.play import events_of_file
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.monitors import files, monitors_of
-from mcpn.controller.targets.json import document, write_json
+from mcpn.controller.targets.json import write_json
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
 from mcpn.files import write_atomically, write_folder
@@ -476,7 +477,7 @@ def kinds(folder: Path) -> dict[str, tuple[bytes, Callable[[Path], object]]]:
         return parsed(saved.text(tables.digest))
 
     return {
-        "controller": (write_json(generate(net), net).encode(), lambda path: read(path).digest),
+        "controller": (write_json(document(generate(net), net)).encode(), lambda path: read(path).digest),
         "monitors": (
             files(monitors_of(open_study(path).mission_spaces()))["monitors.json"].encode(),
             lambda path: Monitors.load(path).digest,

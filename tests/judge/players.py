@@ -8,11 +8,11 @@ from functools import cache
 from typing import Any, Literal, TypeAlias
 
 from mcpn.answers.spaces import spaces_of
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.minimise import minimise
 from mcpn.controller.modular import AnyController
 from mcpn.controller.simulator import Simulation
-from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
 from mcpn.nets.events import Event

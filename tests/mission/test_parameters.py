@@ -12,9 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lxml import etree
 
+from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.targets import files
-from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import compose
 from mcpn.mission.flatten import flatten
 from mcpn.mission.graph import ElementarySection
@@ -206,7 +206,7 @@ def test_the_objective_s_count_before_the_alternative_s_and_these_before_the_act
     of_the_robot = {"k": "act", "x": "alt", "room": "alt"}
     controller = generate(found)
     runtime = Runtime.from_document(document(controller, found))
-    ((_, text),) = files(controller, found, "python").items()
+    ((_, text),) = files(document(controller, found), "python").items()
     events = ["MISSION_EV_START", *(f"OBJ_{name}_EV_OK" for name in list(SAID)[:-1])]
     for each in (runtime, Generated(text).controller()):
         carried = {}
@@ -224,7 +224,7 @@ def test_scxml_carries_what_counts_whatever_it_is(form: Form, fault: Mission) ->
     (of,) = fault.activities
     hostile = replace(of, parameters=(Parameter(name="k", value=HOSTILE, unit=HOSTILE),))
     found = compose(replace(fault, robots=(replace(fault.robots[0], activities=(hostile,)),)))
-    ((_, text),) = files(generate(found, form), found, "scxml").items()
+    ((_, text),) = files(document(generate(found, form), found), "scxml").items()
     carried = [
         {name: p["value"] for name, p in json.loads(json.loads(log.get("expr", ""))).items()}
         for log in etree.fromstring(text.encode()).iter("{*}log")

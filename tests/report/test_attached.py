@@ -16,7 +16,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from mcpn.controller.targets.json import document
+from mcpn.controller.document import document
 from mcpn.runtime import Controller
 from mcpn.study import open_study
 from tests.commands import mcpn

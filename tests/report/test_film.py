@@ -14,9 +14,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.simulator import HARDWARE, Simulation, likelihood
-from mcpn.controller.targets.json import document
 from mcpn.drawing.compose import compose
 from mcpn.findings import Findings, findings
 from mcpn.mission.model import Handler, Mission, Objective, Parallel

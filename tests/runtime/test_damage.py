@@ -11,8 +11,9 @@ from typing import Any, Literal
 
 import pytest
 
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
-from mcpn.controller.targets.json import document, write_json
+from mcpn.controller.targets.json import write_json
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.xml import read_mission
 from mcpn.runtime import Controller, ControllerFileError, SnapshotError
@@ -73,7 +74,7 @@ def test_ten_thousand_that_are_signed_again(found: dict[str, Any]) -> None:
 
 
 def test_the_digest_is_that_of_the_plain_text(watch: MissionNet) -> None:
-    said = json.loads(write_json(generate(watch), watch))
+    said = json.loads(write_json(document(generate(watch), watch)))
     digest = said.pop("digest")
     text = json.dumps(said, sort_keys=True, ensure_ascii=False, separators=(",", ":"))
     assert digest == hashlib.sha256(text.encode()).hexdigest()
@@ -91,7 +92,7 @@ def test_the_digest_is_that_of_the_plain_text(watch: MissionNet) -> None:
     ],
 )  # fmt: skip
 def test_what_is_wrong_is_said_with_its_place(change: Any, where: str, watch: MissionNet) -> None:
-    said = json.loads(write_json(generate(watch), watch))
+    said = json.loads(write_json(document(generate(watch), watch)))
     change(said)
     with pytest.raises(ControllerFileError, match=where):
         Controller.from_document(signed(said))
@@ -163,7 +164,7 @@ def test_a_fact_has_one_value_in_files_and_snapshots(
     """Each set of its flags that is not of one of its values is refused, and so are flags of no fact."""
     (tmp_path / "m.xml").write_text(LIGHT)
     net = compose(read_mission(tmp_path / "m.xml"))
-    said = json.loads(write_json(generate(net, form), net))
+    said = json.loads(write_json(document(generate(net, form), net)))
     of_values = {value: frozenset(flags) for value, flags in said["facts"]["light"].items()}
     every = sorted(frozenset().union(*of_values.values()))
     controller = Controller.from_document(said)
@@ -186,7 +187,7 @@ def test_only_a_loss_that_has_come_is_known(tmp_path: Path) -> None:
     """Hardware in service of which a snapshot says that its loss is known, before the mission starts."""
     (tmp_path / "m.xml").write_text(LATE)
     net = compose(read_mission(tmp_path / "m.xml"))
-    said = json.loads(write_json(generate(net, "hierarchical"), net))
+    said = json.loads(write_json(document(generate(net, "hierarchical"), net)))
     controller = Controller.from_document(said)
     snapshot = json.loads(controller.snapshot())
     (flag,) = said["late"].values()

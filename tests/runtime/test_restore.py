@@ -16,8 +16,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.cli.line import command_line, run
+from mcpn.controller.document import document
 from mcpn.controller.generate import generate
-from mcpn.controller.targets.json import document
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.model import Mission
 from mcpn.runtime import Action, Controller, Journal, Refused

@@ -68,7 +68,7 @@ def bench(
     from mcpn.bench.runs import nominal_run_of, one_run_of
     from mcpn.bench.sequences import read_script
     from mcpn.bench.world import World
-    from mcpn.controller.targets.json import document
+    from mcpn.controller.document import document
     from mcpn.files import write_folder
     from mcpn.mission.static.intervals import at_their_means
     from mcpn.runtime.tables import Tables
@@ -299,14 +299,16 @@ def tests(
         return
     assert output is not None
     from mcpn.bench.sequences import files, sequences
-    from mcpn.controller.targets.json import FILE_NAME, document, write_json
+    from mcpn.controller.document import document
+    from mcpn.controller.targets.json import FILE_NAME, write_json
     from mcpn.files import write_folder
     from mcpn.runtime.tables import Tables
 
     study = question.study(mission)
     controller = study.controller("hierarchical", max_states=question.max_states)
-    found = sequences(Tables(document(controller, study.mission_net)))
-    texts = dict(files(found, controller.mission)) | {FILE_NAME: write_json(controller, study.mission_net)}
+    said = document(controller, study.mission_net)
+    found = sequences(Tables(said))
+    texts = dict(files(found, controller.mission)) | {FILE_NAME: write_json(said)}
     write_folder(output, texts)
     told = {
         "mission": controller.mission,

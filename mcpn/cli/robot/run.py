@@ -279,7 +279,7 @@ def run(
     what runs, releases its hardware, and writes the snapshot. Exit code 0 if the mission succeeds, 1 if it
     fails or aborts, or a monitor finds a requirement violated, 2 if its journal or snapshot is not whole.
     """
-    from mcpn.controller.targets.json import document
+    from mcpn.controller.document import document
     from mcpn.drivers.mapping import check_plan
     from mcpn.drivers.reading import read_drivers
     from mcpn.runtime.controller import Controller
@@ -369,7 +369,7 @@ def run(
 
 def _begin(study: Study, drivers: Path, question: Question) -> None:
     """Writes a file of drivers to start from; one that is there is not overwritten."""
-    from mcpn.controller.targets.json import document
+    from mcpn.controller.document import document
     from mcpn.drivers.reading import skeleton
     from mcpn.files import write_atomically
     from mcpn.runtime.tables import Tables

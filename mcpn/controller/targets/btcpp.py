@@ -6,33 +6,30 @@ of the controller in C holds of the node: the tables are the same, the node only
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any
 
-from mcpn.controller.modular import AnyController
 from mcpn.controller.targets.c import written
 from mcpn.controller.targets.names import c_string, comment, render
 from mcpn.controller.targets.tables import MachineNumbers, RuleNumbers
-from mcpn.drawing.compose import MissionNet
-from mcpn.mission.model import Mission
-from mcpn.nets.events import START, Event, What
+from mcpn.nets.events import START
 
 
-def write_btcpp(controller: AnyController, mission_net: MissionNet) -> dict[str, str]:
+def write_btcpp(document: Mapping[str, Any]) -> dict[str, str]:
     """The files by name: the controller's header and source, the node, an example.
 
     Args:
-        controller: The controller.
-        mission_net: The mission's net, for facts, hardware and parameters.
+        document: The controller's.
     """
-    in_c, texts, _ = written(controller, mission_net)
+    in_c, texts, _ = written(document)
     numbers, prefix = in_c.numbers, in_c.prefix
-    told = _told(mission_net)
+    told = _told(document)
     number = {text: place for place, text in enumerate(numbers.events)}
     facts = [
         {
             "port": c_string(f"fact_{fact}"),
             "words": c_string(f"Its value: a change is an event; {' or '.join(sorted(values))} can be told"),
-            "initial": c_string(mission_net.usage.world.facts[fact].start),
+            "initial": c_string(next(value for value, flags in document["facts"][fact].items() if not flags)),
         }
         for fact, values in told.items()
     ]
@@ -40,10 +37,10 @@ def write_btcpp(controller: AnyController, mission_net: MissionNet) -> dict[str,
         {
             "fact": place,
             "value": c_string(value),
-            "event": number[str(Event(What.DECLARED, name))],
+            "event": number[text],
         }
         for place, values in enumerate(told.values())
-        for value, name in values.items()
+        for value, text in values.items()
     ]
     none = len(numbers.events)
     services = [
@@ -59,7 +56,7 @@ def write_btcpp(controller: AnyController, mission_net: MissionNet) -> dict[str,
     said = {
         "p": prefix,
         "P": prefix.upper(),
-        "mission": comment(controller.mission),
+        "mission": comment(document["mission"]),
         "id": f"{prefix}_mission",
         "start": numbers.start,
         "start_name": str(START),
@@ -68,7 +65,7 @@ def write_btcpp(controller: AnyController, mission_net: MissionNet) -> dict[str,
         "services": services,
         "facts": facts,
         "changes": changes,
-        "held": [(comment(name), list(held)) for name, held in _held(numbers, mission_net)],
+        "held": [(comment(name), list(held)) for name, held in _held(numbers, document)],
     }
     return texts | {
         f"{prefix}_node.hpp": render("node.hpp.jinja", **said),
@@ -76,39 +73,41 @@ def write_btcpp(controller: AnyController, mission_net: MissionNet) -> dict[str,
     }
 
 
-def _told(mission_net: MissionNet) -> dict[str, dict[str, str]]:
+def _told(document: Mapping[str, Any]) -> dict[str, dict[str, str]]:
     """By fact that a port may tell, by value, the declared event that says nothing but that it has the value.
 
     Where several say so, the first in the order of the mission does.
     """
-    changing = mission_net.usage.world.changing
     found: dict[str, dict[str, str]] = {}
-    for event in mission_net.mission.events:
-        if len(changes := changing.get(event.name, {})) == 1:
-            ((fact, to),) = changes.items()
-            if len(values := {*to.values()}) == 1:
-                found.setdefault(fact, {}).setdefault(values.pop(), event.name)
+    for event, changes in document["changing"].items():
+        true, false = set(changes["true"]), set(changes["false"])
+        for fact, values in document["facts"].items():
+            if true | false == {flag for flags in values.values() for flag in flags}:
+                for value, flags in values.items():
+                    if set(flags) == true:
+                        found.setdefault(fact, {}).setdefault(value, event)
     return found
 
 
-def held(mission: Mission) -> dict[tuple[str, str], list[str]]:
+def held(document: Mapping[str, Any]) -> dict[tuple[str, str], list[str]]:
     """By activity and alternative the hardware that the robot takes for it, and releases.
 
     Args:
-        mission: The mission.
+        document: The controller's.
     """
-    stands = {each.name for each in (*mission.faults, *mission.crashes)}
-    hardware = {each.name for each in mission.hardware} - stands
+    hardware = {*document["all_hardware"]}.difference(document["common_causes"], document["crashing"])
     return {
-        (activity.name, way.name): [name for name in way.consumes if name in hardware]
-        for activity in mission.activities
-        for way in activity.alternatives
+        (activity, way): [name for name in said["consumes"] if name in hardware]
+        for activity, own in document["activities"].items()
+        for way, said in own["alternatives"].items()
     }
 
 
-def _held(numbers: RuleNumbers | MachineNumbers, mission_net: MissionNet) -> Iterator[tuple[str, list[int]]]:
+def _held(
+    numbers: RuleNumbers | MachineNumbers, document: Mapping[str, Any]
+) -> Iterator[tuple[str, list[int]]]:
     """By alternative, in the order of their numbers, the numbers of the hardware that it takes."""
     place = {name: number for number, name in enumerate(numbers.hardware)}
-    takes = {".".join(way): [place[k] for k in names] for way, names in held(mission_net.mission).items()}
+    takes = {".".join(way): [place[k] for k in names] for way, names in held(document).items()}
     for name in numbers.alternatives:
         yield name, takes[name]

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
-from mcpn.controller.modular import AnyController, ModularController
 from mcpn.controller.targets.names import (
     C_PREFIX_RESERVED,
     C_SIGNIFICANT,
@@ -22,7 +22,7 @@ from mcpn.controller.targets.names import (
     rows,
 )
 from mcpn.controller.targets.tables import MachineNumbers, RuleNumbers
-from mcpn.drawing.compose import MissionNet
+from mcpn.runtime.documents import FORMS
 
 LONGEST_PREFIX = 20
 
@@ -68,14 +68,13 @@ class Array:
         return rows([f"{value}U" for value in self.values or [0]])
 
 
-def write_c(controller: AnyController, mission_net: MissionNet) -> dict[str, str]:
+def write_c(document: Mapping[str, Any]) -> dict[str, str]:
     """The files by name: header, source, example.
 
     Args:
-        controller: The controller.
-        mission_net: The mission's net, for the parameters.
+        document: The controller's.
     """
-    _, texts, main = written(controller, mission_net)
+    _, texts, main = written(document)
     return texts | main
 
 
@@ -94,23 +93,21 @@ class InC:
     enums: Mapping[str, Sequence[tuple[str, int, str]]]
 
 
-def written(controller: AnyController, mission_net: MissionNet) -> tuple[InC, dict[str, str], dict[str, str]]:
+def written(document: Mapping[str, Any]) -> tuple[InC, dict[str, str], dict[str, str]]:
     """What the files speak of, header and source by name, and the example by name.
 
     Args:
-        controller: The controller.
-        mission_net: The mission's net, for the parameters.
+        document: The controller's.
     """
     numbers: RuleNumbers | MachineNumbers
-    if isinstance(controller, ModularController):
-        numbers = RuleNumbers(controller, mission_net)
+    if document["form"] == FORMS[-1]:
+        numbers = RuleNumbers(document)
         arrays, source = _of_rules(numbers), "rules.c.jinja"
     else:
-        numbers = MachineNumbers(controller, mission_net)
+        numbers = MachineNumbers(document)
         arrays, source = _of_machines(numbers), "controller.c.jinja"
-    prefix = identifiers([controller.mission], keywords=C_PREFIX_RESERVED, longest=LONGEST_PREFIX)[
-        controller.mission
-    ]
+    mission = document["mission"]
+    prefix = identifiers([mission], keywords=C_PREFIX_RESERVED, longest=LONGEST_PREFIX)[mission]
     lower, upper = prefix.lower(), prefix.upper()
     kinds = {
         "event": numbers.events,
@@ -132,8 +129,8 @@ def written(controller: AnyController, mission_net: MissionNet) -> tuple[InC, di
     values = {
         "p": lower,
         "P": upper,
-        "mission": comment(controller.mission),
-        "controller": controller,
+        "mission": comment(mission),
+        "controller": document,
         "numbers": numbers,
         "enums": enums,
         "strings": {kind: [c_string(name) for name in names] for kind, names in kinds.items()},
@@ -143,7 +140,7 @@ def written(controller: AnyController, mission_net: MissionNet) -> tuple[InC, di
         "oos_bytes": max(1, (len(numbers.faulty) + 7) // 8),
         "once_names": comment(", ".join(numbers.once)),
         "once_bytes": (len(numbers.once) + 7) // 8,
-        "state_bytes": (controller.bits + 7) // 8 if isinstance(controller, ModularController) else 0,
+        "state_bytes": (numbers.bits + 7) // 8 if isinstance(numbers, RuleNumbers) else 0,
         "longest_name": max(len(name.encode()) for name in numbers.events),
         "number": f"uint{8 if numbers.none == 0xFF else 16 if numbers.none == 0xFFFF else 32}_t",
         "event_type": "uint16_t" if len(numbers.events) < 0xFFFF else "uint32_t",
@@ -162,7 +159,7 @@ def _of_machines(n: MachineNumbers) -> list[Array]:
     arrays = _of_sections(n)
     arrays += [
         Array("type_states", n.type_states, "first of the type's states in move_start"),
-        Array("type_state_count", [len(m.states) for m in n.types], "how many they are"),
+        Array("type_state_count", [len(m["states"]) for m in n.types], "how many they are"),
         Array("type_entries", n.type_entries, "first of its entries"),
         Array("type_hardware", n.type_hardware, "bits of the number of an entry"),
         Array("entry_target", n.entry_target, f"first state inside, {none} where the mission cannot come"),
@@ -192,8 +189,10 @@ def _of_machines(n: MachineNumbers) -> list[Array]:
     if n.flags:
         arrays += [
             Array("entry_guard", n.entry_guard, "what an entry changes of facts, as a guard"),
-            Array("type_once", [len(m.once) for m in n.types], "handlers of a type, before its facts"),
-            Array("type_entering", [m.entering for m in n.types], "bits of facts in the number of an entry"),
+            Array("type_once", [len(m["once"]) for m in n.types], "handlers of a type, before its facts"),
+            Array(
+                "type_entering", [m["entering"] for m in n.types], "bits of facts in the number of an entry"
+            ),
         ]
     return arrays
 
@@ -203,10 +202,10 @@ def _of_rules(n: RuleNumbers) -> list[Array]:
     none = n.none
     literal = "2 i: bit i is not set; 2 i + 1: it is"
     asked = f"{literal}; from the type's bits on: bit i - bits after the parts before" if n.parts else literal
-    once, facts = [len(rules.once) for rules in n.types], [len(rules.facts) for rules in n.types]
+    once, facts = [len(rules["once"]) for rules in n.types], [len(rules["facts"]) for rules in n.types]
     return [
         *_of_sections(n),
-        Array("type_bits", [rules.bits for rules in n.types], "bits of a state"),
+        Array("type_bits", [rules["bits"] for rules in n.types], "bits of a state"),
         Array("type_hardware", n.type_hardware, "how much hardware of a type can fail"),
         *([Array("type_once", once, "how many handlers of it happen once")] if n.once else []),
         *([Array("type_facts", facts, "how much may be true of its facts")] if n.flags else []),

@@ -14,19 +14,12 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeAlias, TypeVar
 
-from mcpn.controller.hierarchy import KINDS, PlacedMachine, SectionMachine
-from mcpn.controller.machine import PlannedAction, Verb
-from mcpn.controller.modular import AnyController, Rules
-from mcpn.drawing.compose import MissionNet
-from mcpn.drawing.status import told_as_facts
-from mcpn.mission.graph import ElementarySection, ObjectivesGraph
-from mcpn.mission.model import ABORT, FAIL, SUCCEED
-from mcpn.mission.robot import Parameter
 from mcpn.nets.events import START, Event, What
+from mcpn.runtime.tables import Laws, ParameterValue
 
-VERBS: tuple[Verb, ...] = ("stop", "release", "select", "start", "disarm", "arm")
+VERBS = ("stop", "release", "select", "start", "disarm", "arm")
 """By number."""
 
 Item = TypeVar("Item", bound=Hashable)
@@ -50,61 +43,62 @@ class Pool(Generic[Item]):
         return self._known[key]
 
 
-Type = TypeVar("Type", SectionMachine, Rules)
+Row: TypeAlias = Mapping[str, Any]
+"""A JSON object of the document."""
+Type: TypeAlias = Row
+"""A machine, or rules."""
+
+KINDS = ("hardware", "objectives", "activities", "alternatives")
+"""Kinds of elements that machines speak of in their actions."""
 
 
 @dataclass
-class Numbers(Generic[Type]):
+class Numbers:
     """What tables of a controller speak of; ``none`` stands for no element.
 
     Args:
-        controller: The controller.
-        mission_net: The mission's net, for the parameters.
+        document: The controller's document.
     """
 
-    controller: AnyController
-    mission_net: MissionNet
+    document: Mapping[str, Any]
     none: int = field(init=False)
 
     def __post_init__(self) -> None:
-        controller, mission = self.controller, self.mission_net.mission
-        self.hardware = [h.name for h in mission.hardware]
-        self.faulty = list(controller.hardware)
-        out = {h.name for h in mission.hardware if h.initial == "oos"}
-        self.out = [number for number, name in enumerate(self.faulty) if name in out]
+        document = self.document
+        self.hardware: list[str] = document["all_hardware"]
+        self.faulty: list[str] = document["hardware"]
+        self.out = [number for number, name in enumerate(self.faulty) if name in document["out_of_service"]]
         """Of what can fail, what is out of service at the start."""
-        self.lasting = {h.name for h in mission.hardware if not h.repairable}
+        self.lasting = frozenset[str](document["unrepairable"])
         """What is never repaired."""
-        crashes = {crash.name for crash in mission.crashes}
-        self.crashing = [number for number, name in enumerate(self.faulty) if name in crashes]
+        self.crashing = [number for number, name in enumerate(self.faulty) if name in document["crashing"]]
         """Of what can fail, what stands for a crash and fails only where a section says so: the last ones."""
-        self.activities = [a.name for a in mission.activities if a.name in self.mission_net.usage.started]
-        running = [a for a in mission.activities if a.name in set(self.activities)]
-        self.alternatives = [f"{a.name}.{way.name}" for a in running for way in a.alternatives]
-        graph: ObjectivesGraph = self.mission_net.graph
-        self.blocks: list[str] = [block.name for block in graph.timed_blocks()]
+        self.activities: list[str] = document["started"]
+        ways = {name: document["activities"][name]["alternatives"] for name in self.activities}
+        self.alternatives = [f"{name}.{way}" for name, own in ways.items() for way in own]
+        self.blocks: list[str] = list(document.get("blocks", ()))
         """Blocks with a time of their own, which are numbered after objectives."""
-        self.objectives = [*(section.name for section in graph.walk()), *self.blocks]
-        self.timeouts = {s.name: s.timeout for s in graph.timed if s.timeout is not None}
+        self.objectives = [*document["objectives"], *self.blocks]
+        self.timeouts = Laws(document).timeouts
         """By objective or block that has one, in seconds."""
-        self.timers = _timers(graph)
+        self.timers: int = document["timers"]
         """How many run at a time, at most."""
-        self.handlers = sorted({section.names["once"].get(h, h) for section, h in self._handlers()})
-        world = self.mission_net.usage.world
-        told = told_as_facts(self.mission_net.statuses)
-        self.flags = sorted(flag.text for flag in told if flag.kind == "fact")
-        self.flags += [flag.text for flag in told if flag.kind != "fact"]
+        self.types: list[Type] = document["types"]
+        self.sections = [section["name"] for section in document["sections"]]
+        self.handlers = sorted({_own(section, "once", h) for section, h in self._handlers()})
+        facts = document["facts"].values()
+        of_facts = {flag for values in facts for true in values.values() for flag in true}
+        self.flags = [*sorted(of_facts), *document["late"].values()]
         """What may be true of facts, where it was not at the start, and of hardware detected late."""
         self.once = [*self.handlers, *self.flags]
         """Handlers that happen once, and what may be true."""
-        late = {flag.name: flag.text for flag in told if flag.kind == "known"}
-        self.known = {self.faulty.index(name): self.once.index(text) for name, text in late.items()}
+        late = document["late"].items()
+        self.known = {self.faulty.index(name): self.once.index(text) for name, text in late}
         """Of what can fail and is detected late, the number of what says that its loss is known."""
         self.known_out = [self.known[number] for number in self.out if number in self.known]
         """Those of them that are true at the start."""
-        self.sections = [section.name for section in controller.sections]
-        texts = {str(e) for section in controller.sections for e in section.events} | {str(START)}
-        texts |= {str(Event(What.DECLARED, name)) for name in world.changing}
+        texts = {text for section in document["sections"] for text in section["events"]} | {str(START)}
+        texts |= document["changing"].keys()
         for name in self.faulty:
             texts.add(str(Event(What.OUT_OF_SERVICE, name)))
             if name not in self.lasting:
@@ -124,34 +118,29 @@ class Numbers(Generic[Type]):
         self._tables()
         self._parameters()
 
-    @property
-    def types(self) -> Sequence[Type]:
-        """The machines, or the rules."""
-        raise NotImplementedError
-
-    def _handlers(self) -> Iterator[tuple[PlacedMachine, str]]:
+    def _handlers(self) -> Iterator[tuple[Row, str]]:
         """Each section with each of its handlers that happen once, by the name in its type."""
-        for section in self.controller.sections:
-            for handler in self.types[section.type].once:
+        for section in self.document["sections"]:
+            for handler in self.types[section["type"]]["once"]:
                 yield section, handler
 
-    def _mine(self, section: PlacedMachine) -> Iterator[int]:
+    def _mine(self, section: Row) -> Iterator[int]:
         """The numbers of what a section's type says has happened, or is true of facts."""
-        type_, names = self.types[section.type], section.names
-        yield from (self.handlers.index(names["once"].get(h, h)) for h in type_.once)
+        type_ = self.types[section["type"]]
+        yield from (self.handlers.index(_own(section, "once", h)) for h in type_["once"])
         first = len(self.handlers)
-        yield from (first + self.flags.index(names["facts"].get(f, f)) for f in type_.facts)
+        yield from (first + self.flags.index(_own(section, "facts", f)) for f in type_["facts"])
 
     @property
     def changing(self) -> dict[int, tuple[list[int], list[int]]]:
         """By event that changes facts whatever runs, what it makes true and what it makes false."""
         number = {flag: len(self.handlers) + i for i, flag in enumerate(self.flags)}
         return {
-            self._event[str(Event(What.DECLARED, name))]: (
-                sorted(map(number.__getitem__, true)),
-                sorted(map(number.__getitem__, false)),
+            self._event[text]: (
+                sorted(map(number.__getitem__, changes["true"])),
+                sorted(map(number.__getitem__, changes["false"])),
             )
-            for name, (true, false) in self.mission_net.usage.world.turning.items()
+            for text, changes in self.document["changing"].items()
         }
 
     # --- events of hardware, and of timers ---
@@ -175,16 +164,16 @@ class Numbers(Generic[Type]):
     # --- tables ---
 
     def _tables(self) -> None:
-        controller = self.controller
-        self.initial = self.sections.index(controller.initial)
+        sections = self.document["sections"]
+        self.initial = self.sections.index(self.document["initial"])
         self.list_start: list[int] = []
         self.action_rows: list[tuple[int, int, int, int]] = []  # verb, subject, alternative, objective
-        self.type_hardware = [len(type_.hardware) for type_ in self.types]
+        self.type_hardware = [len(type_["hardware"]) for type_ in self.types]
         self._lists: dict[tuple[tuple[int, int, int, int], ...], int] = {}
         # Sections of one type are left with the same outcomes, in the same order.
-        outcomes = {section.type: tuple(section.routes) for section in controller.sections}
+        outcomes = {section["type"]: tuple(section["routes"]) for section in sections}
         assert all(reasons[:2] == ("success", "failure") for reasons in outcomes.values())
-        aborts = any(ABORT in section.routes.values() for section in controller.sections)
+        aborts = any("abort" in section["routes"].values() for section in sections)
         ends = 3 if aborts else 2
         largest = max(
             *(len(names) for names in self._number.values()),
@@ -207,7 +196,7 @@ class Numbers(Generic[Type]):
         """The largest count in a type of what is numbered in the same columns as elements, such as states."""
         raise NotImplementedError
 
-    def _said(self, type_: Type) -> tuple[Iterable[Sequence[PlannedAction]], Iterable[tuple[str, str]]]:
+    def _said(self, type_: Type) -> tuple[Iterable[Sequence[Row]], Iterable[tuple[str, str]]]:
         """Lists of actions of a type, and the activities with the alternatives in which they may run."""
         raise NotImplementedError
 
@@ -218,15 +207,15 @@ class Numbers(Generic[Type]):
     def _ended(self) -> None:
         """Ends the tables of types."""
 
-    def _list(self, actions: tuple[PlannedAction, ...], own: Own) -> int:
+    def _list(self, actions: Sequence[Row], own: Own) -> int:
         rows = tuple(
             (
-                VERBS.index(action.verb),
+                VERBS.index(action["do"]),
                 next(own[kind][name] for kind, name in _subjects(action) if name is not None),
-                own["alternatives"][f"{action.activity}.{action.alternative}"]
-                if action.alternative
+                own["alternatives"][f"{action['activity']}.{action['alternative']}"]
+                if "alternative" in action
                 else self.none,
-                own["objectives"][action.objective] if action.objective else self.none,
+                own["objectives"][action["objective"]] if "objective" in action else self.none,
             )
             for action in actions
         )
@@ -238,16 +227,16 @@ class Numbers(Generic[Type]):
 
     def _place_sections(self) -> None:
         """Routes of sections, and which elements of the mission their types' elements are."""
-        controller = self.controller
+        sections = self.document["sections"]
         pool: Pool[int] = Pool()
-        self.section_type = [section.type for section in controller.sections]
-        ends = {SUCCEED: self.success, FAIL: self.failure}
+        self.section_type = [section["type"] for section in sections]
+        ends = {"succeed": self.success, "fail": self.failure}
         if self.abort is not None:
-            ends[ABORT] = self.abort
+            ends["abort"] = self.abort
         number = {name: i for i, name in enumerate(self.sections)}
         self.routes = [
-            [ends[route] if route in ends else number[route] for route in section.routes.values()]
-            for section in controller.sections
+            [ends[route] if route in ends else number[route] for route in section["routes"].values()]
+            for section in sections
         ]
         routes: Pool[int] = Pool()
         self.section_routes = [routes.add(row) for row in self.routes]
@@ -256,17 +245,16 @@ class Numbers(Generic[Type]):
         events: Pool[tuple[int, int]] = Pool()
         self.event_start, self.event_count = list[int](), list[int]()
         faulty = {name: i for i, name in enumerate(self.faulty)}
-        for section in controller.sections:
-            own = self._own[section.type]
+        for section in sections:
+            own = self._own[section["type"]]
             for kind in KINDS:
-                names = section.names[kind]
-                mine = [self._number[kind].get(names.get(old, old), self.none) for old in own[kind]]
+                mine = [self._number[kind].get(_own(section, kind, old), self.none) for old in own[kind]]
                 self.slices[kind].append(pool.add(mine))
-            machine = self.types[section.type]
-            names = section.names["hardware"]
-            self.slices["faulty"].append(pool.add(faulty[names.get(h, h)] for h in machine.hardware))
+            type_ = self.types[section["type"]]
+            mine = [faulty[_own(section, "hardware", h)] for h in type_["hardware"]]
+            self.slices["faulty"].append(pool.add(mine))
             self.slices["once"].append(pool.add(self._mine(section)))
-            pairs = sorted((self._event[str(e)], i) for i, e in enumerate(section.events))
+            pairs = sorted((self._event[text], i) for i, text in enumerate(section["events"]))
             self.event_start.append(events.add(pairs))
             self.event_count.append(len(pairs))
         self.pool, self.section_events = pool.items, events.items
@@ -285,12 +273,12 @@ class Numbers(Generic[Type]):
             return len({row[:2] for row in rows})
 
         entries = [
-            max((length(tuple(entry)) for entry in self.entry_lists(section.type)), default=0)
-            for section in self.controller.sections
+            max((length(tuple(entry)) for entry in self.entry_lists(section["type"])), default=0)
+            for section in self.document["sections"]
         ]
         best = entries[self.initial]
-        for section, routes in zip(self.controller.sections, self.routes, strict=True):
-            for target, actions in self.moved(section.type):
+        for section, routes in zip(self.document["sections"], self.routes, strict=True):
+            for target, actions in self.moved(section["type"]):
                 follows = 0
                 if self.first_outcome <= target < self.none:
                     route = routes[self.none - 1 - target]
@@ -310,54 +298,44 @@ class Numbers(Generic[Type]):
 
     def _parameters(self) -> None:
         """Parameters of objectives, activities and alternatives: the first and how many, by number."""
-        self.parameters: list[Parameter] = []
+        self.parameters: list[ParameterValue] = []
         self.law: dict[str, list[tuple[int, int]]] = {}
-        objectives = {section.name: section.parameters for section in self.mission_net.graph.walk()}
-        objectives |= dict.fromkeys(self.blocks, ())
-        running = {a.name: a for a in self.mission_net.mission.activities}
-        ways = {f"{a.name}.{w.name}": w.parameters for a in running.values() for w in a.alternatives}
-        for kind, rows in (
-            ("objectives", [objectives[name] for name in self.objectives]),
-            ("activities", [running[name].parameters for name in self.activities]),
-            ("alternatives", [ways[name] for name in self.alternatives]),
+        objectives, activities = self.document["objectives"], self.document["activities"]
+        ways = {f"{a}.{w}": way for a, own in activities.items() for w, way in own["alternatives"].items()}
+        for kind, names, rows in (
+            ("objectives", self.objectives, objectives | {name: {"parameters": {}} for name in self.blocks}),
+            ("activities", self.activities, activities),
+            ("alternatives", self.alternatives, ways),
         ):
             self.law[kind] = []
-            for parameters in rows:
+            for name in names:
+                parameters = rows[name]["parameters"].items()
                 self.law[kind].append((len(self.parameters), len(parameters)))
-                self.parameters.extend(parameters)
+                self.parameters += (ParameterValue(key, p["value"], p["unit"]) for key, p in parameters)
 
 
-def _timers(graph: ObjectivesGraph) -> int:
-    """How many objectives and blocks of a graph that have a timeout run at a time, at most."""
-    most = 0
-    for section in graph.sections:
-        own = int(section.timeout is not None)
-        if isinstance(section, ElementarySection):
-            most = max(most, own)
-        else:
-            most = max(most, own + sum(_timers(branch.graph) for branch in section.branches))
-            most = max(most, *(_timers(pause_graph.graph) for pause_graph in section.pause_graphs), 0)
-    return most
+def _own(section: Row, kind: str, name: str) -> str:
+    """A section's own name of what its type calls so."""
+    own: str = section["names"].get(kind, {}).get(name, name)
+    return own
 
 
-def _subjects(action: PlannedAction) -> Iterator[tuple[str, str | None]]:
+def _subjects(action: Row) -> Iterator[tuple[str, str | None]]:
     """Kinds and names that an action may have; the first name that is there is its subject."""
-    yield from (("activities", action.activity), ("hardware", action.hardware))
-    yield "objectives", action.objective
+    yield from (("activities", action.get("activity")), ("hardware", action.get("hardware")))
+    yield "objectives", action.get("objective")
 
 
-def _positions(
-    lists: Iterable[Sequence[PlannedAction]], modes: Iterable[tuple[str, str]]
-) -> dict[str, dict[str, int]]:
+def _positions(lists: Iterable[Sequence[Row]], modes: Iterable[tuple[str, str]]) -> dict[str, dict[str, int]]:
     """By kind and name the position of each element that a type names, in the order of first mention."""
     found: dict[str, dict[str, None]] = {kind: {} for kind in KINDS}
     for actions in lists:
         for action in actions:
             for kind, name in (
-                ("hardware", action.hardware),
-                ("objectives", action.objective),
-                ("activities", action.activity),
-                ("alternatives", f"{action.activity}.{action.alternative}" if action.alternative else None),
+                ("hardware", action.get("hardware")),
+                ("objectives", action.get("objective")),
+                ("activities", action.get("activity")),
+                ("alternatives", ".".join(_pair(action)) or None),
             ):
                 if name is not None:
                     found[kind][name] = None
@@ -365,3 +343,8 @@ def _positions(
         found["activities"][activity] = None
         found["alternatives"][f"{activity}.{alternative}"] = None
     return {kind: {name: i for i, name in enumerate(names)} for kind, names in found.items()}
+
+
+def _pair(action: Row) -> tuple[str, ...]:
+    """The activity and the alternative that an action selects; nothing for other actions."""
+    return (action["activity"], action["alternative"]) if "alternative" in action else ()

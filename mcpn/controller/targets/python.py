@@ -8,34 +8,32 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cache
 from importlib.resources import files
+from typing import Any
 
-from mcpn.controller.modular import AnyController
 from mcpn.controller.targets.btcpp import held
 from mcpn.controller.targets.json import write_json
 from mcpn.controller.targets.names import PYTHON_KEYWORDS, comment, identifiers, render
-from mcpn.drawing.compose import MissionNet
 
 PACKAGE = "mcpn.runtime"
 
 
-def write_python(controller: AnyController, mission_net: MissionNet) -> dict[str, str]:
+def write_python(document: Mapping[str, Any]) -> dict[str, str]:
     """The file by name.
 
     Args:
-        controller: The controller.
-        mission_net: The mission's net, for the parameters.
+        document: The controller's.
     """
-    name = identifiers([controller.mission], keywords=PYTHON_KEYWORDS)[controller.mission].lower()
+    name = identifiers([document["mission"]], keywords=PYTHON_KEYWORDS)[document["mission"]].lower()
     text = render(
         "controller.py.jinja",
-        mission=comment(controller.mission),
-        controller=controller,
+        mission=comment(document["mission"]),
+        controller=document,
         runtime=bundle("program"),
         # JSON has no three double quotes in a row, and ends in a brace: it can stand in a raw string.
-        document=write_json(controller, mission_net),
+        document=write_json(document),
     )
     return {f"{name}_controller.py": text}
 
@@ -123,24 +121,22 @@ def _bound(node: ast.stmt) -> set[str]:
     return set()
 
 
-def write_ros2(controller: AnyController, mission_net: MissionNet) -> dict[str, str]:
+def write_ros2(document: Mapping[str, Any]) -> dict[str, str]:
     """The files by name: the package's, the node, the controller in Python.
 
     Args:
-        controller: The controller.
-        mission_net: The mission's net, for hardware and parameters.
+        document: The controller's.
     """
-    ((module, text),) = write_python(controller, mission_net).items()
+    ((module, text),) = write_python(document).items()
     # ROS names packages in lower case, without two _ in a row.
-    package = re.sub(r"[^a-z0-9]+", "_", controller.mission.lower()).strip("_")
+    package = re.sub(r"[^a-z0-9]+", "_", document["mission"].lower()).strip("_")
     package = f"mission_{package}" if not package or package[0].isdigit() else f"{package}_mission"
-    crashes = {each.name for each in mission_net.mission.crashes}
     said = {
         "package": package,
         "module": module.removesuffix(".py"),
-        "mission": comment(controller.mission).replace('"', "'"),
-        "holds": {f"{activity}.{way}": names for (activity, way), names in held(mission_net.mission).items()},
-        "hardware": [name for name in controller.hardware if name not in crashes],
+        "mission": comment(document["mission"]).replace('"', "'"),
+        "holds": {f"{activity}.{way}": names for (activity, way), names in held(document).items()},
+        "hardware": [name for name in document["hardware"] if name not in document["crashing"]],
     }
     files = {name: render(f"ros2_{name}.jinja", **said) for name in ("package.xml", "setup.py", "setup.cfg")}
     return {

@@ -25,34 +25,29 @@ must know asks first, or watches whether the configuration or the log changes.
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence, Set
+from collections.abc import Mapping, Sequence, Set
+from typing import Any, TypeAlias
 
 from lxml import etree
 
-from mcpn.controller.hierarchy import Entry, Move, PlacedMachine, TableController
-from mcpn.controller.machine import PlannedAction
-from mcpn.controller.targets.json import laws
 from mcpn.controller.targets.names import comment, identifiers
-from mcpn.drawing.compose import MissionNet
-from mcpn.drawing.status import told_as_facts
-from mcpn.mission.expansion.faults import noticed
-from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.nets.events import START, Event, What
+from mcpn.runtime.documents import ENDS
 from mcpn.runtime.tables import Laws
 
 NAMESPACE = "http://www.w3.org/2005/07/scxml"
-ENDS = {SUCCEED: "success", FAIL: "failure", ABORT: "abort"}
+Row: TypeAlias = Mapping[str, Any]
+"""A JSON object of the document."""
 
 
-def write_scxml(controller: TableController, mission_net: MissionNet) -> dict[str, str]:
+def write_scxml(document: Row) -> dict[str, str]:
     """The file by name.
 
     Args:
-        controller: The controller.
-        mission_net: The mission's net.
+        document: The controller's.
     """
-    name = identifiers([controller.mission])[controller.mission].lower()
-    return {f"{name}.scxml": _Document(controller, mission_net).text()}
+    name = identifiers([document["mission"]])[document["mission"]].lower()
+    return {f"{name}.scxml": _Document(document).text()}
 
 
 def event_name(event: Event | str) -> str:
@@ -64,28 +59,24 @@ class Regions:
     """The identifiers of states by what they stand for.
 
     Args:
-        controller: The controller.
-        mission_net: The mission's net.
+        document: The controller's.
     """
 
-    def __init__(self, controller: TableController, mission_net: MissionNet) -> None:
-        self.hardware = identifiers(controller.hardware, prefix="hardware_")
-        said = mission_net.mission.hardware
-        self.out = {h.name for h in said if h.initial == "oos"}
-        self.lasting = {h.name for h in said if not h.repairable}
-        crashes = mission_net.mission.crashes
-        self.crashing: dict[str, list[tuple[str, str]]] = {crash.name: [] for crash in crashes}
-        once = (s.names["once"].get(h, h) for s in controller.sections for h in controller.types[s.type].once)
+    def __init__(self, document: Row) -> None:
+        self.hardware = identifiers(document["hardware"], prefix="hardware_")
+        self.out = frozenset[str](document["out_of_service"])
+        self.lasting = frozenset[str](document["unrepairable"])
+        self.crashing: dict[str, list[tuple[str, str]]] = {name: [] for name in document["crashing"]}
+        sections, types = document["sections"], document["types"]
+        once = (own_name(s, "once", h) for s in sections for h in types[s["type"]]["once"])
         self.once = identifiers(dict.fromkeys(once), prefix="once_")
-        told = told_as_facts(mission_net.statuses)
-        self.late = {flag.text: flag.name for flag in told if flag.kind == "known"}
-        every = sorted(flag.text for flag in told if flag.kind == "fact")
-        self.facts = identifiers(
-            [*every, *(flag.text for flag in told if flag.kind != "fact")], prefix="fact_"
-        )
-        timed = [s.name for s in mission_net.graph.timed]
-        self.timers = identifiers(timed, prefix="timer_")
-        self.ids = identifiers([s.name for s in controller.sections], prefix="section_")
+        self.late = {flag: name for name, flag in document["late"].items()}
+        facts = document["facts"].values()
+        of_facts = {flag for values in facts for true in values.values() for flag in true}
+        self.facts = identifiers([*sorted(of_facts), *self.late], prefix="fact_")
+        self.laws = Laws(document)
+        self.timers = identifiers(self.laws.timeouts, prefix="timer_")
+        self.ids = identifiers([s["name"] for s in sections], prefix="section_")
 
     def active(
         self, section: tuple[str, int] | None, outcome: str | None, gone: Set[str], happened: Set[str]
@@ -109,29 +100,29 @@ class Regions:
 
 
 class _Document(Regions):
-    def __init__(self, controller: TableController, mission_net: MissionNet) -> None:
-        super().__init__(controller, mission_net)
-        self.controller = controller
-        self.laws = Laws(laws(mission_net))
+    def __init__(self, document: Row) -> None:
+        super().__init__(document)
+        self.document = document
+        self.crashes = {str(Event(What.OUT_OF_SERVICE, name)): name for name in self.crashing}
         self.happening: dict[str, list[tuple[str, str]]] = {handler: [] for handler in self.once}
-        self.world = mission_net.usage.world
         self.turning: dict[tuple[str, str], list[dict[str, str]]] = {}
 
     def text(self) -> str:
-        c = self.controller
+        said = self.document
         root = etree.fromstring(f'<scxml xmlns="{NAMESPACE}"/>')
         for key, value in (("version", "1.0"), ("datamodel", "ecmascript"), ("initial", "controller")):
             root.set(key, value)
-        root.set("name", identifiers([c.mission])[c.mission])
-        root.addprevious(_comment(f"Controller of the mission {c.mission}, {c.form}: {c.size}."))
+        root.set("name", identifiers([said["mission"]])[said["mission"]])
+        controller = f"Controller of the mission {said['mission']}, {said['form']}: {said['size']}."
+        root.addprevious(_comment(controller))
         root.addprevious(_comment("Generated by mcpn; do not edit."))
         whole = _add(root, "parallel", id="controller")
         mission = _add(whole, "state", id="mission", initial="before")
         before = _add(mission, "state", id="before")
-        _add(before, "transition", event=event_name(START), target=self.ids[c.initial])
-        for section in c.sections:
+        _add(before, "transition", event=event_name(START), target=self.ids[said["initial"]])
+        for section in said["sections"]:
             self.section(mission, section)
-        reached = {SUCCEED, FAIL, *(route for s in c.sections for route in s.routes.values())}
+        reached = {"succeed", "fail", *(route for s in said["sections"] for route in s["routes"].values())}
         for end in (word for route, word in ENDS.items() if route in reached):
             _add(mission, "final", id=end)
         for name, identifier in self.hardware.items():
@@ -148,7 +139,7 @@ class _Document(Regions):
                 elif state == "ready" or name not in self.lasting:
                     event, guarded = event_name(Event(what, name)), dict[str, str]()
                     if state == "out" and name in self.late.values():
-                        guarded["cond"] = f"In('{self.facts[noticed(name)]}.on')"
+                        guarded["cond"] = f"In('{self.facts[said['late'][name]]}.on')"
                     _add(status, "transition", event=event, **guarded, target=f"{identifier}.{other}")
         for name, identifier in self.once.items():
             region = _add(whole, "state", id=identifier, initial=f"{identifier}.open")
@@ -180,21 +171,20 @@ class _Document(Regions):
                 continue
             for said in self.turning.get((name, other), ()):
                 _add(status, "transition", **said, target=f"{identifier}.{other}")
-            for event, (true, false) in self.world.turning.items():
-                if name in (true if other == "on" else false):
-                    declared = Event(What.DECLARED, event)
-                    inside = (self.ids[s.name] for s in self.controller.sections if declared in s.events)
+            for declared, changes in self.document["changing"].items():
+                if name in changes["true" if other == "on" else "false"]:
+                    sections = self.document["sections"]
+                    inside = (self.ids[s["name"]] for s in sections if declared in s["events"])
                     condition = " && ".join(f"In('{each}') === false" for each in inside)
                     guarded = {"cond": condition} if condition else {}
                     target = f"{identifier}.{other}"
                     _add(status, "transition", event=event_name(declared), **guarded, target=target)
 
-    def turn(self, section: PlacedMachine, step: Entry | Move, **when: str) -> None:
+    def turn(self, section: Row, step: Row, **when: str) -> None:
         """Notes what a move or an entry changes of facts, and when."""
-        names = section.names["facts"]
-        for other, changed in (("on", step.gained), ("off", step.lost)):
+        for other, changed in (("on", step["gained"]), ("off", step["lost"])):
             for flag in changed:
-                self.turning.setdefault((names.get(flag, flag), other), []).append(when)
+                self.turning.setdefault((own_name(section, "facts", flag), other), []).append(when)
 
     def timer(self, whole: etree._Element, name: str, identifier: str) -> None:
         """The region of an objective's timer."""
@@ -207,60 +197,60 @@ class _Document(Regions):
         _add(_add(on, "onexit"), "cancel", sendid=f"{identifier}.late")
         _add(on, "transition", event=f"disarm-{identifier}", target=f"{identifier}.off")
 
-    def section(self, parent: etree._Element, section: PlacedMachine) -> None:
-        machine = self.controller.types[section.type]
-        own = self.ids[section.name]
-        names = section.names
+    def section(self, parent: etree._Element, section: Row) -> None:
+        machine = self.document["types"][section["type"]]
+        own = self.ids[section["name"]]
         whole = _add(parent, "state", id=own, initial=f"{own}.enter")
-        whole.append(_comment(f"section {section.name}"))
-        asked = [f"{self.hardware[names['hardware'].get(h, h)]}.out" for h in machine.hardware]
-        asked += [f"{self.facts[names['facts'].get(f, f)]}.on" for f in machine.facts[: machine.entering]]
-        self.choice(whole, section, f"{own}.enter", asked, machine.entries)
-        moves = iter(machine.moves)
+        whole.append(_comment(f"section {section['name']}"))
+        asked = [f"{self.hardware[own_name(section, 'hardware', h)]}.out" for h in machine["hardware"]]
+        entering = machine["facts"][: machine["entering"]]
+        asked += [f"{self.facts[own_name(section, 'facts', f)]}.on" for f in entering]
+        self.choice(whole, section, f"{own}.enter", asked, machine["entries"])
+        moves = iter(machine["edges"])
         move = next(moves, None)
-        for number, state in enumerate(machine.states):
-            mode = (f"{a}.{w}" for a, w in state.mode.items())
-            runs = ", ".join(names["alternatives"].get(pair, pair) for pair in mode)
-            objectives = ", ".join(names["objectives"].get(o, o) for o in state.objectives)
+        for number, state in enumerate(machine["states"]):
+            mode = (f"{a}.{w}" for a, w in state["mode"].items())
+            runs = ", ".join(own_name(section, "alternatives", pair) for pair in mode)
+            objectives = ", ".join(own_name(section, "objectives", o) for o in state["objectives"])
             inside = _add(whole, "state", id=f"{own}.{number}")
             inside.append(_comment(f"objectives: {objectives}; mode: {runs}"))
-            while move is not None and move.source == number:
-                event = event_name(section.events[move.event])
-                target = (
-                    f"{own}.{move.target}"
-                    if isinstance(move.target, int)
-                    else self.route(section, move.target)
-                )
-                condition = self.condition(section, move)
-                guarded = {"cond": condition} if condition else {}
-                drawn = _add(inside, "transition", event=event, **guarded, target=target)
-                self.order(drawn, section, move.actions)
-                here = " && ".join(filter(None, (f"In('{own}.{number}')", condition)))
-                self.turn(section, move, event=event, cond=here)
-                happens = section.events[move.event]
-                if happens.what is What.OUT_OF_SERVICE and happens.element in self.crashing:
-                    self.crashing[happens.element].append((event, here))
-                for handler in move.guard.open:
-                    self.happening[names["once"].get(handler, handler)].append((event, here))
+            while move is not None and move["from"] == number:
+                self.move(inside, section, move, f"{own}.{number}")
                 move = next(moves, None)
 
-    def condition(self, section: PlacedMachine, move: Move) -> str:
-        """What a move asks of handlers that happen once."""
-        asked = ((part, h) for part in ("open", "happened") for h in getattr(move.guard, part))
-        own = section.names["once"]
-        return " && ".join(f"In('{self.once[own.get(h, h)]}.{part}')" for part, h in asked)
+    def move(self, inside: etree._Element, section: Row, move: Row, here: str) -> None:
+        """A transition of a state, and what regions do with its event there."""
+        text, to = section["events"][move["event"]], move["to"]
+        event = event_name(text)
+        target = f"{self.ids[section['name']]}.{to}" if isinstance(to, int) else self.route(section, to)
+        condition = self.condition(section, move)
+        guarded = {"cond": condition} if condition else {}
+        drawn = _add(inside, "transition", event=event, **guarded, target=target)
+        self.order(drawn, section, move["actions"])
+        when = " && ".join(filter(None, (f"In('{here}')", condition)))
+        self.turn(section, move, event=event, cond=when)
+        if crashed := self.crashes.get(text):
+            self.crashing[crashed].append((event, when))
+        for handler in move["open"]:
+            self.happening[own_name(section, "once", handler)].append((event, when))
 
-    def route(self, section: PlacedMachine, outcome: str) -> str:
-        target = section.routes[outcome]
+    def condition(self, section: Row, move: Row) -> str:
+        """What a move asks of handlers that happen once."""
+        asked = ((part, h) for part in ("open", "happened") for h in move[part])
+        return " && ".join(f"In('{self.once[own_name(section, 'once', h)]}.{part}')" for part, h in asked)
+
+    def route(self, section: Row, outcome: str) -> str:
+        """Where an outcome of a section leads."""
+        target = section["routes"][outcome]
         return ENDS.get(target) or self.ids[target]
 
     def choice(
         self,
         parent: etree._Element,
-        section: PlacedMachine,
+        section: Row,
         identifier: str,
         asked: Sequence[str],
-        entries: Sequence[Entry | None],
+        entries: Sequence[Row | None],
     ) -> None:
         """States that lead to the entry by the states that regions are in, the last one asked first."""
         known = [entry for entry in entries if entry is not None]
@@ -268,8 +258,8 @@ class _Document(Regions):
         if not known:  # the mission cannot come here
             return
         if all(entry == known[0] for entry in entries):
-            own = f"{self.ids[section.name]}.{known[0].target}"
-            self.order(_add(state, "transition", target=own), section, known[0].actions)
+            own = f"{self.ids[section['name']]}.{known[0]['to']}"
+            self.order(_add(state, "transition", target=own), section, known[0]["actions"])
             self.turn(section, known[0], cond=f"In('{identifier}')")
             return
         half = len(entries) // 2
@@ -278,30 +268,33 @@ class _Document(Regions):
         self.choice(parent, section, f"{identifier}0", asked[:-1], entries[:half])
         self.choice(parent, section, f"{identifier}1", asked[:-1], entries[half:])
 
-    def order(
-        self, transition: etree._Element, section: PlacedMachine, actions: Sequence[PlannedAction]
-    ) -> None:
+    def order(self, transition: etree._Element, section: Row, actions: Sequence[Row]) -> None:
         """Logs the actions of a transition."""
         for action in actions:
             log = _add(transition, "log", label=_label(action, section))
             if said := self.parameters(action, section):
                 log.set("expr", said)
-            if action.verb in ("arm", "disarm"):
-                name = section.names["objectives"].get(action.objective or "", action.objective or "")
-                _add(transition, "raise", event=f"{action.verb}-{self.timers[name]}")
+            if action["do"] in ("arm", "disarm"):
+                name = own_name(section, "objectives", action["objective"])
+                _add(transition, "raise", event=f"{action['do']}-{self.timers[name]}")
 
-    def parameters(self, action: PlannedAction, section: PlacedMachine) -> str:
+    def parameters(self, action: Row, section: Row) -> str:
         """Those in force for a selection, as a string of ECMAScript."""
-        if action.alternative is None:
+        if "alternative" not in action:
             return ""
-        names = section.names
-        pair = f"{action.activity}.{action.alternative}"
-        activity, alternative = names["alternatives"].get(pair, pair).split(".", 1)
-        objective = action.objective and names["objectives"].get(action.objective, action.objective)
+        pair = own_name(section, "alternatives", f"{action['activity']}.{action['alternative']}")
+        objective = action.get("objective") and own_name(section, "objectives", action["objective"])
+        activity, alternative = pair.split(".", 1)
         found = self.laws.of(activity, alternative, objective)
         if not found:
             return ""
         return json.dumps(json.dumps({p.name: {"value": p.value, "unit": p.unit} for p in found}))
+
+
+def own_name(section: Row, kind: str, name: str) -> str:
+    """A section's own name of what its type calls so."""
+    own: str = section["names"].get(kind, {}).get(name, name)
+    return own
 
 
 def _add(parent: etree._Element, tag: str, **attributes: str) -> etree._Element:
@@ -311,19 +304,19 @@ def _add(parent: etree._Element, tag: str, **attributes: str) -> etree._Element:
     return element
 
 
-def _label(action: PlannedAction, section: PlacedMachine) -> str:
+def _label(action: Row, section: Row) -> str:
     """An action in the section's own names."""
-    names = section.names
-    if action.hardware is not None:
-        return f"{action.verb} {names['hardware'].get(action.hardware, action.hardware)}"
-    if action.activity is None:
-        return f"{action.verb} {names['objectives'].get(action.objective or '', action.objective)}"
-    activity = action.activity
-    own = names["activities"].get(activity, activity)
-    if action.alternative is None:
-        return f"{action.verb} {own}"
-    pair = f"{activity}.{action.alternative}"
-    return f"{action.verb} {own} {names['alternatives'].get(pair, pair).split('.', 1)[1]}"
+    verb = action["do"]
+    if "hardware" in action:
+        return f"{verb} {own_name(section, 'hardware', action['hardware'])}"
+    if "activity" not in action:
+        return f"{verb} {own_name(section, 'objectives', action['objective'])}"
+    activity = action["activity"]
+    own = own_name(section, "activities", activity)
+    if "alternative" not in action:
+        return f"{verb} {own}"
+    pair = own_name(section, "alternatives", f"{activity}.{action['alternative']}")
+    return f"{verb} {own} {pair.split('.', 1)[1]}"
 
 
 def _comment(text: str) -> etree._Comment:

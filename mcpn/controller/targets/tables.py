@@ -11,19 +11,15 @@ bit i is not set, and 2 i + 1 where it is.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
 
-from mcpn.controller.hierarchy import Entry, Move, SectionMachine, TableController
-from mcpn.controller.machine import PlannedAction
-from mcpn.controller.modular import ModularController, Rules
-from mcpn.controller.targets.numbers import Numbers, Own, Pool
-from mcpn.drawing.compose import MissionNet
+from mcpn.controller.targets.numbers import Numbers, Own, Pool, Row
 
 
-class MachineNumbers(Numbers[SectionMachine]):
+class MachineNumbers(Numbers):
     """Tables of machines: states, entries, moves and modes."""
 
-    def __init__(self, controller: TableController, mission_net: MissionNet) -> None:
-        self.machines = controller.types
+    def __init__(self, document: Mapping[str, Any]) -> None:
         self.type_states: list[int] = []  # the first row of a type in move_start and mode_start
         self.type_entries: list[int] = []
         self.entry_target: list[int] = []
@@ -38,47 +34,42 @@ class MachineNumbers(Numbers[SectionMachine]):
         self.mode_start: list[int] = []
         self.mode_length: list[int] = []
         self._modes: Pool[tuple[int, int]] = Pool()
-        super().__init__(controller, mission_net)
-
-    @property
-    def types(self) -> Sequence[SectionMachine]:
-        """The machines."""
-        return self.machines
+        super().__init__(document)
 
     @property
     def modes(self) -> list[tuple[int, int]]:
         """Pairs of an activity and an alternative of a type."""
         return self._modes.items
 
-    def _size(self, type_: SectionMachine) -> int:
-        return len(type_.states)
+    def _size(self, type_: Row) -> int:
+        return len(type_["states"])
 
-    def _said(
-        self, type_: SectionMachine
-    ) -> tuple[Iterable[Sequence[PlannedAction]], Iterable[tuple[str, str]]]:
-        lists = [e.actions for e in type_.entries if e] + [m.actions for m in type_.moves]
-        return lists, (pair for state in type_.states for pair in state.mode.items())
+    def _said(self, type_: Row) -> tuple[Iterable[Sequence[Row]], Iterable[tuple[str, str]]]:
+        lists = [step["actions"] for step in (*filter(None, type_["entries"]), *type_["edges"])]
+        return lists, (pair for state in type_["states"] for pair in state["mode"].items())
 
-    def _type(self, type_: SectionMachine, own: Own, left: Mapping[str, int]) -> None:
+    def _type(self, type_: Row, own: Own, left: Mapping[str, int]) -> None:
         self.type_states.append(len(self.move_start))
         self.type_entries.append(len(self.entry_target))
-        for entry in type_.entries:
-            self.entry_target.append(self.none if entry is None else entry.target)
-            self.entry_list.append(0 if entry is None else self._list(entry.actions, own))
+        for entry in type_["entries"]:
+            self.entry_target.append(self.none if entry is None else entry["to"])
+            self.entry_list.append(0 if entry is None else self._list(entry["actions"], own))
             changes = () if entry is None else changes_of(type_, entry)
             self.entry_guard.append(self.guards.setdefault(changes, len(self.guards)))
-        moves = iter(type_.moves)
+        moves = iter(type_["edges"])
         move = next(moves, None)
-        for number, state in enumerate(type_.states):
+        for number, state in enumerate(type_["states"]):
             self.move_start.append(len(self.move_event))
-            while move is not None and move.source == number:
-                self.move_event.append(move.event)
-                self.move_target.append(move.target if isinstance(move.target, int) else left[move.target])
-                self.move_list.append(self._list(move.actions, own))
+            while move is not None and move["from"] == number:
+                target = move["to"]
+                self.move_event.append(move["event"])
+                self.move_target.append(target if isinstance(target, int) else left[target])
+                self.move_list.append(self._list(move["actions"], own))
                 guard = guard_of(type_, move)
                 self.move_guard.append(self.guards.setdefault(guard, len(self.guards)))
                 move = next(moves, None)
-            pairs = [(own["activities"][a], own["alternatives"][f"{a}.{w}"]) for a, w in state.mode.items()]
+            mode = state["mode"].items()
+            pairs = [(own["activities"][a], own["alternatives"][f"{a}.{w}"]) for a, w in mode]
             self.mode_start.append(self._modes.add(pairs))
             self.mode_length.append(len(pairs))
         # One row more, so that the moves of the last state end where the next row begins.
@@ -94,37 +85,36 @@ class MachineNumbers(Numbers[SectionMachine]):
     def entry_lists(self, kind: int) -> Iterable[Sequence[int]]:
         """By entry of a type, its list of actions."""
         first = self.type_entries[kind]
-        return [[number] for number in self.entry_list[first : first + len(self.types[kind].entries)]]
+        return [[number] for number in self.entry_list[first : first + len(self.types[kind]["entries"])]]
 
     def moved(self, kind: int) -> Iterator[tuple[int, Sequence[int]]]:
         """Where the events of a type lead, each with its list of actions."""
         row = self.type_states[kind]
-        first, last = self.move_start[row], self.move_start[row + len(self.types[kind].states)]
+        first, last = self.move_start[row], self.move_start[row + len(self.types[kind]["states"])]
         return zip(
             self.move_target[first:last], ([number] for number in self.move_list[first:last]), strict=True
         )
 
 
-def guard_of(machine: SectionMachine, move: Move) -> tuple[int, ...]:
+def guard_of(machine: Row, move: Row) -> tuple[int, ...]:
     """The guard of a move as numbers, with what it changes of facts."""
-    number = machine.once.index
-    asked = (*(4 * number(h) for h in move.guard.open), *(4 * number(h) + 1 for h in move.guard.happened))
+    number = machine["once"].index
+    asked = (*(4 * number(h) for h in move["open"]), *(4 * number(h) + 1 for h in move["happened"]))
     return (*asked, *changes_of(machine, move))
 
 
-def changes_of(machine: SectionMachine, step: Move | Entry) -> tuple[int, ...]:
+def changes_of(machine: Row, step: Row) -> tuple[int, ...]:
     """What a move or an entry changes of facts, as numbers."""
-    first = len(machine.once)
-    number = {flag: first + i for i, flag in enumerate(machine.facts)}
-    gained, lost = (4 * number[f] + 2 for f in step.gained), (4 * number[f] + 3 for f in step.lost)
+    first = len(machine["once"])
+    number = {flag: first + i for i, flag in enumerate(machine["facts"])}
+    gained, lost = (4 * number[f] + 2 for f in step["gained"]), (4 * number[f] + 3 for f in step["lost"])
     return (*gained, *lost)
 
 
-class RuleNumbers(Numbers[Rules]):
+class RuleNumbers(Numbers):
     """Tables of rules: literals, effects, what hardware and handlers change, modes."""
 
-    def __init__(self, controller: ModularController, mission_net: MissionNet) -> None:
-        self.rules = controller.types
+    def __init__(self, document: Mapping[str, Any]) -> None:
         self.type_rows: list[int] = []  # the first row of a type in rule_start
         self.rule_start: list[int] = []
         self.rule_literals: list[int] = []
@@ -144,43 +134,41 @@ class RuleNumbers(Numbers[Rules]):
         self.idle_bits: list[int] = []
         self.mode_start: list[int] = []
         self.modes: list[tuple[int, int, int]] = []  # a literal, an activity, its alternative
-        super().__init__(controller, mission_net)
+        super().__init__(document)
 
-    @property
-    def types(self) -> Sequence[Rules]:
-        """The rules."""
-        return self.rules
-
-    def _size(self, type_: Rules) -> int:
+    def _size(self, type_: Row) -> int:
         return 0
 
-    def _said(self, type_: Rules) -> tuple[Iterable[Sequence[PlannedAction]], Iterable[tuple[str, str]]]:
-        return (effect.actions for effect in type_.effects), (pair for pair, _ in _modes(type_))
+    def _said(self, type_: Row) -> tuple[Iterable[Sequence[Row]], Iterable[tuple[str, str]]]:
+        return (effect["actions"] for effect in type_["effects"]), (pair for pair, _ in _modes(type_))
 
-    def _type(self, type_: Rules, own: Own, left: Mapping[str, int]) -> None:
+    def _type(self, type_: Row, own: Own, left: Mapping[str, int]) -> None:
         first = len(self.effect_start)
-        for effect in type_.effects:
+        for effect in type_["effects"]:
             self.effect_start.append(len(self.effect_bits))
-            self.effect_bits += effect.changes
-            self.effect_list.append(self._list(effect.actions, own))
-            self.effect_target.append(self.none if effect.to is None else left[effect.to])
+            self.effect_bits += effect["changes"]
+            self.effect_list.append(self._list(effect["actions"], own))
+            self.effect_target.append(self.none if effect["to"] is None else left[effect["to"]])
             self.then_start.append(len(self.then_row))
-            behind = len(self.rule_start) + 1 + len(type_.events)
-            self.then_row += [behind + part for part in effect.then]
+            behind = len(self.rule_start) + 1 + len(type_["events"])
+            self.then_row += [behind + part for part in effect["then"]]
         self.type_rows.append(len(self.rule_start))
-        for event in range(-1, len(type_.events) + len(type_.parts)):
+        by_event: list[list[Row]] = [[] for _ in type_["events"]]
+        for rule in type_["rules"]:
+            by_event[rule["event"]].append(rule)
+        for rules in (type_["entries"], *by_event, *type_["parts"]):
             self.rule_start.append(len(self.rule_effect))
-            for rule in type_.by_event.get(event, ()):
+            for rule in rules:
                 self.rule_literals.append(len(self.literals))
-                self.literals += rule.literals
-                self.rule_effect.append(first + rule.effect)
+                self.literals += rule["if"]
+                self.rule_effect.append(first + rule["do"])
         self.status_first.append(len(self.status_start))
-        for status in type_.status:
+        for status in type_["status"]:
             self.status_start.append(len(self.status_bits))
-            self.status_bits += status.changes
-            self.status_literal.append(status.literal)
+            self.status_bits += status["changes"]
+            self.status_literal.append(status["when"])
         self.idle_start.append(len(self.idle_bits))
-        self.idle_bits += type_.idle
+        self.idle_bits += type_["idle"]
         self.mode_start.append(len(self.modes))
         for (activity, alternative), literal in _modes(type_):
             names = own["activities"][activity], own["alternatives"][f"{activity}.{alternative}"]
@@ -199,6 +187,11 @@ class RuleNumbers(Numbers[Rules]):
             starts.append(len(rows))  # one row more, where the last one ends
 
     @property
+    def bits(self) -> int:
+        """Bits of a state, whatever section it is in."""
+        return max(int(type_["bits"]) for type_ in self.types)
+
+    @property
     def parts(self) -> bool:
         """Whether some event goes on with parts."""
         return bool(self.then_row)
@@ -211,7 +204,7 @@ class RuleNumbers(Numbers[Rules]):
     def moved(self, kind: int) -> Iterator[tuple[int, Sequence[int]]]:
         """Where the rules of a type's events may lead, each with the lists of actions that it may give."""
         row = self.type_rows[kind] + 1
-        for effects in self._effects(row, row + len(self.types[kind].events)):
+        for effects in self._effects(row, row + len(self.types[kind]["events"])):
             lists = [self.effect_list[e] for e in effects]
             yield from ((target, lists) for target in {self.effect_target[e] for e in effects})
 
@@ -224,9 +217,9 @@ class RuleNumbers(Numbers[Rules]):
             yield found
 
 
-def _modes(type_: Rules) -> Iterator[tuple[tuple[str, str], int]]:
+def _modes(type_: Row) -> Iterator[tuple[tuple[str, str], int]]:
     """Activities with alternatives in which they may run, each with the literal that says so."""
-    for shown in type_.shown:
-        if shown.kind == "mode":
-            activity, alternative = shown.name.split(".", 1)
-            yield (activity, alternative), shown.literal
+    for shown in type_["shown"]:
+        if shown["kind"] == "mode":
+            activity, alternative = shown["name"].split(".", 1)
+            yield (activity, alternative), shown["when"]

@@ -21,7 +21,7 @@ from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
 from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import String
 
-from mcpn.controller.targets.json import document
+from mcpn.controller.document import document
 from mcpn.drivers.mapping import check_plan
 from mcpn.drivers.reading import read_drivers
 from mcpn.drivers.running import RobotRun
