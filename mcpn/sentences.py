@@ -14,6 +14,15 @@ def enumeration(names: Sequence[str]) -> str:
     return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))
 
 
+def counted(number: int, what: str) -> str:
+    """So many of something, as ``1 place`` or ``2 places``.
+
+    >>> counted(1, "place"), counted(2, "place")
+    ('1 place', '2 places')
+    """
+    return f"{number} {what}{'s' * (number != 1)}"
+
+
 def ordinal(number: int) -> str:
     """A number as it counts times.
 

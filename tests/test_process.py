@@ -153,7 +153,7 @@ def test_an_error_that_cannot_be_told_keeps_its_code(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("unbuffered", ["", "1"])
 @pytest.mark.parametrize("arguments", [["check", str(ULYSSE)], ["--help"]])
-def test_a_closed_pipe_is_told_in_a_sentence(arguments: list[str], unbuffered: str) -> None:
+def test_a_closed_pipe_ends_the_command_without_a_word(arguments: list[str], unbuffered: str) -> None:
     read, write = os.pipe()
     os.close(read)
     environment = {**os.environ, "PYTHONUNBUFFERED": unbuffered}
@@ -161,8 +161,7 @@ def test_a_closed_pipe_is_told_in_a_sentence(arguments: list[str], unbuffered: s
         [*COMMAND, *arguments], stdout=write, stderr=subprocess.PIPE, text=True, check=False, env=environment
     )
     os.close(write)
-    told = "error: standard output: cannot be written: Broken pipe"
-    assert (run.returncode, run.stderr.strip()) == (2, told)
+    assert (run.returncode, run.stderr) == (128 + signal.SIGPIPE, "")
 
 
 def test_a_terminal_that_knows_no_unicode_gets_escapes(tmp_path: Path) -> None:

@@ -149,7 +149,8 @@ class MissionNames(Names):
                 objectives = [block.name for block in every if isinstance(block, Objective)]
                 done = known(name, dict.fromkeys([*kept, *objectives]), "objective")
                 message = (
-                    f"done({done}) is not kept: no route, condition or requirement of the mission reads it"
+                    f"done({done}) is not kept: no route, condition or requirement of the mission reads it; "
+                    f"write the formula as a requirement of the mission, or ask of happens(OBJ_{done}_EV_OK)"
                 )
                 raise InputError.at(None, message)
             return f"done({name})={BOOLEAN_VALUES[True]}"

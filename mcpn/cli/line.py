@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from collections import UserDict
 from collections.abc import Iterator, Sequence
@@ -21,6 +22,9 @@ TRACEBACK = "MCPN_TRACEBACK"
 """Variable of the environment that shows where an internal error comes from."""
 
 
+EXIT_PIPE = 128 + signal.SIGPIPE
+"""As of a program that the signal ends: who reads its output has read enough, as head does."""
+_OUTPUT = "standard output:"
 _NO_ROOM = "failed to map segment"
 
 COMMANDS = {
@@ -130,7 +134,11 @@ def run(arguments: Sequence[str] | None = None) -> int:
         if sys.stdout is not None:
             sys.stdout.flush()
     except OSError as error:  # readers and writers of files tell theirs
-        _tell(_refusal(error))
+        told = _refusal(error)
+        if isinstance(error, BrokenPipeError) and told.startswith(_OUTPUT):  # whoever read has read enough
+            _forget_output()
+            return EXIT_PIPE
+        _tell(told)
         _forget_output()
         return EXIT_BAD_INPUT
     return code
@@ -191,7 +199,7 @@ def _refusal(error: OSError) -> str:
         raised = raised.tb_next
     by = "" if raised is None else str(raised.tb_frame.f_globals.get("__name__"))
     if by == __name__ or by.partition(".")[0] == "click":
-        return f"standard output: cannot be written: {reason}"
+        return f"{_OUTPUT} cannot be written: {reason}"
     return f"the operating system refuses what this command needs: {reason} ({_where(error)})"
 
 
@@ -203,6 +211,11 @@ def _tell(message: str) -> None:
 
 
 def _show(error: click.ClickException) -> None:
+    if isinstance(error, click.NoSuchOption) and error.ctx is not None and error.ctx.parent is None:
+        # Options of commands stand behind their names; click would look for a near one among its own.
+        name = error.option_name
+        told = f"found {name} before a command, expected it behind: mcpn check mission.xml {name}"
+        error = click.UsageError(told, error.ctx)
     with suppress(OSError):
         error.show()
 

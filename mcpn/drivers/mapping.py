@@ -206,7 +206,7 @@ def check_plan(plan: Plan, tables: Tables) -> None:
     if problems:
         raise InputError(
             Problem(Source(str(plan.file), line), message)
-            for line, message in sorted(problems, key=lambda problem: (problem[0] or 0, problem[1]))
+            for line, message in sorted(problems, key=lambda told: (told[0] is None, told[0] or 0, told[1]))
         )
 
 

@@ -51,7 +51,7 @@ def read_drivers(path: Path) -> Plan:
     """Reads a file of drivers.
 
     Raises:
-        InputError: It is no TOML, or says what no such file says: every mistake with its line.
+        InputError: It is not valid TOML, or says what no such file says: every mistake with its line.
     """
     data = read_bounded(path, MAX_BYTES)
     try:
@@ -59,12 +59,12 @@ def read_drivers(path: Path) -> Plan:
         said = tomllib.loads(text)
         lines = lines_of(text)
     except UnicodeDecodeError as error:
-        raise InputError.at(Source(str(path), data.count(b"\n", 0, error.start) + 1), "no UTF-8") from None
+        raise InputError.at(Source(str(path), data.count(b"\n", 0, error.start) + 1), "not UTF-8") from None
     except (ValueError, RecursionError) as error:  # ValueError also of a number with too many digits
         at = re.search(r"\(at line (\d+)", str(error))
         end = text.count("\n") + 1 if "end of document" in str(error) else None
         why, _, _ = str(error).partition("; use sys.")  # advice to who writes Python
-        raise InputError.at(Source(str(path), int(at[1]) if at else end), f"no TOML: {why}") from None
+        raise InputError.at(Source(str(path), int(at[1]) if at else end), f"not valid TOML: {why}") from None
     reader = _DriversReader(lines)
     plan = reader.plan(path, said)
     if reader.problems:

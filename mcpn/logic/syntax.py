@@ -156,8 +156,13 @@ _INSTEAD = {
     "AND": "write & or and",
     "OR": "write | or or",
     "NOT": "write ! or not",
+    "always": "write G on one path, AG on all paths from a state",
+    "never": "write G ! on one path, AG ! on all paths from a state",
+    "eventually": "write F on one path, AF on all paths from a state",
+    "until": "write U for 'until'",
+    "implies": "write -> for 'implies'",
 }
-"""What people write that is no sign of ours, and what to write instead."""
+"""What people write that is no sign or word of ours, and what to write instead."""
 _IN_WORDS = {"U": "U", "": "the end", ")": "')'", "]": "']'", ",": "','", "+": "'+'", "=": "'='"}
 _IN_WORDS |= {"<": "a comparison", "&": "an operator"}
 
@@ -309,6 +314,7 @@ class _Parser:
             known = (*WORDS, "enabled", "fires", "tokens")
             near = _MEANT.get(text) or get_close_matches(text, (*_UNARY, *PLAIN, *ENDINGS, *known), n=1)
             hint = f"did you mean {' or '.join(near)}?" if near else f"expected one of {', '.join(known)}"
+            hint = _INSTEAD.get(text, hint)
             raise self._error(token.at, f"no word is named {text}; {hint}")
         if token.kind != "integer" and (text, behind.text) != ("tokens", "(") and behind.role not in longer:
             self._longer = longer

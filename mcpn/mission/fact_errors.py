@@ -25,6 +25,14 @@ def fact_errors(mission: Mission, hints: Hints) -> Iterator[Problem]:
     return _FactChecks(mission, hints).errors()
 
 
+_JOINING = {
+    "or": "for either of two write an alternative, a route or a handler for each",
+    "and": "all words of a condition must be so, with spaces between them",
+    "not": "write !NAME of a fact that is false or true, and the other values of one with values",
+}
+"""Words with which conditions are joined elsewhere, each with what to write."""
+
+
 class _FactChecks:
     def __init__(self, mission: Mission, hints: Hints) -> None:
         self.mission = mission
@@ -173,6 +181,9 @@ class _FactChecks:
 
     def condition(self, source: Source | None, who: str, texts: Iterable[str]) -> Iterator[Problem]:
         for text in texts:
+            if text.lower() in _JOINING and text not in self.facts:
+                yield Problem(source, f"{who} {text!r}, which joins nothing: {_JOINING[text.lower()]}")
+                continue
             if not CONDITION.matches(text) or len(text.split()) != 1:
                 yield Problem(source, f"{who} {text!r}, expected {CONDITION.expected}")
                 continue
@@ -198,8 +209,12 @@ class _FactChecks:
     def asked(self, source: Source | None, found: str, text: str, fact: Fact) -> Iterator[Problem]:
         said = word(text)
         if said.negated and said.value is not None:
-            expected = f"{fact.name}=VALUE" if not is_boolean(fact) else f"{fact.name} or !{fact.name}"
-            yield Problem(source, f"{found}, expected {expected}: ! stands before a name alone")
+            if is_boolean(fact):
+                expected = f"{fact.name} or !{fact.name}: ! stands before a name alone"
+            else:
+                others = [f"{fact.name}={value}" for value in fact.values if value != said.value]
+                expected = f"{' or '.join(others)}: ! stands before a name alone, and {_JOINING['or']}"
+            yield Problem(source, f"{found}, expected {expected}")
         elif said.value is None and not is_boolean(fact):
             values = ", ".join(f"{fact.name}={value}" for value in fact.values)
             yield Problem(source, f"{found} without a value, expected one of {values}")
@@ -209,6 +224,8 @@ class _FactChecks:
     def both(self, source: Source | None, who: str, texts: Iterable[str]) -> Iterator[Problem]:
         """Words of a condition that contradict each other."""
         asked = dict[str, str]()
+        if any(text.lower() in _JOINING for text in texts):
+            return  # it is said what is wrong with these
         for text in texts:
             said = word(text) if CONDITION.matches(text) and len(text.split()) == 1 else None
             if said is None or (said.fact not in self.facts and objective_done(said.fact) is None):

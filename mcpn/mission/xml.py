@@ -6,6 +6,7 @@ of why a document fails, so elements and attributes are compared with the langua
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import cache
@@ -56,8 +57,7 @@ def find_misfits(
     """
     name = etree.QName(root)
     if name.namespace != NAMESPACE or name.localname not in {root.TAG for root in ROOTS}:
-        found = f"expected a mission file (namespace {NAMESPACE}), found the root element {root.tag}"
-        return [(_line(root), found)]
+        return [(_line(root), _no_root(name))]
     root.attrib.pop(LOCATION, "")
     validator = _validator()
     excerpt, suspects = new or (root, root.iter())
@@ -77,6 +77,14 @@ def find_misfits(
 def _line(element: etree._Element) -> int:
     line = element.sourceline
     return line if isinstance(line, int) else 1
+
+
+def _no_root(name: etree.QName) -> str:
+    """What is wrong with a root element that begins no file of a mission."""
+    if name.localname in {root.TAG for root in ROOTS}:
+        found = f"in the namespace {name.namespace}" if name.namespace else "without a namespace"
+        return f'found <{name.localname}> {found}, expected <{name.localname} xmlns="{NAMESPACE}" ...>'
+    return f"found the root element {name.text}, expected a mission file (namespace {NAMESPACE})"
 
 
 def _misfits(among: Iterable[etree._Element]) -> Iterator[tuple[int, str]]:
@@ -408,7 +416,8 @@ class _MissionReader:
             self.not_imported(made, f"{href[:80]!r}: {what}")
             return
         if not inside or ":" in href.split("/")[0]:
-            self.not_imported(made, f"{href} leaves the mission's directory")
+            root = os.path.relpath(os.path.commonpath([self.root, real]))
+            self.not_imported(made, f"{href} leaves the mission's directory: --import-root {root} allows it")
         elif real in self.chain:
             self.not_imported(made, f"{href} closes a cycle of imports")
         elif real not in self.seen:

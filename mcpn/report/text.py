@@ -16,7 +16,7 @@ from mcpn.report.words import (
     what_happens,
     wrong_in_words,
 )
-from mcpn.sentences import shortened
+from mcpn.sentences import counted, shortened
 
 if TYPE_CHECKING:
     from mcpn.answers.likeness import Likeness
@@ -102,6 +102,10 @@ SENTENCES: Mapping[str, tuple[str, str, str]] = {
 """Sentences of each verdict: where it holds, where it fails, where it is not known; in reading order."""
 
 _INFORMATIVE = "note"
+
+
+MOST_OF_IGNORED = 200
+"""Letters with which the objectives are named that ignore an event."""
 
 
 def print_counts(counts: Mapping[str, object]) -> None:
@@ -300,9 +304,12 @@ def print_check(
             if name == "confluent" and check.verdicts[name].holds and check.mission_net.usage.contentions:
                 terminal.print("of two that need the same resource, the second waits", indent=7, style="dim")
     for idle in check.changing_nothing:
-        lines = [f"Ignored: {idle.event} while {idle.words}."] if idle.objectives else []
+        lines = []
+        if idle.objectives:
+            lines.append(f"Ignored: {idle.event} while {_briefly(idle.words, idle.objectives)}.")
         if idle.answering:
-            lines.append(f"Answered already: {idle.event} while {idle.answering_words}, where it leads.")
+            meanwhile = _briefly(idle.answering_words, idle.answering)
+            lines.append(f"Answered already: {idle.event} while {meanwhile}, where it leads.")
         for line in lines:
             terminal.print(f"{_INFORMATIVE:4} {line}", style="dim", indent=2, hang=5)
     for sentence in (sentence for late in check.late for sentence in late.sentences):
@@ -375,18 +382,26 @@ def _print_translated(terminal: Terminal, check: MissionCheck) -> None:
             terminal.print(f"  line {each.line}: {each.node} is {WORDS[Kind(each.kind)]}{why}", style="dim")
 
 
+def _briefly(words: str, objectives: Sequence[str]) -> str:
+    """What is said of some objectives, of many no more than how many they are and the first of them."""
+    if len(words) <= MOST_OF_IGNORED:
+        return words
+    return f"one of {len(objectives)} objectives runs, {shortened(objectives)} (--json names them all)"
+
+
 def _sizes(check: MissionCheck, seconds: float) -> str:
     net = check.mission_net.net
-    sizes = [f"{len(net.places)} places", f"{len(net.transitions)} transitions"]
+    sizes = [counted(len(net.places), "place"), counted(len(net.transitions), "transition")]
     if check.sizes_seen is not None:
         states, edges = check.sizes_seen
-        sizes.append(f"{states} markings, {edges} edges")
+        sizes.append(f"{counted(states, 'marking')}, {counted(edges, 'edge')}")
     if check.stable_sizes is not None:
         states, edges = check.stable_sizes
-        sizes.append(f"{states} stable states, {edges} event edges")
+        sizes.append(f"{counted(states, 'stable state')}, {counted(edges, 'event edge')}")
     if (composite := _composite(check)) is not None:
         sections = composite.sections.values()
-        sizes.append(f"{len(sections)} sections of {len({id(placed.type) for placed in sections})} types")
+        types = len({id(placed.type) for placed in sections})
+        sizes.append(f"{counted(len(sections), 'section')} of {counted(types, 'type')}")
     return "; ".join([*sizes, f"{seconds:.2f} s"])
 
 

@@ -61,8 +61,8 @@ def test_a_good_one(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [
-        ("never = [", "never = [[", [":2: no TOML"]),
-        ("[activities.drive]", "[activities.drive", [":7: no TOML"]),
+        ("never = [", "never = [[", [":2: not valid TOML"]),
+        ("[activities.drive]", "[activities.drive", [":7: not valid TOML"]),
         ("[activities.drive]", "[activities.drve]", [
             ":7: the mission's controller has no activity 'drve' (did you mean drive?)",
             ": no driver for activity drive: expected a table [activities.drive]",
@@ -197,7 +197,7 @@ DIGITS = "9" * 4_300
     [
         (f"grace = {DIGITS}", ":7: grace: expected seconds, from 0 to 86400, found 999"),
         ("grace = 1e400", ":7: grace: expected seconds, from 0 to 86400, found inf"),
-        (f"grace = {DIGITS}9", ": no TOML: "),
+        (f"grace = {DIGITS}9", ": not valid TOML: "),
         (
             f"grace = 0x{DIGITS}",
             ":7: grace: expected seconds, from 0 to 86400, found a number of too many digits",

@@ -54,8 +54,12 @@ BROKEN: dict[str, tuple[str, int, str]] = {
     "truncated": (body()[:-12], 8, "not well-formed"),
     "text, not XML": ("places and transitions", 1, "not well-formed"),
     "wrong closing tag": (body("<objective name='o' activities='go'></parallel>"), 8, "not well-formed"),
-    "wrong namespace": (body().replace("mission:1", "mission:2"), 1, "root element"),
-    "no namespace": (body().replace(NS, ""), 1, "root element"),
+    "wrong namespace": (
+        body().replace("mission:1", "mission:2"),
+        1,
+        "in the namespace urn:mcpn:mission:2, expected",
+    ),
+    "no namespace": (body().replace(NS, ""), 1, "without a namespace, expected <mission xmlns="),
     "root is a robot": (f'<robot name="r" {NS}/>', 1, "expected a mission"),
     "entity bomb": (
         '<!DOCTYPE m [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;&a;&a;">'

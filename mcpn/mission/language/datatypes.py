@@ -280,7 +280,7 @@ CONDITION = Datatype(
     "condition",
     "condition",
     rf"\s*({_LITERAL}\s+)*{_LITERAL}\s*",
-    "facts with their values, such as door=open !holding, separated by spaces",
+    "facts with their values, such as door=open !holding, separated by spaces, all of which must be so",
     _split,
     " ".join,
     refers="condition",
