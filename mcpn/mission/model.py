@@ -178,7 +178,9 @@ class BlockElement(Element):
         str,
         NOMINAL,
         "What is meant while nothing fails. entered: it is entered, and ends. endless: the mission may stay "
-        "in it for ever. optional: the mission may leave it out.",
+        "in it for ever. optional: the mission may leave it out. fails: its failure is how it goes, as of a "
+        "condition that finds nothing. unknown: nobody has said which of its ends is, as of a condition of a "
+        "behaviour tree.",
     ] = "entered"
     guards: tuple[EntryGuard, ...] = ()
     routes: tuple[FactRoute, ...] = ()

@@ -414,6 +414,12 @@ def _composite(check: MissionCheck) -> CompositeSpace | None:
     return check.alternatives if isinstance(check.alternatives, CompositeSpace) else None
 
 
+def sentence_of(verdict: Verdict) -> str:
+    """What is said of a verdict in one line."""
+    sentences = SENTENCES.get(verdict.name, (verdict.explanation,) * 3)
+    return verdict.sentence or sentences[{True: 0, False: 1, None: 2}[verdict.holds]]
+
+
 def _print_verdict(
     terminal: Terminal,
     mission_net: MissionNet,
@@ -425,8 +431,7 @@ def _print_verdict(
 
     What goes wrong on a run to success is said before it, and a run that has been shown is not shown again.
     """
-    sentences = SENTENCES.get(verdict.name, (verdict.explanation,) * 3)
-    sentence = sentences[{True: 0, False: 1, None: 2}[verdict.holds]]
+    sentence = sentence_of(verdict)
     mark, colour = {True: ("ok", "green"), False: ("FAIL", "red"), None: ("?", "yellow")}[verdict.holds]
     if not verdict.required:
         mark, colour = _INFORMATIVE, "dim"

@@ -99,10 +99,8 @@ def with_memory(at: Translator, node: TreeNode, context: Context) -> Result:
     results = [at.piece(child, context) for child in node.children]
     forgets = any(row.rule == "with_memory_unhalted" for row in at.forest.choice.rows(node))
     if context.lane:
-        begun = False
         for place, result in enumerate(results):
-            begun = begun or isinstance(result, Part)
-            if begun and isinstance(result, bool):
+            if place and isinstance(result, bool):
                 # It ends at once, but after a moment in which what runs beside it may end before.
                 results[place] = at.constant(f"{name}_between", context, result, "at the next tick")
     if not context.again or len(node.children) == 1:

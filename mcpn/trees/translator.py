@@ -258,6 +258,9 @@ class Translator:
             activities=(self.activity(node.id, context, leaf=True),),
             parameters=parameters(node),
             description=described(node),
+            nominal="unknown"
+            if self.condition(node)
+            else "entered",  # success may be no good news: GoalUpdated
         )
         self.origins[name] = BlockOrigin(self.chain, node)
         self.note(

@@ -132,6 +132,7 @@ class Verdict(Told):
         skipped: Objectives that begin on the run that shows success, and never succeed on it.
         left_out: Objectives that no run enters on which nothing fails.
         cycle: Index of the event of the run with which the part begins that goes on for ever, if it does.
+        sentence: What is said of it in one line, where the usual sentence says too much.
     """
 
     name: str
@@ -141,6 +142,7 @@ class Verdict(Told):
     skipped: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
     cycle: int | None = None
+    sentence: str = ""
 
     @property
     def runs_of_events(self) -> tuple[Run, ...]:
@@ -455,6 +457,7 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
         nominal_run,
         left_out=nominal.left_out,
         cycle=nominal.cycle,
+        sentence=nominal.sentence,
     )
     step(Doing.FINDING_STUCK)
     goals = {

@@ -37,6 +37,11 @@ ENDLESS = (
 )
 HELD = "; it ends where {} happens, and no declared event does while nothing fails"
 """What is said of a loop that goes on until an event changes a fact: it waits."""
+UNKNOWN = (
+    "; that {} succeeds is supposed, for how it goes while nothing fails is not known of it: "
+    'write nominal="entered" on it where that is its success, nominal="fails" where it is its failure'
+)
+"""What is said of conditions, whose success may be no good news."""
 OPTIONAL = '; where that is meant, write nominal="optional" on the block'
 WAITS = '; where the mission is to wait for it, a block of the loop says nominal="endless"'
 """What an author writes who means what a nominal run does."""
@@ -46,25 +51,33 @@ class Nominal(NamedTuple):
     """What nominal runs do.
 
     Args:
-        holds: Whether all of them succeed, and enter every objective that they are meant to enter.
+        holds: Whether all of them succeed, and enter every objective that they are meant to enter; ``None``
+            where that depends on what nobody has said.
         explanation: One sentence.
         run: A run that succeeds; or one that does not, if there is one.
         cycle: Index of the event of the run with which a loop begins, where it goes on for ever.
         left_out: Objectives that no nominal run enters, and that no text says may be left out.
+        sentence: What is said of it in one line, where that is more or less than that the mission succeeds.
     """
 
-    holds: bool
+    holds: bool | None
     explanation: str
     run: Run | None = None
     cycle: int | None = None
     left_out: tuple[str, ...] = ()
+    sentence: str = ""
 
 
 def nominal_transitions(mission_net: MissionNet) -> list[int]:
-    """The transitions of nominal runs: internal ones, the start, and successes."""
-    good = (None, What.START, What.SUCCESS)
+    """The transitions of nominal runs: internal ones, the start, successes, and failures that are meant."""
+    failing = mission_net.graph.copies.meant_as("fails")
+
+    def as_meant(event: Event) -> bool:
+        end = What.FAILURE if event.element in failing else What.SUCCESS
+        return event.what in (What.START, end)
+
     events = ((t, transition.event) for t, transition in enumerate(mission_net.net.transitions))
-    return [t for t, event in events if (event.what if event else None) in good]
+    return [t for t, event in events if event is None or as_meant(event)]
 
 
 class NominalRuns(Generic[S]):
@@ -136,7 +149,7 @@ class NominalRuns(Generic[S]):
             said.append(f"goes on for ever: {shortened(around, MOST_TOLD)}, and so on")
         else:
             run = self.succeeding(success)
-        left_out = self._left_out()
+        left_out, supposed = self._left_out(), self._supposed()
         if left_out:
             told = copies.told(left_out, names_of_objectives(self.mission_net.graph))
             said.append(f"never enters {shortened(told)}")
@@ -144,13 +157,36 @@ class NominalRuns(Generic[S]):
             explanation = "while nothing fails every run succeeds, and nothing is left out"
             if endless and space.staying(lasting, transitions=self.transitions):
                 explanation = f"{explanation}; it may go on for ever in a block that is meant to be endless"
-            return Nominal(True, explanation, run)
+            explanation += UNKNOWN.format(enumeration(supposed)) if supposed else ""
+            return Nominal(True, explanation, run, sentence=self._sentence(success, supposed))
         explanation = f"while nothing fails the mission {' and '.join(said)}"
         if cycle is not None and (awaited := self._awaited(circling, success)):
             explanation += f"{HELD.format(enumeration(awaited))}{WAITS}"
         elif not ends:
             explanation += ENDLESS if cycle is not None else OPTIONAL
-        return Nominal(False, explanation, run, cycle, left_out)
+        explanation += UNKNOWN.format(enumeration(supposed)) if supposed else ""
+        return Nominal(None if supposed else False, explanation, run, cycle, left_out)
+
+    def _supposed(self) -> list[str]:
+        """The objectives that these runs enter, and of which nobody has said how they end then."""
+        unknown = self.mission_net.graph.copies.meant_as("unknown")
+        if not unknown:
+            return []
+        entered = objectives_run(self.mission_net, self.space, self.reached) & unknown
+        names = (name for name in names_of_objectives(self.mission_net.graph) if name in entered)
+        return self.mission_net.graph.copies.told(names, names_of_objectives(self.mission_net.graph))
+
+    def _sentence(self, success: S, supposed: list[str]) -> str:
+        """What is said where every run is as it is meant, if the mission does not just succeed."""
+        if not supposed and self.reached & success:
+            return ""
+        given = (
+            f", and {shortened(supposed, MOST_TOLD)} succeed{'s' * (len(supposed) == 1)},"
+            if supposed
+            else ","
+        )
+        does = "succeeds" if self.reached & success else "goes on for ever, as it is meant to"
+        return f"While nothing fails{given} the mission {does}."
 
     def _awaited(self, circling: S, success: S) -> list[str]:
         """The declared events that change facts on a way from a loop to success; none where none does."""
@@ -228,10 +264,11 @@ def meant_to_be_entered(mission_net: MissionNet) -> Iterator[str]:
     may what successes of helpers alone lead to.
     """
     graph = mission_net.graph
-    return _meant(graph, graph.copies, frozenset(_helpers(mission_net.mission)))
+    helpers, failing = frozenset(_helpers(mission_net.mission)), graph.copies.meant_as("fails")
+    return _meant(graph, graph.copies, helpers, failing)
 
 
-def _meant(graph: ObjectivesGraph, copies: Copies, helpers: Set[Written]) -> Iterator[str]:
+def _meant(graph: ObjectivesGraph, copies: Copies, helpers: Set[Written], failing: Set[str]) -> Iterator[str]:
     sections = {section.name: section for section in graph.sections}
     wanted, stack = set[str](), [graph.entry]
     while stack:
@@ -239,14 +276,17 @@ def _meant(graph: ObjectivesGraph, copies: Copies, helpers: Set[Written]) -> Ite
         if name in sections and name not in wanted:
             wanted.add(name)
             # Where facts choose what success leads to, that is a helper.
-            stack += () if sections[name].cases_of("success") else (sections[name].success,)
+            section = sections[name]
+            by_failure = isinstance(section, ElementarySection) and section.name in failing
+            end, target = ("failure", section.failure) if by_failure else ("success", section.success)
+            stack += () if section.cases_of(end) else (target,)
     left = (s for s in graph.unreached if not all(copies.around(leaf.name) & helpers for leaf in s.walk()))
     for section in (*(section for section in graph.sections if section.name in wanted), *left):
         if isinstance(section, ElementarySection):
             yield section.name
         else:
             for branch in section.branches:
-                yield from _meant(branch.graph, copies, helpers)
+                yield from _meant(branch.graph, copies, helpers, failing)
 
 
 def _helpers(mission: Mission) -> Iterator[Written]:

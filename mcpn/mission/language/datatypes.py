@@ -272,7 +272,7 @@ TRUTH = _one_of("truth", "holds", "fails")
 OUTCOME = _one_of("outcome", "success", "failure")
 STATUS = _one_of("status", "service", "oos")
 DETECTION = _one_of("detection", "at_once", "late")
-NOMINAL = _one_of("nominal", "entered", "endless", "optional")
+NOMINAL = _one_of("nominal", "entered", "endless", "optional", "fails", "unknown")
 FAITH = _one_of("faith", "time", "more", "left_out")
 OCCASION = _one_of("occasion", "success", "failure", "start")
 _LITERAL = rf"!?({_LETTER}{_CHARACTER}*|done\({_LETTER}[A-Za-z0-9_.]*\))(={_CHARACTER}+)?"

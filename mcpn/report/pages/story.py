@@ -13,7 +13,7 @@ from mcpn.nets.events import Event
 from mcpn.report.failures.terminal import without_a_rate
 from mcpn.report.pages.live import nominal_run, strip
 from mcpn.report.pages.preflight import single_losses
-from mcpn.report.text import SENTENCES
+from mcpn.report.text import SENTENCES, sentence_of
 from mcpn.report.words import (
     folded,
     in_words,
@@ -173,7 +173,7 @@ def _nominal(findings: Findings) -> Iterator[StoryLine]:
     verdict = findings.check.verdicts.get(NOMINAL)
     if verdict is None:
         return
-    said = SENTENCES[NOMINAL][{True: 0, False: 1, None: 2}[verdict.holds]]
+    said = sentence_of(verdict)
     state = {True: "holds", False: "fails", None: "unknown"}[verdict.holds]
     if verdict.holds is not False:
         yield StoryLine(state, "If nothing fails?", said)
