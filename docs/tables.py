@@ -12,6 +12,7 @@ from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+from mcpn.answers.claims import KINDS
 from mcpn.drawing.templates.interface import MEETINGS
 from mcpn.logic.contest import KNOWN as OF_PROPERTIES
 from mcpn.mission.language.forms import GROUPS, Field, form_of, inside, language, relax_ng
@@ -54,7 +55,15 @@ KNOWN = {"pnml": OF_PNML, "properties": OF_PROPERTIES}
 HEAD = ("| key | meaning |", "|---|---|")
 PAGES = [
     Path(__file__).with_name(name)
-    for name in ("language.md", "patterns.md", "from-a-tree.md", "formats.md", "nets.md", "templates.md")
+    for name in (
+        "language.md",
+        "patterns.md",
+        "from-a-tree.md",
+        "formats.md",
+        "nets.md",
+        "templates.md",
+        "claims.md",
+    )
 ]
 
 
@@ -214,6 +223,18 @@ def nodes(library: str) -> str:
     return "\n".join(lines)
 
 
+def claims(_: str) -> str:
+    """The table of the kinds of claims."""
+    heads = ("kind", "formula", "where it holds", "where it fails", "shown by", "told by")
+    rows_ = [heads, ("---",) * len(heads)]
+    for each in KINDS.values():
+        formula = f"`{each.formula}`".replace("|", "\\|") if each.formula else f"none: {each.why}"
+        rows_.append(
+            (f"`{each.name}`", formula, each.holds, each.fails, each.evidence, ", ".join(each.shown))
+        )
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows_)
+
+
 def renewed(page: str) -> str:
     """The page with its tables written anew."""
     kinds = (
@@ -222,6 +243,7 @@ def renewed(page: str) -> str:
         ("contract", r"\w+", contract),
         ("known", r"\w+", known),
         ("nodes", r"\w+", nodes),
+        ("claims", r"\w+", claims),
     )
     for word, name, make in kinds:
         page = re.sub(

@@ -120,7 +120,7 @@ def causes(
     if fmeca is not None:
         tables.save_fmeca(rows, fmeca, classes)
     if question.as_json:
-        document: dict[str, Any] = objects.causes_object(found, runs=short)
+        document: dict[str, Any] = objects.causes_object(found, runs=short, rows=rows)
         if numbers is not None:
             document["risk"] = objects.risk_object(numbers)
         if unanswered is not None:

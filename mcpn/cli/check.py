@@ -114,6 +114,8 @@ def _translated_object(found: MissionCheck) -> dict[str, Any]:
 
 
 def _check_object(found: MissionCheck, seconds: float, internal: bool) -> dict[str, Any]:
+    from mcpn.answers.claims import claims_of
+
     net = found.mission_net.net
     return {
         "mission": found.mission_net.mission.name,
@@ -124,6 +126,7 @@ def _check_object(found: MissionCheck, seconds: float, internal: bool) -> dict[s
         **({"requirements": _requirements_object(found)} if found.requirements else {}),
         "verdicts": {name: verdict.holds for name, verdict in found.verdicts.items()},
         "undecided": found.undecided,
+        "claims": [claim.to_json() for claim in claims_of(found)],
         "warnings": [
             {"file": at and at.file, "line": at and at.line, "message": problem.message}
             for problem in found.warnings

@@ -33,6 +33,32 @@ RUN = Nullable(
     )
 )
 """A run that shows an answer, or null."""
+
+CLAIM = ObjectOf(
+    "A claim: what is said, with the formula that shows it.",
+    {
+        "key": String("The same in all versions of a mission: its kind, its subject, what helps."),
+        "kind": String("Its kind: the table of claims says what it means."),
+        "subject": texts("What it is about, by name."),
+        "holds": Nullable(Boolean("Whether it is so; null where it is not known.")),
+        "reason": String("Why it is not known; else empty."),
+        "assumes": ObjectOf(
+            "What the runs may contain that it speaks of.",
+            {
+                "help": String("declared: declared events may happen and times be over; none: neither."),
+                "repairs": String("all, or others: what it names is not repaired."),
+                "failures": String("any: objectives may fail by themselves; forced: where they must."),
+                "moment": String("start, some or every."),
+            },
+        ),
+        "formula": Nullable(String("Holds on the stable states where it does; null where none says it.")),
+        "refers_to": texts("Of a claim without help: the events with whose help it would be otherwise."),
+        "evidence": String("What shows it."),
+        "sentence": String("The claim in words."),
+    },
+)
+"""A claim as an object."""
+
 CHECK = Document(
     "check",
     "mcpn check MISSION --json",
@@ -152,6 +178,7 @@ CHECK = Document(
                 ),
             ),
             "undecided": MapOf("By verdict that is null: why.", String()),
+            "claims": ListOf("All that is said of the mission, but for losses of hardware.", CLAIM),
             "warnings": ListOf(
                 "What is suspicious in the mission, by its text and by its states.",
                 ObjectOf(
@@ -290,6 +317,7 @@ CAUSES = Document(
                 String("An objective."),
             ),
             "objectives": MapOf("By elementary objective.", GOAL),
+            "claims": ListOf("What is said of losses of hardware.", CLAIM),
             "survival": ListOf(
                 "The start, then each section.",
                 ObjectOf(

@@ -9,26 +9,29 @@ from typing import TYPE_CHECKING, Any
 from mcpn.answers.causes.cutsets import CutSet
 from mcpn.answers.causes.find import Causes, GoalCauses, Survival
 from mcpn.answers.causes.prospects import CriticalEvent
+from mcpn.answers.claims import claims_of_losses
 from mcpn.nets.events import Event
 from mcpn.report.failures.terminal import accomplished, condition, safe
 from mcpn.spaces.run import Run
 
 if TYPE_CHECKING:
+    from mcpn.answers.causes.fmeca import Row
     from mcpn.answers.causes.risk import Risk
     from mcpn.answers.causes.whole_chain import Within
 
 
-def causes_object(causes: Causes, *, runs: bool = True) -> dict[str, Any]:
+def causes_object(causes: Causes, *, runs: bool = True, rows: Sequence[Row] = ()) -> dict[str, Any]:
     """Failure causes as an object for JSON.
 
     Args:
         causes: Failure causes of a mission.
         runs: Whether runs are computed and included; without them their keys are left out.
+        rows: The FMECA table, where there is one.
 
     Returns:
         ``objectives``, by qualified name, and ``mission``, each with ``cut_sets`` (sorted lists of hardware
         names), ``critical_events`` (names of events that cross into the losing region without repairs) and
-        the details of both; ``survival``, from the start first, then from each section.
+        the details of both; ``claims`` on losses; ``survival``, from the start first, then from each section.
     """
     sentence = condition if causes.safety is None else accomplished
     return {
@@ -36,6 +39,7 @@ def causes_object(causes: Causes, *, runs: bool = True) -> dict[str, Any]:
         **({} if causes.safety is None else {"safety": _goal(causes.safety, runs, safe)}),
         **({"unsafe_aborts": list(causes.unsafe_aborts)} if causes.unsafe_aborts else {}),
         "objectives": {name: _goal(goal, runs) for name, goal in causes.objectives.items()},
+        "claims": [claim.to_json() for claim in claims_of_losses(causes.prospects, rows)],
         "survival": [_survival(found, runs) for found in causes.survival],
     }
 

@@ -1,0 +1,161 @@
+"""Claims say what their formulas say: one engine makes them, another is asked."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from string import Formatter
+
+from hypothesis import event, given
+from hypothesis import strategies as st
+
+from mcpn.answers.causes.fmeca import fmeca
+from mcpn.answers.claims import KINDS, Claim, claims_of, claims_of_losses
+from mcpn.errors import ConfluenceError, LimitError, UnsafeError
+from mcpn.mission.model import Mission
+from mcpn.mission.xml import read_mission
+from mcpn.spaces.engines import Engine
+from mcpn.spaces.stable.alternatives import direct
+from mcpn.study import Study
+from mcpn.testing import missions
+from tests.conftest import ROOT, ULYSSE
+from tests.draws import fewer
+from tests.logic.asked import ENGINES
+from tests.logic.oracle import coming_home, fragile_missions
+from tests.shares import returns_early
+
+
+def made(study: Study, engine: Engine) -> list[Claim]:
+    checked = study.verdicts(engine=engine)
+    if checked.alternatives is None:
+        return []
+    prospects = study.causes(engine=engine).prospects
+    return [*claims_of(checked), *claims_of_losses(prospects, fmeca(prospects))]
+
+
+def confirm(mission: Mission, claims: list[Claim], engine: Engine) -> None:
+    """Each formula holds where its claim does, by an engine that did not make it."""
+    asked = Study(mission)
+    for claim in claims:
+        if claim.formula and claim.holds is not None:
+            assert asked.ctl(claim.formula, engine=engine).holds == claim.holds, (claim.key, claim.formula)
+
+
+@fewer(0.15)
+@given(
+    missions(max_hardware=3, max_objectives=2, max_sections=4, events=2, timeouts=2, early=1)
+    | missions(max_hardware=2, max_objectives=2, max_sections=4, events=3, facts=1)
+    | fragile_missions(max_hardware=3, max_objectives=2, max_sections=4, events=2)
+    | fragile_missions(max_hardware=2, max_objectives=2, max_sections=4, faults=1)
+    | fragile_missions(max_hardware=2, max_objectives=2, max_sections=4, crashes=True, lasting=True)
+    | coming_home(),
+    st.sampled_from([("explicit", "symbolic"), ("local", "explicit"), ("symbolic", "local")]),
+)
+def test_claims_of_drawn_missions(mission: Mission, engines: tuple[Engine, Engine]) -> None:
+    study = Study(mission)
+    maker, judge = engines
+    try:
+        direct(study.mission_net.net, max_states=2_000)
+        claims = made(study, maker)
+        confirm(mission, claims, judge)
+        for claim in claims:
+            event(f"{claim.kind} {claim.assumes.help}: {claim.holds}")
+    except (LimitError, ConfluenceError, UnsafeError) as error:
+        returns_early(type(error).__name__)
+
+
+def test_claims_of_ulysse_do_not_depend_on_the_engine() -> None:
+    checked = (Study(read_mission(ULYSSE)).verdicts(engine=engine) for engine in ENGINES)
+    claims = [[(claim.key, claim.holds) for claim in claims_of(each)] for each in checked]
+    assert claims[0] == claims[1] == claims[2]
+
+
+def test_told_missions_are_told_as_they_are(faults: Path) -> None:
+    """Missions of which sentences once were false: every claim on them is what its formula says."""
+    told = 0
+    for path in sorted((faults / "told").glob("*.xml")):
+        mission = read_mission(path)
+        claims = made(Study(mission), "explicit")
+        confirm(mission, claims, "symbolic")
+        told += len(claims)
+    assert told > 400
+
+
+def test_formulas_of_told_missions_have_the_answers_that_their_folder_has(faults: Path) -> None:
+    answers = (faults / "told" / "verdicts.txt").read_text().splitlines()
+    studies = {path.stem[:3]: Study(read_mission(path)) for path in (faults / "told").glob("*.xml")}
+    for line in answers:
+        mission, found, formula = line.split(" ", 2)
+        assert studies[mission].ctl(formula).holds is (found == "holds"), line
+
+
+HEAD = '<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r">'
+
+
+def of(text: str, tmp_path: Path) -> dict[str, Claim]:
+    (tmp_path / "m.xml").write_text(f"{HEAD}{text}</mission>")
+    return {claim.key: claim for claim in made(Study(read_mission(tmp_path / "m.xml")), "explicit")}
+
+
+def test_a_loss_that_a_rescue_makes_up_for_is_told_so(tmp_path: Path) -> None:
+    claims = of(
+        '<hardware name="motor" repairable="false"/><event name="rescue"/>'
+        '<activity name="drive" consumes="motor"/><activity name="wait"/></robot>'
+        '<objective name="go" activities="drive" failure="go" success="succeed">'
+        '<on event="rescue" goto="towed"/></objective>'
+        '<objective name="towed" activities="wait" failure="towed"/>',
+        tmp_path,
+    )
+    assert claims["loss_defeats: motor"].holds is False
+    alone = claims["loss_defeats: motor: without help"]
+    assert (alone.holds, alone.refers_to) == (True, ("rescue",))
+    assert alone.sentence == (
+        "The loss of motor alone, at its worst moment, leaves no way to success without the help of rescue."
+    )
+    assert claims["succeeds_without: go"].holds
+
+
+def test_a_loss_after_an_objective_that_fails_by_itself_counts(tmp_path: Path) -> None:
+    claims = of(
+        '<hardware name="camera"/><hardware name="anchor"/><activity name="film" consumes="camera"/>'
+        '<activity name="hold" consumes="anchor"/></robot>'
+        '<objective name="survey" activities="film" success="succeed" failure="park"/>'
+        '<objective name="park" activities="hold" success="abort" failure="park"/>',
+        tmp_path,
+    )
+    anchor = claims["loss_endangers: anchor"]
+    assert anchor.holds
+    assert anchor.find_run is not None
+    run = anchor.find_run()
+    assert run is not None
+    assert [str(each) for each in run.events][-2:] == ["OBJ_survey_EV_FAIL", "anchor_EV_OOS"]
+    assert claims["loss_endangers: camera"].holds is False
+
+
+def test_a_second_emergency_interrupts_what_the_first_leads_to(tmp_path: Path) -> None:
+    claims = of(
+        '<event name="low"/><event name="critical"/><activity name="fly"/></robot>'
+        '<on event="low" goto="climb"/><on event="critical" goto="land"/>'
+        '<objective name="survey" activities="fly"/>'
+        '<objective name="climb" activities="fly" success="land" failure="land"/>'
+        '<objective name="land" activities="fly" success="succeed" failure="land"/>',
+        tmp_path,
+    )
+    found = claims["interrupts_answer: low, land, critical"]
+    assert found.holds
+    assert found.sentence == "Low interrupts land, to which critical leads."
+    ever = claims["alternate_for_ever: low and critical"]
+    assert ever.holds
+
+
+def test_keys_are_those_of_one_claim(tmp_path: Path) -> None:
+    study = Study(read_mission(ROOT / "experiments" / "courier" / "mission.xml"))
+    keys = [claim.key for claim in claims_of(study.verdicts())]
+    assert len(keys) == len(set(keys))
+
+
+def test_kinds_without_a_formula_say_why() -> None:
+    for kind in KINDS.values():
+        assert kind.formula or kind.why
+        for sentence in kind.sentences:
+            named = {name for _, name, _, _ in Formatter().parse(sentence) if name is not None}
+            assert named <= {"0", "1", "2"}
