@@ -5,11 +5,12 @@ from __future__ import annotations
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, NoReturn
 
 import click
 
 from mcpn.cli.shared import (
+    EXIT_BAD_INPUT,
     EXIT_FAILED,
     FILE,
     Question,
@@ -19,9 +20,11 @@ from mcpn.cli.shared import (
     question,
     tell_warnings,
 )
+from mcpn.errors import InputError, Source
 
 if TYPE_CHECKING:
     from mcpn.answers.verdicts.mission import MissionCheck
+    from mcpn.report.annotations import AnnotationForm
     from mcpn.spaces.engines import Asked
 
 
@@ -33,6 +36,14 @@ if TYPE_CHECKING:
     "--internal", is_flag=True, help="Show the firings inside the net between which the outcome is decided."
 )
 @click.option("--strict", is_flag=True, help="Treat warnings as failures: exit code 1.")
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(["text", "sarif", "github"]),
+    default="text",
+    show_default=True,
+    help="Of a mission: places in its files, as a log of SARIF or as annotations of GitHub.",
+)
 @question(workers=True)
 def check(
     question: Question,
@@ -41,9 +52,12 @@ def check(
     engine: Asked,
     internal: bool,
     strict: bool,
+    form: Literal["text", "sarif", "github"],
 ) -> None:
     """Verify FILE: a mission's verdicts with their runs, or the behaviour of a net from elsewhere."""
     started = time.perf_counter()
+    if form != "text":
+        _annotate(question, file, structure, engine, strict, form)
     with question.progress():
         study = question.study(file)
     if structure or study.is_net:
@@ -70,6 +84,30 @@ def check(
         print_check(found, seconds, internal=internal, told=warned, strict=strict)
     if not found.passed or (strict and found.warnings):
         sys.exit(EXIT_FAILED)
+
+
+def _annotate(
+    question: Question, file: Path, structure: bool, engine: Asked, strict: bool, form: AnnotationForm
+) -> NoReturn:
+    """Prints what is wrong with a mission by its places, and ends the command."""
+    from mcpn.report.annotations import annotated, of_problems, written
+
+    if structure or question.as_json:
+        raise click.UsageError(f"--format {form} is of a mission's check, and stands alone")
+    whole, code = Source(str(file), 1), 0
+    try:
+        with question.work():
+            study = question.study(file)
+            if study.is_net:
+                raise InputError.at(whole, f"expected a mission: --format {form} names places in its files")
+            found = study.verdicts(engine=engine, max_states=question.max_states)
+        said = [*annotated(found, str(file))]
+        code = 0 if found.passed and not (strict and found.warnings) else EXIT_FAILED
+    except InputError as error:
+        said, code = [*of_problems(error.problems, "error", whole)], EXIT_BAD_INPUT
+    if text := written(form, said):
+        click.echo(text)
+    sys.exit(code)
 
 
 def _requirements_object(found: MissionCheck) -> list[dict[str, Any]]:
