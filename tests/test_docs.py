@@ -261,3 +261,12 @@ def test_the_site_builds_without_a_warning_and_loads_nothing_from_elsewhere(fold
             r"<(?:script|link|img|iframe)[^>]*(?:src|href)=[\"']?((?:https?:)?//[^\"'> ]+)", page.read_text()
         )
         assert loaded == [], page.name
+
+
+def test_the_first_page_leads_to_every_other() -> None:
+    """Three readers have a path each; no page stands beside them."""
+    text = (ROOT / "docs" / "index.md").read_text()
+    paths = re.findall(r"^### (.*)$", text, re.MULTILINE)
+    assert len(paths) == 3
+    assert all(f"tutorial-{reader}.md" in text for reader in ("designer", "robot", "researcher"))
+    assert {page.name for page in PAGES} - {"index.md"} <= set(re.findall(r"\]\(([\w-]+\.md)\)", text))
