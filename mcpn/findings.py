@@ -19,6 +19,7 @@ from mcpn.drawing.sections import SectionParts
 from mcpn.errors import LimitError, McpnError, SemanticsError
 from mcpn.mission.static.intervals import at_their_means
 from mcpn.runtime.tables import Tables
+from mcpn.spaces.engine_names import LOCAL
 from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from mcpn.controller.generate import Form
     from mcpn.drawing.compose import MissionNet
     from mcpn.mission.model import Mission
-    from mcpn.spaces.engines import Asked
+    from mcpn.spaces.engine_names import Asked
     from mcpn.spaces.stable.alternatives import AlternativesGraph
 
 MOST_ROWS = 50
@@ -196,7 +197,7 @@ def _controller(checked: MissionCheck, max_states: int | None) -> dict[str, Any]
     sections it is flat.
     """
     forms: tuple[Form, ...] = ("modular", "hierarchical")
-    if checked.choice.engine != "local":
+    if checked.choice.engine != LOCAL:
         forms = (*forms, "flat")
     for number, form in enumerate(forms, 1):
         if form == "flat":

@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from mcpn.errors import InputError, Source
 from mcpn.nets.petri import PetriNet
+from mcpn.spaces.engine_names import EXPLICIT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -45,10 +46,11 @@ if TYPE_CHECKING:
     from mcpn.mission.model import Mission
     from mcpn.report.pictures.drawing import Drawing
     from mcpn.spaces.algebra import Space
-    from mcpn.spaces.engines import Asked, Choice, On
+    from mcpn.spaces.engine_names import Asked, Counting, On
+    from mcpn.spaces.engines import Choice
     from mcpn.spaces.kept import Spaces
     from mcpn.spaces.markings.graph import StateGraph
-    from mcpn.spaces.sizes import Counting, SpaceSummary
+    from mcpn.spaces.sizes import SpaceSummary
 
 
 # Methods import the modules that they need, so that each question loads no more than it needs.
@@ -420,7 +422,7 @@ class Study:
 
         refuse_unknown(on=on)
         if on == "markings":
-            space = self.spaces.space(Choice("explicit", max_states=max_states), "markings")
+            space = self.spaces.space(Choice(EXPLICIT, max_states=max_states), "markings")
         else:
             space = self.alternatives(max_states=max_states)
         graph = space.graph if isinstance(space, ArraySpace) else written_out(space, "listed", max_states)

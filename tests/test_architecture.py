@@ -144,6 +144,18 @@ def test_targets_read_the_document_alone() -> None:
     assert strangers == set()
 
 
+def test_engines_are_named_in_one_place() -> None:
+    """Elsewhere a name is that of ``spaces/engine_names.py``, not a text."""
+    engines, wrong = {"explicit", "symbolic", "local"}, set[str]()
+    for path in MODULES:
+        if path.name == "engine_names.py":
+            continue
+        for node in nodes(path):
+            if isinstance(node, ast.Constant) and node.value in engines:
+                wrong.add(f"{path.relative_to(PACKAGE)}:{node.lineno} says {node.value!r}")
+    assert wrong == set()
+
+
 BUILDERS = {
     "by_reduction",
     "count",

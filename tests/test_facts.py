@@ -25,7 +25,7 @@ from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.validate import find_errors
 from mcpn.mission.xml import read_mission
 from mcpn.runtime import Controller as Runtime
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.testing import missions
 from tests.conftest import ROOT
 from tests.controller.test_c import build, run_lines

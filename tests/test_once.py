@@ -28,7 +28,8 @@ from mcpn.errors import LimitError, McpnError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.nets.events import Event
-from mcpn.spaces.engines import Choice, Engine
+from mcpn.spaces.engine_names import Engine
+from mcpn.spaces.engines import Choice
 from mcpn.spaces.stable.alternatives import direct_with_proof
 from mcpn.testing import missions
 from mcpn.testing.elements import IN_ROUNDS

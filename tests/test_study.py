@@ -20,7 +20,8 @@ from mcpn.drawing.compose import compose
 from mcpn.errors import InputError, LimitError, McpnError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.report.notebook import show
-from mcpn.spaces.engines import Choice, Engine
+from mcpn.spaces.engine_names import Engine
+from mcpn.spaces.engines import Choice
 from mcpn.testing import missions
 from tests.conftest import ROOT, ULYSSE
 from tests.draws import fewer

@@ -21,6 +21,7 @@ from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError, McpnError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.nets.petri import NetBuilder, PetriNet
+from mcpn.spaces.engine_names import LOCAL, SYMBOLIC
 from mcpn.spaces.kept import Spaces
 from mcpn.spaces.sizes import ENGINES, summarise
 
@@ -120,7 +121,7 @@ def measure(
     net = compose(subject).net if isinstance(subject, Mission) else subject
     subjects: list[tuple[str, Mission | PetriNet]] = [(engine, net) for engine in (*ENGINES, *own)]
     if isinstance(subject, Mission):
-        subjects.append(("local", subject))
+        subjects.append((LOCAL, subject))
     found, problems = [], list[McpnError | None]()
     for engine, subject_of in subjects:
         if (reason := (without or {}).get(engine)) is not None:
@@ -274,10 +275,10 @@ def _run(
     order: str | None = None
     wall = cpu = 0.0
     try:
-        summarise(NetBuilder("for imports alone").build(), "symbolic" if engine == "local" else engine)
+        summarise(NetBuilder("for imports alone").build(), SYMBOLIC if engine == LOCAL else engine)
         spaces = MissionSpaces(compose(subject)) if isinstance(subject, Mission) else Spaces(subject)
         wall, cpu = time.perf_counter(), time.process_time()
-        if engine == "local":
+        if engine == LOCAL:
             stable = spaces_of(spaces).composite().everything.count()
             sizes = {**dict.fromkeys((*SIZES, *DIAGRAM)), "stable_states": stable}
         else:
@@ -287,7 +288,7 @@ def _run(
     except (LimitError, SemanticsError) as error:
         problem = error
     except Exception as error:
-        if engine in (*ENGINES, "local"):
+        if engine in (*ENGINES, LOCAL):
             raise
         problem = LimitError(f"its code raised {type(error).__name__}: {error}")
     wall, cpu = time.perf_counter() - wall, time.process_time() - cpu

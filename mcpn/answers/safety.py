@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from mcpn.answers.causes.find import GoalCauses
     from mcpn.answers.spaces import MissionSpaces, MissionSubject
     from mcpn.answers.verdicts.mission import MissionCheck
-    from mcpn.spaces.engines import Asked
+    from mcpn.spaces.engine_names import Asked
     from mcpn.spaces.run import Run
 
 ASKED = {

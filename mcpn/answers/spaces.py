@@ -18,7 +18,8 @@ from mcpn.drawing.mortal import mortal
 from mcpn.drawing.sections import SectionParts, part_of, refuse_wide
 from mcpn.errors import InputError, LimitError
 from mcpn.spaces.algebra import Space
-from mcpn.spaces.engines import Asked, Choice, Engine, On, choices_of_net, refuse_unknown
+from mcpn.spaces.engine_names import EXPLICIT, LOCAL, SYMBOLIC, Asked, Engine, On
+from mcpn.spaces.engines import Choice, choices_of_net, refuse_unknown
 from mcpn.spaces.kept import Spaces, kept
 from mcpn.spaces.stable.completion import MAX_STABLE_STATES
 
@@ -93,11 +94,11 @@ class MissionSpaces(Spaces):
         limit = limit if max_states is None else min(limit, max_states)
         many = too_much_hardware(self.mission, limit) or _many_sections(self.mission, limit)
         if many is None:
-            yield Choice("explicit", "the stable states are few", limit, max_states, brief=True)
+            yield Choice(EXPLICIT, "the stable states are few", limit, max_states, brief=True)
             many = f"there are more than {limit} stable states, or much happens between them"
         own = "the one section is" if sections == 1 else f"each type of the {sections} sections is"
-        yield Choice("local", f"{many}, so {own} explored on its own", max_states)
-        yield Choice("symbolic", max_states=max_states)
+        yield Choice(LOCAL, f"{many}, so {own} explored on its own", max_states)
+        yield Choice(SYMBOLIC, max_states=max_states)
 
     def few(self, max_states: int | None = None) -> bool:
         """Whether the stable states are listed before anything else is tried."""
@@ -131,15 +132,15 @@ class MissionSpaces(Spaces):
         by = Choice(by) if isinstance(by, str) else by
         if on == "markings" or not self.net.priorities:
             return super().space(by, on, tokens=tokens)
-        with in_mission_words(self._mortal.mission if may_die and by.engine != "local" else self.mission):
-            if by.engine == "local":
+        with in_mission_words(self._mortal.mission if may_die and by.engine != LOCAL else self.mission):
+            if by.engine == LOCAL:
                 return self.composite(may_die=may_die)
             return self._dying(by) if may_die else super().space(by, on)
 
     def _dying(self, by: Choice) -> Space[Any]:
         """The alternatives graph of the mission where its hardware may die, states listed or on diagrams."""
         proof = bool(self.mission.mission.crashes)
-        if by.engine == "symbolic":
+        if by.engine == SYMBOLIC:
             return self._mortal.reduced(by, proof=proof)[0]
         limit = by.second_limit(MORTAL)
         return self._mortal._listed((limit, inf)).space if proof else self._mortal.unproved(limit)

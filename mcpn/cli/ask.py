@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mcpn.logic.verdicts import ContestAnswer
     from mcpn.logic.witness import Witness
     from mcpn.nets.petri import PetriNet
-    from mcpn.spaces.engines import Asked, On
+    from mcpn.spaces.engine_names import Asked, On
 
 EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", "StableMarking")
 

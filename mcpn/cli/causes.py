@@ -14,7 +14,7 @@ from mcpn.errors import InputError, LimitError
 
 if TYPE_CHECKING:
     from mcpn.report.failures.tables import Classes
-    from mcpn.spaces.engines import Asked
+    from mcpn.spaces.engine_names import Asked
 
 MOST_TOLD = 50
 """Objectives up to which runs and FMECA rows are printed without being asked for."""

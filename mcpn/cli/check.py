@@ -25,7 +25,7 @@ from mcpn.errors import InputError, Source
 if TYPE_CHECKING:
     from mcpn.answers.verdicts.mission import MissionCheck
     from mcpn.report.annotations import AnnotationForm
-    from mcpn.spaces.engines import Asked
+    from mcpn.spaces.engine_names import Asked
 
 
 @click.command()

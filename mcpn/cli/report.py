@@ -14,7 +14,7 @@ from mcpn.report.progress import progress_on_terminal
 from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
-    from mcpn.spaces.engines import Asked
+    from mcpn.spaces.engine_names import Asked
 
 
 @click.command()

@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mcpn.spaces.engine_names import EXPLICIT, LOCAL, SYMBOLIC
+
 if TYPE_CHECKING:
     from mcpn.drawing.compose import MissionNet
     from mcpn.drawing.templates import TemplateSet
@@ -106,7 +108,7 @@ def engine_option(*more: str) -> Callable[[Any], Any]:
     Args:
         more: Engines that this command knows besides.
     """
-    known = click.Choice(["auto", "explicit", "symbolic", "local", *more])
+    known = click.Choice(["auto", EXPLICIT, SYMBOLIC, LOCAL, *more])
     told = "The engine that answers; auto chooses by the mission, and tries another if one gives up."
     return click.option("--engine", type=known, default="auto", show_default=True, help=told)
 

@@ -9,18 +9,20 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mcpn.cli.shared import FILE, Question, choice_object, emit_counts, engine_option, question
+from mcpn.spaces.engine_names import EXPLICIT, PYEDA, SYMBOLIC
 
 if TYPE_CHECKING:
     from mcpn.answers.spaces import MissionSpaces
     from mcpn.spaces.algebra import Space
-    from mcpn.spaces.engines import Asked, Choice, On
+    from mcpn.spaces.engine_names import Asked, Counting, On
+    from mcpn.spaces.engines import Choice
     from mcpn.spaces.kept import Spaces
-    from mcpn.spaces.sizes import Counting, SpaceSummary
+    from mcpn.spaces.sizes import SpaceSummary
 
 
 @click.command()
 @click.argument("file", type=FILE)
-@engine_option("pyeda")
+@engine_option(PYEDA)
 @click.option(
     "--on",
     "graph",
@@ -48,7 +50,7 @@ def states(
     from dataclasses import asdict
 
     chosen = order is not None or save_order is not None or seed is not None
-    if chosen and (engine not in ("auto", "symbolic") or graph == "alternatives"):
+    if chosen and (engine not in ("auto", SYMBOLIC) or graph == "alternatives"):
         raise click.UsageError("--order, --seed and --save-order need the symbolic engine, on markings")
     with question.progress():
         study = question.study(file)
@@ -111,17 +113,17 @@ def alternatives(
     from mcpn.spaces.stable.alternatives import AlternativesGraph, written_out
 
     if method is not None or not proof:
-        if engine not in ("auto", "explicit"):
+        if engine not in ("auto", EXPLICIT):
             raise click.UsageError("--method and --no-proof need the explicit engine")
-        engine = "explicit"
+        engine = EXPLICIT
     study = question.study(mission)
     spaces = study.mission_spaces("the alternatives graph")
     started = time.perf_counter()
     if section is not None:
-        spaces, engine = spaces.section(section), "explicit"
+        spaces, engine = spaces.section(section), EXPLICIT
 
     def ask(choice: Choice) -> Space[Any]:
-        if choice.engine == "explicit" and not choice.brief:
+        if choice.engine == EXPLICIT and not choice.brief:
             with question.progress():
                 return _listed(spaces, method or "direct", proof, choice)
         with question.progress():

@@ -38,6 +38,7 @@ from mcpn.runtime.documents import MONITORS, MONITORS_VERSION
 from mcpn.runtime.file_schema import digest_of
 from mcpn.runtime.monitors import VALUES
 from mcpn.spaces.algebra import Space
+from mcpn.spaces.engine_names import EXPLICIT
 from mcpn.spaces.engines import Choice
 from mcpn.spaces.search.goal import TRUE, And, Formula, Not, Or
 
@@ -441,7 +442,7 @@ def monitors_of(
     if not any(formula for _, formula in asked):
         message = "no requirement speaks of each run by itself, as formulas of LTL and patterns do"
         raise InputError.at(mission_net.mission.source, f"{message}: there is nothing to watch")
-    stable, _ = spaces.stable(Choice("explicit", max_states=max_states))
+    stable, _ = spaces.stable(Choice(EXPLICIT, max_states=max_states))
     watcher = Watcher(stable, mission_net.ends.values())
     return MissionMonitors(
         mission_net.mission.name,

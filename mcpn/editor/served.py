@@ -33,7 +33,7 @@ from mcpn.study import Study, open_study
 
 if TYPE_CHECKING:
     from mcpn.logic.questions import Answer
-    from mcpn.spaces.engines import Asked
+    from mcpn.spaces.engine_names import Asked
 
 LOOPBACK = "127.0.0.1"
 EVERY = 0.5

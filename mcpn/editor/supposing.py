@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mcpn.mission.model import Mission
     from mcpn.mission.requirement import Requirement
     from mcpn.mission.robot import Activity
-    from mcpn.spaces.engines import Asked
+    from mcpn.spaces.engine_names import Asked
 
 
 def supposed(mission: Mission, lost: Sequence[str], ways: Mapping[str, Sequence[str]]) -> Mission:

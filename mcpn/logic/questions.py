@@ -18,7 +18,8 @@ from mcpn.sentences import quoted
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.diagrams.base import Diagrams
 from mcpn.spaces.diagrams.spaces import DiagramMarkings
-from mcpn.spaces.engines import Asked, Choice, NoSpace, On, answered, refuse_unknown
+from mcpn.spaces.engine_names import EXPLICIT, SYMBOLIC, Asked, On
+from mcpn.spaces.engines import Choice, NoSpace, answered, refuse_unknown
 from mcpn.spaces.kept import Subject, spaces_of
 from mcpn.spaces.names import PROGRESS
 from mcpn.spaces.search.goal import Formula
@@ -165,8 +166,8 @@ class Session:
             return self.spaces.space(choice, self.on, tokens=tokens)
 
         space, choice = answered(by, self.spaces.choices(self.engine, self.on, self.max_states))
-        if choice.engine == "symbolic" and not isinstance(space, Diagrams):
-            choice = Choice("explicit", "its markings were listed before a diagram held them")
+        if choice.engine == SYMBOLIC and not isinstance(space, Diagrams):
+            choice = Choice(EXPLICIT, "its markings were listed before a diagram held them")
         return space, choice
 
     def brief(self) -> bool:

@@ -27,9 +27,11 @@ from mcpn.logic.questions import Answer, Session
 from mcpn.logic.simplify import at_first, bounds_of, conditions, parts_at_first
 from mcpn.logic.witness import NoRun, Witness, explain
 from mcpn.nets.petri import PetriNet
+from mcpn.spaces import engine_names
 from mcpn.spaces.diagrams.slices import within_seconds
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
-from mcpn.spaces.engines import Asked, Choice, NoSpace
+from mcpn.spaces.engine_names import Asked
+from mcpn.spaces.engines import Choice, NoSpace
 from mcpn.spaces.search import EXPLICIT, HOME, INITIAL_STATE, RANDOM_WALK, STATE_EQUATION
 from mcpn.spaces.search.goal import FALSE, TRUE, And, AtMost, Fires, Formula
 from mcpn.steps import Doing, step
@@ -585,7 +587,7 @@ def _asks_firing(asked: Meaning) -> bool:
 
 
 def _technique(engine: Asked) -> str:
-    return {"explicit": EXPLICIT, "local": COMPOSITION}.get(engine, DIAGRAMS)
+    return {engine_names.EXPLICIT: EXPLICIT, engine_names.LOCAL: COMPOSITION}.get(engine, DIAGRAMS)
 
 
 def _effort(meaning: Meaning) -> int:

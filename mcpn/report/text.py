@@ -17,6 +17,7 @@ from mcpn.report.words import (
     wrong_in_words,
 )
 from mcpn.sentences import counted, shortened
+from mcpn.spaces.engine_names import LOCAL
 
 if TYPE_CHECKING:
     from mcpn.answers.likeness import Likeness
@@ -407,7 +408,7 @@ def _sizes(check: MissionCheck, seconds: float) -> str:
 
 def _composite(check: MissionCheck) -> CompositeSpace | None:
     """The mission's composite, where the check has made it."""
-    if check.choice.engine != "local":
+    if check.choice.engine != LOCAL:
         return None
     from mcpn.composite.composite import CompositeSpace
 

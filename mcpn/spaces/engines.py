@@ -8,16 +8,11 @@ missions is that of :mod:`mcpn.answers.spaces`.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Literal, NamedTuple, TypeAlias, TypeVar, get_args
+from typing import Literal, NamedTuple, TypeVar, get_args
 
 from mcpn.errors import InputError, LimitError, PremiseError
+from mcpn.spaces.engine_names import EXPLICIT, PYEDA, SYMBOLIC, Asked, Engine, On
 from mcpn.spaces.markings.explicit import MAX_MARKINGS
-
-On: TypeAlias = Literal["markings", "alternatives"]
-Engine: TypeAlias = Literal["explicit", "symbolic", "local"]
-"""Arrays, decision diagrams or composition."""
-Asked: TypeAlias = Literal["auto", "explicit", "symbolic", "local", "search"]
-"""An engine by name, or ``auto``; ``search`` answers questions of logic without a space."""
 
 SMALL = 100_000
 """Limit on markings where stable states are few.
@@ -114,7 +109,7 @@ def refuse_unknown(engine: str = "auto", on: str | None = None) -> None:
         InputError: One of them is unknown.
     """
     if engine not in get_args(Asked):
-        beside = ", which only counts markings" if engine == "pyeda" else ""
+        beside = ", which only counts markings" if engine == PYEDA else ""
         expected = ", ".join(get_args(Asked))
         raise InputError.at(None, f"found the engine {engine!r}{beside}, expected one of {expected}")
     if on is not None and on not in get_args(On):
@@ -133,5 +128,5 @@ def choices_of_net(engine: Asked, max_states: int | None = None) -> Iterator[Cho
     if engine != "auto":
         yield Choice(engine, max_states=max_states)
         return
-    yield Choice("symbolic", "a diagram holds all markings, however many they are", max_states)
-    yield Choice("explicit", max_states=max_states)
+    yield Choice(SYMBOLIC, "a diagram holds all markings, however many they are", max_states)
+    yield Choice(EXPLICIT, max_states=max_states)

@@ -22,7 +22,8 @@ from mcpn.spaces.diagrams.race import Resting
 from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import reaching
-from mcpn.spaces.engines import FEW_FIRINGS, Asked, Choice, Engine, On, choices_of_net, refuse_unknown
+from mcpn.spaces.engine_names import EXPLICIT, LOCAL, Asked, Engine, On
+from mcpn.spaces.engines import FEW_FIRINGS, Choice, choices_of_net, refuse_unknown
 from mcpn.spaces.markings.explicit import MAX_MARKINGS, Counts, KernelNet, count, explore
 from mcpn.spaces.names import PROGRESS, Names
 from mcpn.spaces.stable.completion import MAX_STABLE_STATES, PROOF_BY_MARKINGS
@@ -191,14 +192,14 @@ class Spaces:
         by = Choice(by) if isinstance(by, str) else by
         if on == "alternatives" and not self.net.priorities:
             raise InputError.at(None, "the alternatives graph is of missions: this net has no priorities")
-        if by.engine == "local":
+        if by.engine == LOCAL:
             message = (
                 "composition makes the alternatives graph of a mission: sections hand on stable states only"
             )
             raise InputError.at(None, message)
         if on == "markings":
             return self.markings(by, tokens=tokens)
-        return self._listed(self.within(by)).space if by.engine == "explicit" else self.reduced(by)[0]
+        return self._listed(self.within(by)).space if by.engine == EXPLICIT else self.reduced(by)[0]
 
     # --- the whole net ---
 
@@ -244,7 +245,7 @@ class Spaces:
     def markings(self, by: Choice, *, tokens: bool = True) -> ArraySpace | DiagramMarkings:
         """The markings graph; see :meth:`space`."""
         tokens = tokens and not self.net.priorities  # else the net must be 1-safe
-        if by.engine == "explicit":
+        if by.engine == EXPLICIT:
             return self._arrays(tokens, by.limit)
         return self._drawn(tokens, self._lists_early(by))
 
@@ -306,7 +307,7 @@ class Spaces:
     def _reduced(
         self, engine: Engine, lists_early: bool, proof: bool, max_states: int
     ) -> tuple[Space[Any], str]:
-        explicit = engine == "explicit"
+        explicit = engine == EXPLICIT
         markings = self._arrays(False, max_states) if explicit else self._drawn(False, lists_early)
         step(Doing.PROVING)
         if not isinstance(markings, DiagramMarkings):

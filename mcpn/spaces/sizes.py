@@ -5,11 +5,12 @@ from __future__ import annotations
 import time
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING
 
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.nets.petri import PetriNet
-from mcpn.spaces.engines import SMALL, Choice, On, answered
+from mcpn.spaces.engine_names import EXPLICIT, LOCAL, PYEDA, SYMBOLIC, Counting, On
+from mcpn.spaces.engines import SMALL, Choice, answered
 from mcpn.spaces.kept import Subject, spaces_of
 from mcpn.spaces.markings.explicit import Counts
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from mcpn.spaces.own import OwnSpace
     from mcpn.spaces.pyeda_reference import ReferenceCounts
 
-ENGINES = ("explicit", "symbolic", "pyeda")
+ENGINES = (EXPLICIT, SYMBOLIC, PYEDA)
 """The engines that count: marking by marking, by decision diagrams, and the independent reference."""
 
 
@@ -76,7 +77,7 @@ def summary_of(space: SymbolicSpace, started: float) -> SpaceSummary:
         space.max_tokens,
         space.max_tokens_in_place,
         space.nodes,
-        "symbolic",
+        SYMBOLIC,
         time.perf_counter() - started,
         space.order,
         None if space.nodes is None else space.peak_nodes,
@@ -137,9 +138,6 @@ def summary_of_own(space: OwnSpace, engine: str, started: float) -> SpaceSummary
 
 # --- How large a state space is, by whichever engine counts it --------------------------------------------
 
-Counting: TypeAlias = Literal["auto", "explicit", "symbolic", "local", "pyeda"]
-"""Who counts: an engine by name, ``pyeda`` being the small reference, or ``auto``."""
-
 
 def summarise(
     subject: Subject,
@@ -167,11 +165,11 @@ def summarise(
         LimitError: A limit was hit, or the engine is not installed.
     """
     started, spaces = time.perf_counter(), spaces_of(subject)
-    if engine == "symbolic":
+    if engine == SYMBOLIC:
         return summary_of(spaces.symbolic(), started)
-    if engine == "explicit":
+    if engine == EXPLICIT:
         return summary_of_counts(spaces.net, spaces.counted(max_states), engine, started)
-    if engine == "pyeda":
+    if engine == PYEDA:
         return summary_of_counts(spaces.net, spaces.reference(seconds), engine, started)
     from mcpn.spaces.own import OwnSpace, engine_named
 
@@ -206,13 +204,13 @@ def sizes(
     """
     spaces = spaces_of(subject)
     net = spaces.net
-    if engine == "pyeda":
+    if engine == PYEDA:
         return summarise(spaces, engine), None
 
     def markings(choice: Choice) -> SpaceSummary:
-        if choice.engine == "local":  # counts stable states only: a diagram of the net counts the rest
-            whole = summarise(spaces, "symbolic")
-            return replace(whole, stable_states=stable(choice).stable_states, engine="local")
+        if choice.engine == LOCAL:  # counts stable states only: a diagram of the net counts the rest
+            whole = summarise(spaces, SYMBOLIC)
+            return replace(whole, stable_states=stable(choice).stable_states, engine=LOCAL)
         return summarise(spaces, choice.engine, max_states=choice.limit)
 
     def stable(choice: Choice) -> SpaceSummary:
@@ -224,7 +222,7 @@ def sizes(
 
     def markings_if_few(choice: Choice) -> SpaceSummary:
         """Counts all markings where they are few, else the stable states alone."""
-        if choice.engine == "symbolic":
+        if choice.engine == SYMBOLIC:
             return markings(choice)
         try:
             if choice.brief:
@@ -240,6 +238,6 @@ def sizes(
     if on is None:
         if engine == "auto" and spaces.asked_on == "alternatives":
             return answered(markings_if_few, spaces.choices("auto", "alternatives", max_states))
-        on = "alternatives" if engine == "local" else "markings"
+        on = "alternatives" if engine == LOCAL else "markings"
     count = markings if on == "markings" else stable
     return answered(count, spaces.choices(engine, on, max_states))

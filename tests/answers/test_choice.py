@@ -13,7 +13,8 @@ from mcpn.errors import LimitError
 from mcpn.logic.asking import Questions
 from mcpn.mission.model import Objective
 from mcpn.mission.xml import read_mission
-from mcpn.spaces.engines import Choice, Engine, On, answered
+from mcpn.spaces.engine_names import Engine, On
+from mcpn.spaces.engines import Choice, answered
 from tests.composite.test_local import Wearing
 from tests.conftest import ROOT
 from tests.small import activity, hw, mission, robot

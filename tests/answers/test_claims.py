@@ -13,7 +13,7 @@ from mcpn.answers.claims import KINDS, Claim, claims_of, claims_of_losses
 from mcpn.errors import ConfluenceError, LimitError, UnsafeError
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.study import Study
 from mcpn.testing import missions

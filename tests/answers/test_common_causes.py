@@ -19,7 +19,7 @@ from mcpn.mission.xml import read_mission
 from mcpn.nets.events import Event
 from mcpn.report.failures.openpsa import structured
 from mcpn.report.pictures.objectives import mission_drawing
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.study import open_study
 from tests.logic.asked import ENGINES, Asked
 from tests.logic.oracle import minimal

@@ -25,7 +25,7 @@ from mcpn.mission.writer import written
 from mcpn.mission.xml import read_mission
 from mcpn.nets.events import Event, What
 from mcpn.runtime.controller import Controller
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.study import Study
 from mcpn.testing import missions
 from tests.answers.crashing import with_hardware

@@ -33,7 +33,7 @@ from mcpn.nets.petri import Marking
 from mcpn.spaces.arrays import ArraySet, ArraySpace
 from mcpn.spaces.diagrams.spaces import DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import reach
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.spaces.markings.graph import StateGraph
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.study import Study

@@ -13,7 +13,7 @@ from mcpn.drawing.compose import compose
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.mission.model import Each, Mission, Objective
 from mcpn.mission.robot import Hardware
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.testing import missions
 from tests.answers.dense import Dense, with_numbers

@@ -13,7 +13,8 @@ from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Robot
 from mcpn.spaces.arrays import ArraySpace
-from mcpn.spaces.engines import Asked, Choice
+from mcpn.spaces.engine_names import Asked
+from mcpn.spaces.engines import Choice
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.run import Run
 from mcpn.spaces.stable.alternatives import by_reduction

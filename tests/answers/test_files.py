@@ -16,7 +16,7 @@ from mcpn.logic.behaviour import EXAMINATIONS
 from mcpn.logic.contest import Property
 from mcpn.logic.verdicts import answer_all
 from mcpn.nets.petri import NetBuilder, PetriNet
-from mcpn.spaces.engines import Asked
+from mcpn.spaces.engine_names import Asked
 from mcpn.spaces.kept import Spaces
 from tests.commands import mcpn, output
 from tests.draws import fewer

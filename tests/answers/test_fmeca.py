@@ -20,7 +20,7 @@ from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, Par
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.nets.petri import Marking
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.testing import missions
 from tests.draws import fewer

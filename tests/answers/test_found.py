@@ -19,7 +19,7 @@ from mcpn.errors import InputError, LimitError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.nets.petri import NetBuilder
 from mcpn.spaces.diagrams.shown import EMPTY, END, Diagram
-from mcpn.spaces.engines import Engine, On
+from mcpn.spaces.engine_names import Engine, On
 from mcpn.study import Study
 from mcpn.testing import missions
 from mcpn.testing.kit.corpus import MISSIONS

@@ -11,7 +11,7 @@ from mcpn.answers.causes.fmeca import fmeca
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.model import Block, Objective, Parallel, Recursive
 from mcpn.mission.robot import Activity
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from tests.logic.asked import ENGINES
 from tests.small import activity, hw, mission, robot
 

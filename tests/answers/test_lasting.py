@@ -16,7 +16,7 @@ from mcpn.drawing.compose import compose
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Hardware
 from mcpn.runtime.controller import Controller
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from tests.controller.test_c import build, run_lines
 from tests.controller.test_scxml import INTERPRETERS
 from tests.controller.test_scxml import check as check_scxml

@@ -31,7 +31,7 @@ from mcpn.nets.events import Event
 from mcpn.runtime import Controller as Runtime
 from mcpn.runtime import Refused, SnapshotError
 from mcpn.runtime.restoring import snapshot_text
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.study import Study
 from mcpn.testing import missions

@@ -15,7 +15,7 @@ from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.xml import read_mission
 from mcpn.nets.petri import Marking
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.testing import missions
 from tests.answers.test_cutsets import small
 from tests.draws import fewer

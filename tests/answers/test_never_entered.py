@@ -9,7 +9,7 @@ import pytest
 from mcpn.answers.causes.cutsets import CutSet
 from mcpn.drawing.compose import compose
 from mcpn.mission.xml import read_mission
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from tests.logic.asked import ENGINES, Asked
 
 NEVER: list[CutSet] = [()]

@@ -12,7 +12,7 @@ from mcpn.answers.causes.risk import risk
 from mcpn.answers.spaces import spaces_of
 from mcpn.drawing.compose import compose
 from mcpn.mission.model import Block, Handler, Mission, Objective, Parallel, Recursive
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.spaces.stable.alternatives import direct
 from tests.answers.dense import Dense, with_numbers
 from tests.answers.test_cutsets import agree_on_all_causes, confirm

@@ -16,7 +16,7 @@ from mcpn.answers.spaces import spaces_of
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.model import FactRoute, Mission, Objective, Recursive
 from mcpn.mission.reasons import probabilities, reasons_of
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.testing import missions
 from tests.answers.dense import Dense, with_numbers

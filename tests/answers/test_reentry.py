@@ -17,7 +17,7 @@ from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Block, Handler, Mission, Objective, Parallel, Recursive
 from mcpn.mission.robot import Hardware
 from mcpn.spaces.arrays import ArraySpace
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.spaces.stable.alternatives import direct
 from tests.answers.dense import Dense, with_numbers
 from tests.answers.test_cutsets import confirm

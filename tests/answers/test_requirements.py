@@ -15,7 +15,7 @@ from mcpn.errors import InputError
 from mcpn.logic.syntax import parse
 from mcpn.mission.writer import write_mission
 from mcpn.mission.xml import read_mission
-from mcpn.spaces.engines import Asked
+from mcpn.spaces.engine_names import Asked
 from mcpn.spaces.search.goal import Fires, marked
 from tests.commands import mcpn, output
 

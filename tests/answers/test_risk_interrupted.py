@@ -25,7 +25,7 @@ from mcpn.mission.model import Block, FactRoute, Handler, Mission, Objective, Pa
 from mcpn.mission.robot import Alternative, DeclaredEvent, Fact, FactChange, Hardware
 from mcpn.mission.xml import read_mission
 from mcpn.spaces.arrays import ArraySpace
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.spaces.stable.alternatives import direct
 from tests.answers.dense import Dense, Numbers, any_missions, interrupted_missions, spared_missions
 from tests.answers.exact import exact_ends, scaled

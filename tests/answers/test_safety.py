@@ -14,7 +14,7 @@ from mcpn.drawing.compose import compose
 from mcpn.errors import InputError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
-from mcpn.spaces.engines import Asked
+from mcpn.spaces.engine_names import Asked
 from mcpn.testing import missions
 from tests.commands import mcpn, output
 

@@ -17,7 +17,7 @@ from mcpn.mission.model import Mission, Objective, Parallel
 from mcpn.mission.xml import read_mission
 from mcpn.nets.events import What
 from mcpn.nets.petri import Marking
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.spaces.run import Completion, Run
 from mcpn.spaces.stable.alternatives import direct
 from tests.conftest import ROOT

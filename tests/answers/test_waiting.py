@@ -17,7 +17,7 @@ from mcpn.logic.asking import Questions
 from mcpn.mission.model import Mission, Objective, Parallel, Recursive
 from mcpn.mission.robot import Activity, Hardware, Robot, Software
 from mcpn.report.graphs import save_graph
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.stable.alternatives import AlternativesGraph, by_reduction
 from mcpn.testing import missions

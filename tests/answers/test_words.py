@@ -16,7 +16,7 @@ from mcpn.mission.model import SUCCEED, Handler, Objective, Recursive
 from mcpn.mission.robot import Fact
 from mcpn.nets.events import Event, What
 from mcpn.report.words import changes, event_in_words, what_happens
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from tests.drawing.settling import stabilise
 from tests.logic.asked import ENGINES
 from tests.small import activity, hw, mission, robot

@@ -16,7 +16,7 @@ from mcpn.errors import ConfluenceError, LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective, Parallel
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 from mcpn.nets.petri import Marking, PetriNet
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.run import Completion
 from mcpn.spaces.stable.alternatives import by_reduction, direct

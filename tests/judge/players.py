@@ -18,7 +18,7 @@ from mcpn.errors import LimitError
 from mcpn.nets.events import Event
 from mcpn.runtime import Controller as Runtime
 from mcpn.runtime.restoring import Saved
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.spaces.stable.alternatives import AlternativesGraph, written_out
 from mcpn.testing.judge.interpreter import Happening, Seen
 from mcpn.testing.judge.lockstep import OfGraph as OfStates

@@ -20,7 +20,8 @@ from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import Mission
 from mcpn.mission.requirement import Requirement
-from mcpn.spaces.engines import Choice, Engine
+from mcpn.spaces.engine_names import Engine
+from mcpn.spaces.engines import Choice
 from mcpn.testing.elements import LED
 from mcpn.testing.judge.interpreter import Undetermined
 from tests.draws import campaign, fewer

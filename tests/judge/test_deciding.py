@@ -12,7 +12,7 @@ from mcpn.drawing.compose import compose
 from mcpn.logic.asking import Questions
 from mcpn.mission.model import FactRoute, Mission, Objective, Recursive
 from mcpn.mission.robot import DeclaredEvent, Fact, FactChange
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from tests.judge.deciding import deciding
 from tests.judge.test_lockstep import check
 from tests.logic.asked import ENGINES

@@ -18,7 +18,7 @@ from mcpn.mission.robot import DeclaredEvent, Fact, FactChange
 from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.validate import find_errors
 from mcpn.mission.xml import read_mission
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.testing import elements as drawn
 from mcpn.testing.judge.interpreter import FAILURE, SUCCESS, Interpreter
 from tests.draws import fewer

@@ -15,7 +15,7 @@ from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Handler, Mission, Objective, Parallel, Protocol, Use
 from mcpn.mission.robot import DeclaredEvent, Robot
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.testing import elements as drawn
 from mcpn.testing import missions
 from mcpn.testing.judge.blocks import WrittenBlock

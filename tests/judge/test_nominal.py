@@ -14,7 +14,7 @@ from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError
 from mcpn.mission.model import Block, Each, FactRoute, Handler, Mission, Objective, Parallel, Recursive
 from mcpn.mission.robot import Fact, Hardware
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.testing import elements as drawn
 from mcpn.testing.judge.interpreter import Undetermined
 from tests.draws import fewer

@@ -13,7 +13,7 @@ from mcpn.errors import InputError
 from mcpn.logic.asking import Questions
 from mcpn.mission.model import Block, Each, EntryGuard, FactRoute, Handler, Mission, Objective, Recursive
 from mcpn.mission.robot import DeclaredEvent, Fact, FactChange
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.testing.judge.interpreter import (
     DECLARED,
     FAILURE,

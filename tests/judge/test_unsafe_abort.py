@@ -11,7 +11,7 @@ from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import Mission, Objective, Recursive
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.testing import elements as drawn
 from mcpn.testing.judge.interpreter import FAILURE, SUCCESS, TIMEOUT, Interpreter, State, Undetermined
 from tests.draws import composed, fewer

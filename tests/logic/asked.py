@@ -10,7 +10,7 @@ from mcpn.answers.causes.find import Causes, find_causes
 from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.answers.spaces import spaces_of
 from mcpn.drawing.compose import MissionNet
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 
 ENGINES: tuple[Engine, ...] = get_args(Engine)
 

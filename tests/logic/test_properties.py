@@ -23,7 +23,7 @@ from mcpn.nets.events import Event, What
 from mcpn.nets.petri import Marking
 from mcpn.report.words import in_words
 from mcpn.spaces.arrays import ArraySpace
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.spaces.search.goal import FALSE, TRUE
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.testing import missions

@@ -19,7 +19,8 @@ from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.nets.events import Event, What
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet
-from mcpn.spaces.engines import Engine, NoSpace, On
+from mcpn.spaces.engine_names import Engine, On
+from mcpn.spaces.engines import NoSpace
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.run import without_detours
 from mcpn.testing import missions

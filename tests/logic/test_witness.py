@@ -22,7 +22,7 @@ from mcpn.spaces.algebra import Space
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.diagrams.spaces import DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import reach
-from mcpn.spaces.engines import Engine, On
+from mcpn.spaces.engine_names import Engine, On
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.names import Names
 from mcpn.spaces.search.goal import FALSE, TRUE

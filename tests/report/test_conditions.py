@@ -16,7 +16,7 @@ from mcpn.findings import findings
 from mcpn.mission.xml import read_mission
 from mcpn.report.failures.terminal import condition, headlines, survived
 from mcpn.report.page import page
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from tests.logic.asked import ENGINES
 
 

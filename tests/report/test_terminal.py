@@ -30,7 +30,7 @@ from mcpn.report.failures.terminal import print_fmeca
 from mcpn.report.progress import exploring, listening
 from mcpn.report.terminal import LEAST_WIDTH, Terminal, plain
 from mcpn.report.words import modes_in_words
-from mcpn.spaces.engines import Engine
+from mcpn.spaces.engine_names import Engine
 from mcpn.steps import Doing, WorkStep, step, tell
 from tests.commands import mcpn, output
 from tests.conftest import ROOT, ULYSSE

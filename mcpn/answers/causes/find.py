@@ -21,7 +21,8 @@ from mcpn.mission.flatten import Section
 from mcpn.nets.events import Event
 from mcpn.notebook import Told
 from mcpn.spaces.algebra import Space
-from mcpn.spaces.engines import Asked, Choice, answered
+from mcpn.spaces.engine_names import Asked
+from mcpn.spaces.engines import Choice, answered
 from mcpn.spaces.run import Run
 from mcpn.steps import Doing, step
 

@@ -27,7 +27,8 @@ from mcpn.nets.events import What
 from mcpn.notebook import Told
 from mcpn.sentences import shortened
 from mcpn.spaces.algebra import S, Space
-from mcpn.spaces.engines import SMALL, Asked, Choice, answered
+from mcpn.spaces.engine_names import EXPLICIT, LOCAL, SYMBOLIC, Asked
+from mcpn.spaces.engines import SMALL, Choice, answered
 from mcpn.spaces.run import Run, run_of_fewest_events, transitions_of
 from mcpn.steps import Doing, step
 
@@ -218,7 +219,7 @@ class MissionCheck(Told):
         Where the check has listed stable states alone they are counted when this is asked first, unless they
         are more than may be listed; composition does not see them.
         """
-        if self.markings is not None or self.choice.engine != "explicit":
+        if self.markings is not None or self.choice.engine != EXPLICIT:
             return self.sizes_seen
         try:
             found = self.spaces.counted(self.choice.second_limit(SMALL), tokens=False)
@@ -311,10 +312,10 @@ def check(
         markings: Space[Any] | None = None
         alternatives: Space[Any] | None = None
         try:
-            if choice.engine == "local":
+            if choice.engine == LOCAL:
                 alternatives = spaces.composite()
                 proof = "each type of section, and each way from one to the next, proved on its own net"
-            elif choice.engine == "symbolic" or not spaces.net.priorities:
+            elif choice.engine == SYMBOLIC or not spaces.net.priorities:
                 # Without priorities no marking is stable.
                 every = choice._replace(max_states=choice.second_limit(SMALL))
                 markings = spaces.markings(every, tokens=False)
@@ -324,7 +325,7 @@ def check(
             decided = Verdict("confluent", True, proof)
         except (UnsafeError, ConfluenceError, DivergenceError) as error:
             fault: SemanticsError = error
-            if choice.engine == "explicit":
+            if choice.engine == EXPLICIT:
                 markings, fault = _markings_instead(spaces, choice, error)
             decided = _broken(spaces.mission, fault)
         found = _verdicts(spaces, choice, decided, markings, alternatives)

@@ -18,6 +18,7 @@ from mcpn.runtime.shapes import (
     Shared,
     String,
 )
+from mcpn.spaces.engine_names import EXPLICIT, LOCAL, PYEDA, SYMBOLIC
 
 RUN = Nullable(
     ObjectOf(
@@ -443,7 +444,7 @@ ASK = Document(
                 "techniques?": texts("How it was answered."),
                 "value?": Integer("Of a property that asks for a bound: the bound.", least=None),
                 "engine?": OneOf(
-                    "The engine that answered.", "auto", "explicit", "symbolic", "search", "local", "pyeda"
+                    "The engine that answered.", "auto", EXPLICIT, SYMBOLIC, "search", LOCAL, PYEDA
                 ),
                 "why?": Nullable(String("Why it was chosen; null where it was named.")),
             },

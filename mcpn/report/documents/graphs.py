@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from mcpn.runtime.documents import ACTION, STATE, texts
 from mcpn.runtime.shapes import Document, Integer, ListOf, MapOf, Nullable, Number, ObjectOf, OneOf, String
+from mcpn.spaces.engine_names import EXPLICIT, LOCAL, PYEDA, SYMBOLIC
 
-ENGINES = ("auto", "explicit", "symbolic", "local", "pyeda")
+ENGINES = ("auto", EXPLICIT, SYMBOLIC, LOCAL, PYEDA)
 ANSWERED = {
     "engine": OneOf("The engine that answered.", *ENGINES),
     "why": Nullable(String("Why it was chosen; null where it was named.")),
@@ -49,7 +50,7 @@ ALTERNATIVES = Document(
             "states": Integer("Stable states."),
             "edges": Integer("Events between them."),
             "events": Integer("Different events."),
-            "method": OneOf("How it was made.", "direct", "reduction", "symbolic", "local"),
+            "method": OneOf("How it was made.", "direct", "reduction", SYMBOLIC, LOCAL),
             **ANSWERED,
         },
     ),

@@ -15,6 +15,7 @@ from mcpn.runtime.shapes import (
     OneOf,
     String,
 )
+from mcpn.spaces.engine_names import EXPLICIT, LOCAL, PYEDA, SYMBOLIC
 
 CONTROLLER = Document(
     "controller",
@@ -264,7 +265,7 @@ REPORT = Document(
         {
             "file": String("The page."),
             "bytes": Integer("Its size."),
-            "engine": OneOf("The engine that answered.", "auto", "explicit", "symbolic", "local", "pyeda"),
+            "engine": OneOf("The engine that answered.", "auto", EXPLICIT, SYMBOLIC, LOCAL, PYEDA),
             "passed": Boolean("All required verdicts hold."),
         },
     ),

@@ -13,6 +13,7 @@ from mcpn.drawing.templates import TemplateSet
 from mcpn.mission.model import Mission
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.arrays import ArraySpace
+from mcpn.spaces.engine_names import EXPLICIT
 from mcpn.spaces.engines import Choice
 from mcpn.spaces.markings.graph import Mask, StateGraph
 
@@ -74,7 +75,7 @@ class Subject:
         self.templates = templates
         self.mission_net: MissionNet = compose(mission, templates)
         self._spaces = MissionSpaces(self.mission_net, templates=templates)
-        self._choice = Choice("explicit", max_states=max_states)
+        self._choice = Choice(EXPLICIT, max_states=max_states)
 
     @classmethod
     def known(cls, mission_net: MissionNet, markings: StateGraph) -> Subject:
@@ -85,7 +86,7 @@ class Subject:
             mission_net,
             MissionSpaces(mission_net),
         )
-        subject._choice = Choice("explicit", max_states=MOST_MARKINGS)
+        subject._choice = Choice(EXPLICIT, max_states=MOST_MARKINGS)
         vars(subject)["markings"] = markings
         return subject
 

@@ -14,7 +14,7 @@ from mcpn.mission.model import Mission
 from mcpn.mission.requirement import Requirement, RestrictedAvoidance
 from mcpn.mission.writer import write_mission
 from mcpn.mission.xml import read_mission
-from mcpn.spaces.engines import Asked
+from mcpn.spaces.engine_names import Asked
 from tests.commands import mcpn, output
 
 TEXT = """<mission xmlns="urn:mcpn:mission:1" name="survey">

@@ -9,7 +9,7 @@ import pytest
 
 from mcpn.logic.asking import Questions
 from mcpn.nets.formats import read_net
-from mcpn.spaces.engines import Asked
+from mcpn.spaces.engine_names import Asked
 from tests.logic.test_ctl import compare
 
 QUICK = (

@@ -22,7 +22,7 @@ from mcpn.spaces.algebra import Space
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives
 from mcpn.spaces.diagrams.symbolic import reach
-from mcpn.spaces.engines import Asked
+from mcpn.spaces.engine_names import Asked
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.stable.alternatives import by_reduction
 from mcpn.testing import missions

@@ -24,7 +24,7 @@ from mcpn.spaces.algebra import Space
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.diagrams.spaces import DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import reach
-from mcpn.spaces.engines import Asked
+from mcpn.spaces.engine_names import Asked
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.names import Names
 from mcpn.spaces.search.goal import Formula
