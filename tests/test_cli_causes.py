@@ -56,6 +56,19 @@ def test_one_objective_alone() -> None:
     ]
 
 
+@pytest.mark.parametrize("count", [50, 51])
+def test_effects_of_many_objectives_are_told_when_asked_for(count: int, tmp_path: Path) -> None:
+    """``--help`` says of how many they are told unasked."""
+    row = "".join(f'<objective name="o{i}" activities="go"/>' for i in range(count))
+    robot = '<robot name="r"><hardware name="H"/><activity name="go" consumes="H"/></robot>'
+    file = tmp_path / "row.xml"
+    file.write_text(f'<mission name="m" xmlns="urn:mcpn:mission:1">{robot}{row}</mission>')
+    assert "more than 50 objectives" in re.sub(r"\s+", " ", mcpn("causes", "--help").stdout)
+    effect = "go has no possible alternative"
+    assert (effect in mcpn("causes", file).stdout) is (count <= 50)
+    assert effect in mcpn("causes", file, "--objective", "o0").stdout
+
+
 def test_unknown_objectives_are_told_with_the_known_ones() -> None:
     run = mcpn("causes", ULYSSE, "--objective", "dive")
     assert run.returncode == 2

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from dataclasses import replace
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -25,15 +26,26 @@ from tests.controller.test_lockstep import walk
 from tests.controller.traces import Traced, random_events
 from tests.draws import fewer
 
+SHOWN = (
+    Situation(),
+    Situation(objectives=("a",)),
+    Situation(pending=("a",)),
+    Situation(done=("a",)),
+    Situation(refused=("a",)),
+    Situation(out_of_service=("a",)),
+    Situation(unnoticed=("a",)),
+    Situation(mode={"a": "one"}),
+    Situation(waiting={"a": "one"}),
+    Situation(facts={"a": "one"}),
+)
+"""One thing is so, of each kind, or nothing is."""
+
 
 @st.composite
 def machines(draw: st.DrawFn) -> SectionMachine:
     """Small machines with few outputs, so that many states are alike."""
     size = draw(st.integers(1, 8))
-    states = tuple(
-        Situation(objectives=(draw(st.sampled_from("ab")),)) if draw(st.booleans()) else Situation()
-        for _ in range(size)
-    )
+    states = tuple(draw(st.sampled_from(SHOWN)) for _ in range(size))
     moves = [
         Move(
             source,
@@ -88,6 +100,13 @@ def test_it_is_the_coarsest_bisimulation(machine: SectionMachine) -> None:
     assert {(a, b) for a in size for b in size if classes[a] != classes[b]} == apart
     small = quotient(machine, classes)
     assert partition(small) == list(range(len(small.states)))
+
+
+@pytest.mark.parametrize("shown", SHOWN[1:], ids=str)
+def test_what_a_state_shows_keeps_it_apart(shown: Situation) -> None:
+    """Whatever it is, and from what shows nothing alone: both have no moves."""
+    entry = Entry(0, ())
+    assert partition(SectionMachine((), (), (Situation(), shown, shown), (entry,), ())) == [0, 1, 1]
 
 
 @given(machines(), st.data())

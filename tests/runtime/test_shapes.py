@@ -24,3 +24,13 @@ def test_an_integer_is_by_default_not_negative() -> None:
     for other in (-1, True, 0.0, "1"):
         with pytest.raises(Misfit):
             Integer()._check(other)
+
+
+@given(st.integers(-3, 3), st.integers(-5, 5) | st.floats(-5, 5))
+def test_an_exclusive_bound_is_itself_refused(above: int, value: float) -> None:
+    shape = Number("", above=above)
+    if value > above:
+        shape._check(value)
+    else:
+        with pytest.raises(Misfit, match=f"greater than {above}"):
+            shape._check(value)
