@@ -46,6 +46,36 @@ def read_bounded(path: Path, limit: int = MAX_FILE_BYTES) -> bytes:
     return data
 
 
+def file_inside(name: str, folder: Path, root: Path) -> Path:
+    """The file that a text in another file names. Nothing else decides which files may be read for a file.
+
+    Args:
+        name: What the text says, relative to the folder.
+        folder: Where the file with the text is.
+        root: The directory that the file must be in when links are followed.
+
+    Raises:
+        OutsideError: It is not in that directory.
+        InputError: It is no regular file, or no file can have the name.
+    """
+    try:
+        path = folder / name
+        inside = path.resolve().is_relative_to(root.resolve())
+        found = None if path.is_file() else no_regular_file(path) or "no such file"
+    except (OSError, ValueError, RuntimeError) as error:  # too long, a NUL, a loop of links
+        why = getattr(error, "strerror", None) or error
+        raise InputError.at(None, f"{name[:80]!r}: {why}") from error
+    if not inside or ":" in name.split("/")[0]:
+        raise OutsideError.at(None, f"{name} is outside of {root}")
+    if found is not None:
+        raise InputError.at(None, f"{name}: {found}")
+    return path
+
+
+class OutsideError(InputError):
+    """A file names another one that may not be read for it: it is in another directory."""
+
+
 def no_regular_file(path: Path) -> str | None:
     """What a path is that is there and is no regular file."""
     if not path.exists() or path.is_file():

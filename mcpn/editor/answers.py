@@ -129,7 +129,7 @@ class Answers:
 
         def shown(each: Outlined) -> lsp.DocumentSymbol:
             element = each.element
-            (name,) = (a for a in element.attributes if a.name == "name")
+            name = next(a for a in element.attributes if a.name == "name" and a.value)
             return lsp.DocumentSymbol(
                 name.value,
                 _OUTLINE.get(element.tag, lsp.SymbolKind.Field),

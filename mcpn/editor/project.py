@@ -12,7 +12,7 @@ from mcpn.answers.requirements import asked_of
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.editor.scan import Scan, scan
 from mcpn.errors import InputError, LimitError, Problem
-from mcpn.files import read_bounded
+from mcpn.files import file_inside, read_bounded
 from mcpn.mission.conditions import facts_of, objective_done
 from mcpn.mission.flatten import flatten
 from mcpn.mission.language.drafts import MissionDraft
@@ -71,18 +71,20 @@ class Project:
         """The missions that a file is part of: itself, or those near it that import it."""
         if self._root(file) == Mission.TAG:
             return [file]
-        near = [f for folder in (file.parent, file.parent.parent) for f in sorted(folder.glob("*.xml"))]
-        near = [f for f in near[:MOST_FILES] if f != file and self._root(f) == Mission.TAG]
-        return [mission for mission in near if file in self.files(mission)]
+        folders = (file.parent, file.parent.parent)
+        found = [(folder, path.name) for folder in folders for path in sorted(folder.glob("*.xml"))]
+        near = [path for folder, name in found[:MOST_FILES] if (path := _inside(name, folder, folder))]
+        missions = [path for path in near if path != file and self._root(path) == Mission.TAG]
+        return [mission for mission in missions if file in self.files(mission)]
 
     def files(self, mission: Path) -> list[Path]:
-        """A mission's file and those that it imports, at any depth."""
+        """A mission's file and those that it may import, at any depth."""
         found = [mission]
         for file in found:
             for element in self.scan(file).elements:
                 if element.tag == Import.TAG and (href := element.texts.get("href")):
-                    target = (file.parent / href).resolve()
-                    if target not in found and target.is_file():
+                    target = _inside(href, file.parent, mission.parent)
+                    if target is not None and target not in found:
                         found.append(target)
         return found
 
@@ -138,6 +140,14 @@ class Project:
 
     def _root(self, file: Path) -> str:
         return next((element.tag for element in scan((self.text(file) or "")[:10_000])), "")
+
+
+def _inside(name: str, folder: Path, root: Path) -> Path | None:
+    """The file that a name in a folder means; ``None`` where it may not be read, or there is none."""
+    try:
+        return file_inside(name, folder, root).resolve()
+    except InputError:
+        return None
 
 
 def _asked_nothing(mission: Mission) -> Mission:

@@ -16,7 +16,7 @@ from typing import Any, get_args
 from lxml import etree
 
 from mcpn.errors import InputError, Problem, Source
-from mcpn.files import read_bounded
+from mcpn.files import OutsideError, file_inside, read_bounded
 from mcpn.mission.language.drafts import Edit, Made, MissionDraft, tag_of
 from mcpn.mission.language.forms import NAMESPACE, ROOTS, Field, Tag, form_of, language
 from mcpn.mission.model import Block, Import, Mission, Parallel, Protocol, Recursive
@@ -407,18 +407,17 @@ class _MissionReader:
     def imported(self, made: Import) -> None:
         href = made.href
         try:
-            target = self.path.parent / href
-            real = target.resolve()
-            inside = real.is_relative_to(self.root)
-            kind = "a file" if target.is_file() else "a directory" if target.is_dir() else "no such file"
-        except (OSError, ValueError, RuntimeError) as error:
-            what = getattr(error, "strerror", None) or error
-            self.not_imported(made, f"{href[:80]!r}: {what}")
-            return
-        if not inside or ":" in href.split("/")[0]:
+            target = file_inside(href, self.path.parent, self.root)
+        except OutsideError:
+            real = (self.path.parent / href).resolve()
             root = os.path.relpath(os.path.commonpath([self.root, real]))
             self.not_imported(made, f"{href} leaves the mission's directory: --import-root {root} allows it")
-        elif real in self.chain:
+            return
+        except InputError as error:
+            self.not_imported(made, str(error))
+            return
+        real = target.resolve()
+        if real in self.chain:
             self.not_imported(made, f"{href} closes a cycle of imports")
         elif real not in self.seen:
             self.seen.add(real)
@@ -426,8 +425,6 @@ class _MissionReader:
                 self.not_imported(made, f"{href}: more than {MAX_IMPORTS} files, the limit on imports")
             elif len(self.chain) > MAX_DEPTH:
                 self.not_imported(made, f"{href}: more than {MAX_DEPTH} files deep, the limit on imports")
-            elif kind != "a file":
-                self.not_imported(made, f"{href}: {kind}")
             elif not self.file(target, real):
                 self.not_imported(made, f"{href}: expected <robot> or <protocols>, found <mission>")
 

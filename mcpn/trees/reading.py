@@ -14,7 +14,7 @@ from types import MappingProxyType
 from lxml import etree
 
 from mcpn.errors import InputError, Problem, Source
-from mcpn.files import read_bounded
+from mcpn.files import OutsideError, file_inside, read_bounded
 from mcpn.trees.nodes.choosing import choose
 from mcpn.trees.nodes.forest import Forest, tree_of
 from mcpn.trees.nodes.node import ATTRIBUTES, OF_EDITORS, Tree, TreeNode
@@ -287,33 +287,37 @@ class _Reader:
         else:
             self.include(element, path, source)
 
+    def included(self, href: str, folders: list[Path]) -> tuple[Path | None, InputError | None]:
+        """The first file of a name in some folders, or why there is none in the first of them."""
+        why: InputError | None = None
+        for folder in folders:
+            try:
+                return file_inside(href, folder, self.folder), None
+            except InputError as error:
+                why = why or error
+        return None, why
+
     def include(self, element: etree._Element, path: Path, source: Source) -> None:
         href = element.get("path") or element.get("src") or element.get("file")
         if not href:
             self.wrong(source, "include without a path")
             return
         package = element.get("ros_pkg")
-        try:
-            # As BT.CPP: relative to the including file; some write it relative to the main file.
-            places = [path.parent / href, self.folder / href]
-            if package:
-                places = [self.folder / package / href, self.folder / "share" / package / href]
-            target = next((place for place in places if place.is_file()), places[0])
-            real = target.resolve()
-            there = target.is_file()
-        except (OSError, ValueError, RuntimeError) as error:
-            self.wrong(source, f"include of {href[:80]!r}: {error}")
-            return
-        if not real.is_relative_to(self.folder):
+        # As BT.CPP: relative to the including file; some write it relative to the main file.
+        folders = [path.parent, self.folder]
+        if package:
+            folders = [self.folder / package, self.folder / "share" / package]
+        target, why = self.included(href, folders)
+        if isinstance(why, OutsideError):
             self.wrong(
                 source, f"include of {href} leaves the folder of the main file: --import-root says another"
             )
-        elif not there and package:
+        elif why is not None and package:
             said = f"include of a file in package {package!r}: no {href} in a folder of that name"
             self.wrong(source, f"{said}, give a plain path, or the folder of packages with --import-root")
-        elif not there:
-            self.wrong(source, f"include of {href}: no such file")
-        elif real not in self.seen:
+        elif target is None:
+            self.wrong(source, f"include of {why}")
+        elif target.resolve() not in self.seen:
             if len(self.seen) >= MAX_FILES:
                 self.wrong(source, f"include of {href}: more than {MAX_FILES} files, the limit on includes")
             else:

@@ -253,6 +253,69 @@ def test_what_is_no_regular_file_is_not_read(client: Client, folder: Path) -> No
     assert client.ask("textDocument/hover", **at) is None
 
 
+OUTSIDE = """<robot name="r" xmlns="urn:mcpn:mission:1">
+  <hardware name="hidden"/><activity name="a" consumes="hidden"/>
+</robot>"""
+IMPORTING = """<mission name="m" xmlns="urn:mcpn:mission:1">
+  <import href="HREF"/>
+  <objective name="o" activities="a"/>
+</mission>"""
+
+
+@pytest.mark.parametrize("way", ["..", "link", "folder"])
+def test_nothing_outside_of_the_mission_s_directory_is_read(client: Client, tmp_path: Path, way: str) -> None:
+    inside = (tmp_path / "inside").resolve()
+    inside.mkdir()
+    outside = inside.parent / "outside.xml"
+    outside.write_text(OUTSIDE)
+    href = {"..": "../outside.xml", "link": "linked.xml", "folder": "around/outside.xml"}[way]
+    (inside / "linked.xml").symlink_to(outside)
+    (inside / "around").symlink_to(inside.parent)
+    mission = inside / "mission.xml"
+    mission.write_text(text := IMPORTING.replace("HREF", href))
+    client.open(mission)
+    at = place(mission, text, 'activities="', len('activities="'))
+    assert client.ask("textDocument/definition", **at) == []
+    labels = [item["label"] for item in client.ask("textDocument/completion", **at)]
+    assert "a" not in labels
+    assert "not declared" in client.refused("textDocument/rename", **at, newName="b")
+    assert outside.as_uri() not in client.diagnostics
+    (problem,) = client.diagnostics[mission.as_uri()]
+    assert problem["message"].startswith(f"import of {href} leaves the mission's directory")
+
+
+def test_a_linked_mission_beside_a_file_is_not_read(client: Client, tmp_path: Path) -> None:
+    inside = (tmp_path / "inside" / "deep").resolve()
+    inside.mkdir(parents=True)
+    elsewhere = tmp_path / "elsewhere.xml"
+    elsewhere.write_text(IMPORTING.replace("HREF", "robot.xml"))
+    (inside / "mission.xml").symlink_to(elsewhere)
+    robot = inside / "robot.xml"
+    robot.write_text(OUTSIDE)
+    client.open(robot)
+    at = place(robot, OUTSIDE, 'name="a"', len('name="'))
+    found = client.ask("textDocument/references", **at, context={"includeDeclaration": True})
+    assert [each["uri"] for each in found] == [robot.as_uri()]
+
+
+@pytest.mark.parametrize("href", ["a" * 300, "a&#0;b", "a\0b", "loop.xml", "."])
+def test_an_import_that_no_file_can_have(lasting: Client, folder: Path, href: str) -> None:
+    (folder / "loop.xml").symlink_to(folder / "loop.xml")
+    mission = folder / "typed.xml"
+    text = IMPORTING.replace("HREF", href)
+    lasting.open(mission, text)
+    hovered = lasting.ask("textDocument/hover", **place(mission, text, "activities"))
+    assert "Activities" in hovered["contents"]["value"]
+
+
+def test_two_names_on_an_element(lasting: Client, folder: Path) -> None:
+    mission = folder / "typed.xml"
+    text = IMPORTING.replace('<import href="HREF"/>', '<objective name="x" name="y" activities="a"/>')
+    lasting.open(mission, text)
+    (outer,) = lasting.ask("textDocument/documentSymbol", textDocument={"uri": mission.as_uri()})
+    assert [inner["name"] for inner in outer["children"]] == ["x", "o"]
+
+
 @pytest.mark.parametrize("length", ["99999999999", "9" * 30, "9" * 5000, "-5", "x", "0"])
 @pytest.mark.parametrize("body", ["", "{}", "\n\n"])
 def test_lengths_that_no_message_has_are_passed_over(
