@@ -118,7 +118,7 @@ class RobotRun:
         """Runs until the mission ends, or :meth:`end` is called; then nothing of it is left running.
 
         Args:
-            resumed: What brings the robot to where the controller is, instead of the mission's start.
+            resumed: What brings the robot to where the controller is, of a run that is gone on with.
 
         Raises:
             InputError: A connection cannot be made.
@@ -136,7 +136,8 @@ class RobotRun:
                 await source.start(self._plan.file.parent, self._buses)
             if resumed is not None:
                 self._carry_out(resumed)
-            elif starts_by_itself(self._plan):
+            # Also of a run that is resumed: it may have ended before the mission began.
+            if START in self.controller.possible and starts_by_itself(self._plan):
                 self._put(Waiting(START))
             await self._handle()
         finally:

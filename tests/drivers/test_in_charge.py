@@ -16,12 +16,16 @@ from typing import Any, cast
 
 import pytest
 
+from mcpn import open as open_study
 from mcpn.cli.robot.records import _alone, _rows
+from mcpn.controller.document import document
 from mcpn.drivers import warden
 from mcpn.drivers.inbox import LONGEST, Splitter
 from mcpn.drivers.running import RobotRun
 from mcpn.drivers.warden import ProcessGroup
 from mcpn.errors import InputError
+from mcpn.runtime.controller import Controller
+from mcpn.runtime.tables import Tables
 from tests.drivers.robots import alive, numbers, until
 from tests.drivers.runs import Runs
 
@@ -135,6 +139,15 @@ def test_drivers_that_outlive_their_warden_are_ended_before_a_run_goes_on(made: 
     assert again.returncode == 143
     assert re.search(rf"ended what was left of the previous run: process [\d, ]*{before}\b", err)
     assert runs.left == []
+
+
+def test_a_run_that_ended_before_its_first_event_begins_when_it_is_resumed(made: Made) -> None:
+    runs = made()
+    study = open_study(runs.folder / "mission.xml")
+    controller = Controller(Tables(document(study.controller("auto"), study.mission_net)))
+    (runs.folder / "at.json").write_text(controller.snapshot())
+    runs.start("--resume", "at.json")
+    going(runs)
 
 
 def test_a_run_that_goes_on_is_not_resumed(made: Made) -> None:
