@@ -13,6 +13,7 @@ from statistics import NormalDist
 from mcpn.bench.world import BenchNode, ControllerPlace, StartDemand, World
 from mcpn.controller.run import awaited, nominal_run
 from mcpn.nets.events import Event
+from mcpn.runtime.controller import timeout_event, timer_order
 from mcpn.runtime.machines import TypeTables
 from mcpn.runtime.monitors import Monitors
 from mcpn.runtime.tables import Tables
@@ -149,7 +150,7 @@ def one_run(
             if node.degraded and node.seen != seen:
                 degraded += 1
             drawn = rng.expovariate(node.rates[-1]) if node.rates else inf
-            timer = min(timers, key=timers.__getitem__) if timers else None
+            timer = min(timers, key=lambda name: timer_order(name, 3600 * timers[name])) if timers else None
             ends = inf if timer is None else timers[timer]
             told = waiting[-1][0] if waiting else inf
             soonest = min(now + drawn, ends, told)
@@ -159,7 +160,7 @@ def one_run(
             if told == soonest:
                 event = waiting.pop()[1]
             elif timer is not None and ends == soonest:
-                event = f"OBJ_{timer}_EV_TIMEOUT"
+                event = timeout_event(timer)
             else:
                 at = bisect_right(node.rates, rng.random() * node.rates[-1])
                 event = node.events[min(at, len(node.events) - 1)]

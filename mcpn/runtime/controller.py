@@ -26,6 +26,26 @@ from mcpn.runtime.tables import (
     spelled,
 )
 
+EARLY = 1e-6
+"""Seconds before its end from which a timer is over: sums of seconds are not exact."""
+
+
+def timeout_event(objective: str) -> str:
+    """The event that an objective's time is over."""
+    return f"OBJ_{objective}_EV_TIMEOUT"
+
+
+def timer_order(objective: str, end: float) -> tuple[int, bytes]:
+    """By what timers are sorted: their end in milliseconds, then the bytes of their events.
+
+    All controllers have this order, and it needs no memory of which was armed first.
+
+    Args:
+        objective: Whose time runs.
+        end: When it is over, in seconds.
+    """
+    return round(1000 * end), timeout_event(objective).encode("utf-8", "surrogatepass")
+
 
 class Timers:
     """The timers of a controller; actions arm and disarm them.
@@ -50,15 +70,13 @@ class Timers:
     @property
     def left(self) -> dict[str, float]:
         """By objective whose time runs, the seconds that are left, the shortest first."""
-        now = self._clock()
-        return {
-            name: max(0.0, end - now) for name, end in sorted(self._ends.items(), key=lambda item: item[1])
-        }
+        now, ends = self._clock(), sorted(self._ends.items(), key=lambda item: timer_order(*item))
+        return {name: end - now if end - now > EARLY else 0.0 for name, end in ends}
 
     def refused(self, event: object) -> None:
         """Removes the timer whose timeout event was refused, so that the event does not come again."""
         for name, left in self.left.items():
-            if not left and event == f"OBJ_{name}_EV_TIMEOUT":
+            if not left and event == timeout_event(name):
                 del self._ends[name]
 
     def restore(self, left: Mapping[str, float]) -> None:
@@ -257,7 +275,7 @@ class Controller:
         """The event of the timer that was over first, to be handled now."""
         with self._lock:
             over = next((name for name, left in self._timers.left.items() if not left), None)
-            return None if over is None else f"OBJ_{over}_EV_TIMEOUT"
+            return None if over is None else timeout_event(over)
 
     # --- events ---
 

@@ -76,9 +76,38 @@ BLOCKS = mission(
 )
 """Times of which no two are over at one moment, where events come each tenth of a second."""
 
+TIES = mission(
+    robot((), *(activity(name, ()) for name in "abcdef")),
+    Parallel(
+        name="all",
+        blocks=(
+            Recursive(
+                name="r",
+                blocks=(
+                    one("d", 0.1, timeout_goto="c"),
+                    one("c", 0.2, timeout_goto="d", success="d", failure="d"),
+                ),
+            ),
+            Recursive(
+                name="s",
+                blocks=(
+                    one("b", 0.3, timeout_goto="a"),
+                    one("a", 0.3, timeout_goto="b", success="b", failure="b"),
+                ),
+            ),
+            one("e", 1.2),
+        ),
+        success="f",
+        failure="f",
+    ),
+    one("f", 0.6, success="all", failure="all", timeout_goto="all"),
+)
+"""Times of which many are over at one moment."""
+
 OFTEN = (
     (TIMED, ("OBJ_d_EV_TIMEOUT", "OBJ_b_EV_TIMEOUT")),
     (BLOCKS, ("OBJ_both_try1.r_EV_TIMEOUT", "OBJ_whole_EV_TIMEOUT")),
+    (TIES, ("OBJ_a_EV_TIMEOUT", "OBJ_c_EV_TIMEOUT")),
 )
 """Missions with timeouts that come often."""
 
@@ -144,6 +173,32 @@ def test_several_that_are_over_come_in_their_order(controller: Controller, clock
     clock.time = 10_000
     assert [event for event, _ in controller.tick()] == ["OBJ_b_EV_TIMEOUT", "OBJ_d_EV_TIMEOUT"]
     assert controller.timers == pytest.approx({"d": 2.323})
+
+
+def test_of_two_timers_that_are_over_at_one_moment_the_first_event_by_its_bytes_comes_first(
+    clock: Clock,
+) -> None:
+    """``b`` is armed first, at a moment and for a time whose sum is not exact."""
+    of = mission(
+        robot((), *(activity(name, ()) for name in "abc"), events=("leak",)),
+        Parallel(
+            name="p",
+            blocks=(
+                Recursive(name="r", blocks=(one("c", failure="a", success="a"), one("a", 0.2))),
+                one("b", 0.3),
+            ),
+        ),
+    )
+    net = compose(replace(of, name="m"))
+    for form in FORMS:
+        clock.time = 0
+        controller = Controller.from_document(document(generate(net, form), net), clock=clock)
+        controller.handle(START)
+        clock.time = 100
+        controller.handle("OBJ_c_EV_OK")
+        assert list(controller.timers) == ["a", "b"]
+        clock.time = 300
+        assert controller.overdue == "OBJ_a_EV_TIMEOUT"
 
 
 def test_a_snapshot_has_the_times_that_are_left(controller: Controller, clock: Clock) -> None:
@@ -291,6 +346,32 @@ def test_c_ticks_as_the_runtime_does(
     run = subprocess.run([program], input="\n".join(lines) + "\n", capture_output=True, text=True)
     assert (run.returncode, run.stderr) == (0, "")
     assert run.stdout.split() == said
+
+
+NARROW = """
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#define size_t uint16_t
+"""
+
+
+def test_where_sizes_have_16_bits_a_time_of_65536_milliseconds_is_one(tmp_path: Path) -> None:
+    """The cast of the time to a size made it 0, and the controller was told to be impossible."""
+    net = compose(replace(mission(robot((), activity("a", ())), one("a", 65.536)), name="m"))
+    texts = {
+        n: text for n, text in files(document(generate(net), net), "c").items() if not n.endswith("_main.c")
+    }
+    for name, text in (texts | {"harness.c": HARNESS, "narrow.h": NARROW}).items():
+        (tmp_path / name).write_text(text)
+    narrow = ["-include", str(tmp_path / "narrow.h"), "-I", str(tmp_path)]
+    sources = [str(tmp_path / "m.c"), str(tmp_path / "harness.c")]
+    program = tmp_path / "program"
+    subprocess.run(["gcc", "-std=c99", *narrow, "-o", str(program), *sources], check=True)
+    run = subprocess.run([program], input=f"{START}\n+65535\n+1\n", capture_output=True, text=True)
+    assert (run.returncode, run.stdout.split()) == (0, ["taken", "-", "OBJ_a_EV_TIMEOUT"])
 
 
 @pytest.mark.parametrize(("of", "often"), OFTEN)

@@ -25,6 +25,10 @@ from mcpn.controller.targets.tables import MachineNumbers, RuleNumbers
 from mcpn.runtime.documents import FORMS
 
 LONGEST_PREFIX = 20
+LARGEST_TABLE = 32_767
+"""Bytes of the largest table that avr-gcc takes."""
+FRAMES = 512
+"""Bytes of the frames of all calls inside one, without what holds a controller: measured, rounded up."""
 
 
 @dataclass(frozen=True)
@@ -135,14 +139,16 @@ def written(document: Mapping[str, Any]) -> tuple[InC, dict[str, str], dict[str,
         "enums": enums,
         "strings": {kind: [c_string(name) for name in names] for kind, names in kinds.items()},
         "arrays": arrays,
+        "memory": Footprint.of(numbers, arrays),
+        "largest_table": LARGEST_TABLE,
         "table_bytes": sum(array.bytes for array in arrays),
         "name_bytes": sum(len(name.encode()) + 1 for names in kinds.values() for name in names),
-        "oos_bytes": max(1, (len(numbers.faulty) + 7) // 8),
+        "oos_bytes": _bytes_of_bits(len(numbers.faulty)) or 1,
         "once_names": comment(", ".join(numbers.once)),
-        "once_bytes": (len(numbers.once) + 7) // 8,
-        "state_bytes": (numbers.bits + 7) // 8 if isinstance(numbers, RuleNumbers) else 0,
+        "once_bytes": _bytes_of_bits(len(numbers.once)),
+        "state_bytes": _state_bytes(numbers),
         "longest_name": max(len(name.encode()) for name in numbers.events),
-        "number": f"uint{8 if numbers.none == 0xFF else 16 if numbers.none == 0xFFFF else 32}_t",
+        "number": f"uint{8 * _bytes_of_number(numbers)}_t",
         "event_type": "uint16_t" if len(numbers.events) < 0xFFFF else "uint32_t",
         "c_string": c_string,
     }
@@ -151,6 +157,60 @@ def written(document: Mapping[str, Any]) -> tuple[InC, dict[str, str], dict[str,
         f"{lower}.c": render(source, **values),
     }
     return InC(numbers, lower, enums), texts, {f"{lower}_main.c": render("main.c.jinja", **values)}
+
+
+def _bytes_of_bits(count: int) -> int:
+    return (count + 7) // 8
+
+
+def _bytes_of_number(numbers: RuleNumbers | MachineNumbers) -> int:
+    return 1 if numbers.none == 0xFF else 2 if numbers.none == 0xFFFF else 4
+
+
+def _state_bytes(numbers: RuleNumbers | MachineNumbers) -> int:
+    """Bytes of the bits of a state; a machine's state is a number."""
+    return _bytes_of_bits(numbers.bits) if isinstance(numbers, RuleNumbers) else 0
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """What a controller takes beside its tables, in bytes, where each number is aligned by its size.
+
+    Args:
+        state: One controller.
+        actions: A buffer for the actions of an event.
+        stack: What a call takes of the stack at most.
+        largest: The largest table.
+    """
+
+    state: int
+    actions: int
+    stack: int
+    largest: Array
+
+    @classmethod
+    def of(cls, numbers: RuleNumbers | MachineNumbers, arrays: Sequence[Array]) -> Footprint:
+        """What a controller takes."""
+        number, bits = _bytes_of_number(numbers), _state_bytes(numbers)
+        out, once = _bytes_of_bits(len(numbers.faulty)) or 1, _bytes_of_bits(len(numbers.once))
+        inside = (1, bits) if bits else (number, 1)
+        timers = numbers.timers
+        state = _laid((number, 1), inside, (1, out), (1, once), (number, timers), (4, 2 * timers))
+        action = _laid((4, 1), (number, 3))
+        # One more controller that an event makes, of rules a second one at an entry; and the frames.
+        stack = (2 if bits else 1) * state + FRAMES
+        largest = max(arrays, key=lambda array: array.bytes)
+        return cls(state, max(numbers.longest, 1) * action, stack, largest)
+
+
+def _laid(*members: tuple[int, int]) -> int:
+    """Bytes of a structure: of each member its size and how many there are of it, each aligned so."""
+    at, widest = 0, 1
+    for size, count in members:
+        if count:
+            at = -(-at // size) * size + size * count
+            widest = max(widest, size)
+    return -(-at // widest) * widest
 
 
 def _of_machines(n: MachineNumbers) -> list[Array]:
