@@ -34,6 +34,8 @@ ROBOT = HERE / "nav2" / "robot.xml"
 PAGE = HERE.parent / "papers" / "nav2.md"
 SUAVE = HERE / "suave" / "pipeline.xml"
 DEFAULT = "navigate_to_pose_w_replanning_and_recovery"
+VERSIONS = ("1.4", "1.5")
+"""Of Nav2: between them RoundRobin got another meaning."""
 ORDER = ("hardware", "fault", "software", "fact", "event", "activity")
 QUESTIONS: dict[str, tuple[str, tuple[str, ...]]] = {
     "It ends, if what runs ends some day": (
@@ -85,13 +87,35 @@ def _is_resource(child: etree._Element) -> bool:
     return etree.QName(child).localname != "activity" or child.get("produces") is not None
 
 
-def mission_in(folder: Path, tree: Path) -> tuple[Imported, Study]:
-    """The tree as a mission of the robot, written into a folder."""
-    imported = translate(read_forest(tree), "nav2", tree.name)
+def mission_in(folder: Path, tree: Path, version: str) -> tuple[Imported, Study]:
+    """The tree as a mission of the robot, read as a version of Nav2 and written into a folder."""
+    imported = translate(read_forest(tree, library=[f"nav2={version}"]), "nav2", tree.name)
     files = files_of(imported)
     files["robot.xml"] = robot_of(files["robot.xml"])
     write_folder(folder, files)
     return imported, open_study(folder / "mission.xml")
+
+
+def side_by_side(folder: Path, tree: Path) -> Iterator[str]:
+    """What the tree is in each version."""
+    yield "| Nav2 | " + " | ".join(VERSIONS) + " |\n|---|" + "---|" * len(VERSIONS)
+    columns = []
+    for version in VERSIONS:
+        imported, study = mission_in(folder / version, tree, version)
+        checked = study.verdicts()
+        warned = [problem.message for problem in checked.warnings if "by its success" in problem.message]
+        counts = imported.ledger.counts
+        columns.append(
+            (
+                ", ".join(f"{count} {WORDS[kind]}" for kind, count in counts.items() if count),
+                "; ".join(warned) or "nothing",
+                f"{checked.stable_sizes[0]:,}",
+            )
+        )
+    titles = ("nodes", "`check` warns of recoveries that do not help", "stable states")
+    for title, *cells in zip(titles, *columns, strict=True):
+        yield f"| {title} | {' | '.join(cells)} |"
+    yield ""
 
 
 def lines(imported: Imported, study: Study) -> Iterator[str]:
@@ -174,8 +198,9 @@ def of_tree(folder: Path, tree: str, output: Path | None) -> str:
     """What was found of a tree, and its mission with the report, where they are kept."""
     with tempfile.TemporaryDirectory() as scratch:
         kept = output or Path(scratch) / "nav2"
-        imported, study = mission_in(kept, tree_in(folder, tree))
-        found = "\n".join(lines(imported, study)) + "\n"
+        both = "\n".join(side_by_side(Path(scratch), tree_in(folder, tree)))
+        imported, study = mission_in(kept, tree_in(folder, tree), VERSIONS[-1])
+        found = both + "\n" + "\n".join(lines(imported, study)) + "\n"
         if output is not None:
             study.report(kept / "report.html")
     return found

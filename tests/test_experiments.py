@@ -236,6 +236,9 @@ def test_nav2s_default_tree(request: pytest.FixtureRequest, tmp_path: Path) -> N
     assert f"The mission fails by the loss of {fails}." in found.stdout
     assert "| A path is followed by dead reckoning |" in found.stdout
     assert found.stdout.count("| no |") == 3
+    assert (
+        "| nothing | objective Sequence3.BackUp (all 6) leads only to failure by its success" in found.stdout
+    )
 
 
 def test_what_grows_is_plotted(tmp_path: Path) -> None:

@@ -179,18 +179,22 @@ class _RulePlayer:
         other = sorted(o for o in failing if o not in self.leaf_of)
         if other:
             raise _Unplayable(f"{other[0]}, which is no leaf of the tree, fails by it too")
-        rules = {}
+        rules: dict[str, str] = {}
         for leaf in self.leaves:
-            rules[self.filter(leaf)] = "fails" if leaf.place in lost else "succeeds"
+            answer = "fails" if leaf.place in lost else "succeeds"
+            if rules.setdefault(self.filter(leaf), answer) != answer:
+                raise _Unplayable(
+                    f"{leaf.node.title} stands for several leaves of one path, which answer otherwise"
+                )
         configs = {"fails": {"return_status": FAILED}, "succeeds": {"return_status": SUCCEEDED}}
         return TreeTest(name, None, SUCCEEDED, (), _document(configs, rules))
 
     def filter(self, leaf: Instance) -> str:
         """The filter of a rule that is for one leaf."""
-        if leaf.path not in self.filters:
+        if leaf.place not in self.filters:
             line = leaf.node.source.line
             raise _Unplayable(f"line {line}: {leaf.node.title} has no path of its own that a rule may name")
-        return self.filters[leaf.path]
+        return self.filters[leaf.place]
 
     def played(self, name: str, returns: str, run: Run) -> TreeTest:
         """The leaves' answers of a run, one after the other."""
@@ -202,9 +206,10 @@ class _RulePlayer:
         configs: dict[str, Mapping[str, Any]] = {}
         rules = {}
         for leaf in self.leaves:
-            turns = [(number, a.good) for number, a in enumerate(answers) if a.leaf.place == leaf.place]
-            rules[self.filter(leaf)] = leaf.path
-            configs[leaf.path] = _config(turns, leaf.asked)
+            rule = self.filter(leaf)
+            turns = [(number, a.good) for number, a in enumerate(answers) if self.filter(a.leaf) == rule]
+            rules[rule] = rule
+            configs[rule] = _config(turns, leaf.asked)
         return TreeTest(name, returns, None, answers, _document(configs, rules))
 
     def answers(self, run: Run) -> Iterable[LeafAnswer]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from mcpn.errors import InputError
 from mcpn.trees.nodes.forest import Forest, tree_of
@@ -20,6 +21,8 @@ Place = tuple[int, ...]
 """A node by what leads to it: the nodes that use trees around it, the outermost first, and itself."""
 ASKING = frozenset({"reactive_sequence", "reactive_fallback", "while_do_else", "pipeline"})
 """Rules of nodes that tick earlier children again while a later one runs."""
+TOGETHER = frozenset({"parallel", "parallel_all", "parallel_by_policy", "pipeline"})
+"""Rules of nodes of which several children run at the same time."""
 NOT_RESETTING = frozenset({"while_do_else", "pipeline"})
 """Those of them that do not reset a child that has answered before they tick it again."""
 
@@ -35,6 +38,7 @@ class Instance:
         asked: Whether it is ticked again after it has answered, while something behind it runs.
         kept: Whether the library keeps its answer then: a node that is not reset is not asked anew.
         rounds: Whether a loop around it returns between its rounds, and is ticked again then.
+        beside: Whether something may run at the same time as it does.
     """
 
     node: TreeNode
@@ -43,6 +47,7 @@ class Instance:
     asked: bool
     kept: bool
     rounds: bool = False
+    beside: bool = False
 
 
 def place_of(chain: tuple[TreeNode, ...], leaf: TreeNode) -> Place:
@@ -56,7 +61,16 @@ def instances(forest: Forest) -> list[Instance]:
     Raises:
         InputError: With its subtrees written out it has too many nodes.
     """
-    return list(_Expansion(forest).leaves(forest.main.root, (), "", False, False))
+    return list(_Expansion(forest).leaves(forest.main.root, (), "", _Around()))
+
+
+class _Around(NamedTuple):
+    """What is so of all leaves in a node: as of :class:`Instance`."""
+
+    asked: bool = False
+    kept: bool = False
+    rounds: bool = False
+    beside: bool = False
 
 
 class _Expansion:
@@ -64,9 +78,7 @@ class _Expansion:
         self.forest = forest
         self.made = 0
 
-    def leaves(
-        self, node: TreeNode, around: Place, prefix: str, asked: bool, kept: bool, rounds: bool = False
-    ) -> Iterator[Instance]:
+    def leaves(self, node: TreeNode, around: Place, prefix: str, at: _Around) -> Iterator[Instance]:
         self.made += 1
         if self.made > MAX_NODES:
             raise InputError.at(
@@ -74,38 +86,49 @@ class _Expansion:
             )
         path = prefix + (node.name if node.name not in (None, node.id) else f"{node.id}::{self.made}")
         place = (*around, id(node))
+        rule = self.forest.rule(node)
         if (tree := tree_of(self.forest, node)) is not None:
             inner = f"{prefix}{node.name or f'{node.id}::{self.made}'}/"
-            yield from self.leaves(tree.root, place, inner, asked, kept, rounds)
-        elif not node.children and self.forest.rule(node) not in ("succeeds", "fails"):
-            yield Instance(node, place, path, asked, kept, rounds)
-        rule = self.forest.rule(node)
+            yield from self.leaves(tree.root, place, inner, at)
+        elif not node.children and rule not in ("succeeds", "fails"):
+            yield Instance(node, place, path, *at)
+        beside = at.beside or rule in TOGETHER
+        turns = at.rounds or (at.asked and rule in ("retry", "repeat", "keep_running", "loop"))
         for number, child in enumerate(node.children):
             earlier = number + 1 < len(node.children) if rule != "while_do_else" else number == 0
             again = rule in ASKING and earlier
-            stays = again and rule in NOT_RESETTING
-            turns = rounds or (asked and rule in ("retry", "repeat", "keep_running", "loop"))
-            yield from self.leaves(child, around, prefix, asked or again, stays, turns)
+            kept = again and rule in NOT_RESETTING
+            yield from self.leaves(child, around, prefix, _Around(at.asked or again, kept, turns, beside))
 
 
-def filters(forest: Forest, found: list[Instance]) -> dict[str, str]:
-    """By path, the filter of a substitution rule that is for this node alone; none where there is none.
+def filters(forest: Forest, found: list[Instance]) -> dict[Place, str]:
+    """By leaf, the filter of a substitution rule that is for it; none where there is none.
 
     A path without a number may be the name of another node, too: its first letter is left open then, which no
-    name is.
+    name is. Leaves of one path are told apart by their registered names, where these are theirs alone; where
+    never two of them run at once, and none is asked again, one rule is for all of them, each in its turn.
     """
     paths = Counter(each.path for each in found)
     names = Counter(n.name for each in found if (n := each.node).name)
-    ids = {node.id for tree in forest.trees.values() for node in tree.root.walk()}
-    chosen = {}
-    for path, count in paths.items():
-        if count > 1 or "*" in path or "?" in path:
+    nodes = [node for tree in forest.trees.values() for node in tree.root.walk()]
+    ids, registered = {node.id for node in nodes}, Counter(each.node.id for each in found)
+    taken = {*paths, *(node.name for node in nodes if node.name)}
+    chosen: dict[Place, str] = {}
+    for each in found:
+        path, id_ = each.path, each.node.id
+        alone = registered[id_] == 1 and id_ not in taken
+        if "*" in path or "?" in path:
             continue
-        if (names[path] > 1 or path in ids) and "::" not in path:
+        if paths[path] > 1 and alone:
+            chosen[each.place] = id_
+        elif paths[path] > 1 and any(o.beside or o.asked for o in found if o.path == path):
+            continue
+        elif ((names[path] > 1 and paths[path] == 1) or path in ids) and "::" not in path:
             opened = f"?{path[1:]}"
-            if any(other != path and other[1:] == path[1:] and other for other in paths):
-                continue
-            chosen[path] = opened
+            if not any(other != path and other[1:] == path[1:] and other for other in paths):
+                chosen[each.place] = opened
         else:
-            chosen[path] = path
-    return chosen
+            chosen[each.place] = path
+    # A rule for all leaves of a path would be for those, too, that have one of their own.
+    own = {each.path for each in found if paths[each.path] > 1 and chosen.get(each.place) == each.node.id}
+    return {place: rule for place, rule in chosen.items() if rule not in own}

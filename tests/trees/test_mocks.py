@@ -147,7 +147,7 @@ def test_what_is_written(tmp_path: Path) -> None:
             node("ReactiveFallback", node("RetryUntilSuccessful", A, num_attempts=2), B),
             "in a loop that is ticked",
         ),
-        (node("Sequence", '<a name="x"/>', '<b name="x"/>'), "no path of its own"),
+        (node("Parallel", '<a name="x"/>', '<a name="x"/>'), "no path of its own"),
     ],
 )
 def test_what_is_left_out(tree: str, left_out: str, tmp_path: Path) -> None:
@@ -180,7 +180,13 @@ def by_ticks(forest: Forest, written: dict[str, Any]) -> int:
     return judged(written, {one["name"]: Mocked(forest, one["rules"]).returned() for one in each})
 
 
-TREES = EXACT | TIME | {"subtrees": SUBTREES, "named": ONCE_NAMED}
+TWICE_NAMED = {
+    "one name, two nodes": node("Sequence", '<a name="x"/>', node("Fallback", '<b name="x"/>', "<c/>")),
+    "one name, one node": node("Sequence", '<a name="x"/>', node("Fallback", '<a name="x"/>', B)),
+    "one name, again": node("Repeat", node("Sequence", '<a name="x"/>', '<a name="x"/>'), num_cycles=2),
+    "one name, beside each other": node("Parallel", '<a name="x"/>', '<b name="x"/>'),
+}
+TREES = EXACT | TIME | {"subtrees": SUBTREES, "named": ONCE_NAMED} | TWICE_NAMED
 
 
 @pytest.mark.parametrize("name", TREES)

@@ -31,7 +31,7 @@ def test_a_condition_whose_success_may_be_no_good_news(tmp_path: Path) -> None:
     found = checked(tmp_path, node("Sequence", STUCK, A)).verdicts["nominal_success"]
     assert found.holds
     assert sentence_of(found) == "While nothing fails, and IsStuck succeeds, the mission succeeds."
-    assert 'nominal="fails" where it is its failure' in found.explanation
+    assert 'nominal="fails" if by failure' in found.explanation
 
 
 def test_what_depends_on_it_is_not_known(tmp_path: Path) -> None:

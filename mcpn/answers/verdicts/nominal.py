@@ -38,8 +38,8 @@ ENDLESS = (
 HELD = "; it ends where {} happens, and no declared event does while nothing fails"
 """What is said of a loop that goes on until an event changes a fact: it waits."""
 UNKNOWN = (
-    "; that {} succeeds is supposed, for how it goes while nothing fails is not known of it: "
-    'write nominal="entered" on it where that is its success, nominal="fails" where it is its failure'
+    "; supposed is the success of {}, of which nobody has said how it ends while nothing fails: "
+    'write nominal="entered" on it if by success, nominal="fails" if by failure'
 )
 """What is said of conditions, whose success may be no good news."""
 OPTIONAL = '; where that is meant, write nominal="optional" on the block'
