@@ -8,8 +8,11 @@ One object, whose keys :data:`KNOWN` declares: any other is refused. Places and 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+import re
+from bisect import bisect
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from json.scanner import py_make_scanner  # type: ignore[attr-defined]
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -123,7 +126,45 @@ def read_json(path: Path, data: bytes) -> PetriNet:
     try:
         return _net(_Value(document, "the document"))
     except InputError as error:
-        raise InputError.at(Source(str(path)), str(error)) from error
+        raise InputError.at(Source(str(path), _line_of(data, str(error))), str(error)) from error
+
+
+def _line_of(data: bytes, message: str) -> int | None:
+    """The line of the innermost object or list that a message names by the way to it.
+
+    The text is read again, by the scanner of the library that is written in Python, which tells where each
+    begins: only where there is an error.
+    """
+    text = data.decode(json.detect_encoding(data))
+    breaks = [match.start() for match in re.finditer("\n", text)]
+    begins: dict[int, int] = {}
+    kept = []  # so that no two have one id
+    decoder: Any = json.JSONDecoder()
+
+    def noting(read: Callable[..., tuple[Any, int]]) -> Callable[..., tuple[Any, int]]:
+        def noted(at: tuple[str, int], *rest: Any) -> tuple[Any, int]:
+            value, end = read(at, *rest)
+            begins[id(value)] = bisect(breaks, at[1] - 1) + 1
+            kept.append(value)
+            return value, end
+
+        return noted
+
+    decoder.parse_object = noting(decoder.parse_object)
+    decoder.parse_array = noting(decoder.parse_array)
+    decoder.scan_once = py_make_scanner(decoder)
+    try:
+        here: Any = decoder.decode(text)
+    except RecursionError:
+        return None
+    line = begins.get(id(here), 1)
+    for key, number in re.findall(r"(\w+)|\[(\d+)\]", message.partition(" ")[0]):
+        try:
+            here = here[int(number) if number else key]
+        except (KeyError, IndexError, TypeError):
+            break
+        line = begins.get(id(here), line)
+    return line
 
 
 def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

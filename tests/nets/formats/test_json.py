@@ -135,6 +135,39 @@ def test_broken_documents_are_told(message: str) -> None:
     assert str(caught.value).startswith("n.json")
 
 
+@pytest.mark.parametrize(
+    ("begin", "way", "key"),
+    [
+        ('"format"', (), "other"),
+        ('"name": "q"', ("places", 1), "capacity"),
+        ('"name": "t"', ("transitions", 0), "inhibit"),
+        ('"file": "robot.xml"', ("places", 0, "from"), "column"),
+    ],
+)
+def test_the_line_is_that_of_the_object(begin: str, way: tuple[str | int, ...], key: str) -> None:
+    data = json.dumps(json.loads(broken(*way, key, value=0)), indent=1).encode()
+    lines = data.decode().splitlines()
+    where = next(number for number, line in enumerate(lines, 1) if begin in line)
+    opening = max(number for number, line in enumerate(lines[:where], 1) if line.rstrip().endswith("{"))
+    with pytest.raises(InputError) as caught:
+        read_json(HERE, data)
+    assert str(caught.value).startswith(f"n.json:{opening}: ")
+    assert f"has the key '{key}'" in str(caught.value)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "utf-32"])
+def test_an_error_has_its_line_in_any_encoding_of_json(encoding: str) -> None:
+    text = broken("places", 0, value={"extra": 1}).replace(b'[{"e', b'[\n{"e').decode()
+    with pytest.raises(InputError, match=r"n\.json:2: places\[0\] has the key"):
+        read_json(HERE, text.encode(encoding))
+
+
+def test_an_error_in_a_deep_document_is_told() -> None:
+    deep = b'{"format": "mcpn-net", "version": 1, "extra": ' + b"[" * 900 + b"]" * 900 + b"}"
+    with pytest.raises(InputError, match=r"the document has the key 'extra'|too deep"):
+        read_json(HERE, deep)
+
+
 def test_what_the_schema_allows_is_read() -> None:
     """Places of unknown origin, and numbers of any size: JSON has no largest integer."""
     document = json.loads(write_json(small()))

@@ -1,6 +1,6 @@
 """Nets that pm4py has written are read with the same markings, and what is written is read by pm4py so.
 
-pm4py brings pandas, scipy and more: it is no part of what the tests install, and is asked where it is there.
+pm4py brings pandas, scipy and more: of the extras ``test-all`` alone has it.
 """
 
 from __future__ import annotations
