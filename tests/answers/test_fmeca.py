@@ -360,7 +360,8 @@ class Words:
         if branch.mandatory and (block.needed is None or block.hasty):
             return f"its failure fails {block.name}"
         if block.failing == 1:
-            return f"its failure fails {block.name}"
+            last = " while another child runs" if block.needed is None and not branch.mandatory else ""
+            return f"its failure fails {block.name}{last}"
         spared = len(block.branches) - (block.needed or 0)
         alike = block.failing is None or block.failing > spared  # by success that cannot be reached any more
         failures = "" if alike else f"{block.failing} failures fail {block.name}"
@@ -555,6 +556,29 @@ def test_where_the_failure_of_an_objective_leads(tmp_path: Path) -> None:
             "end": "its failure ends the mission in success",
         }
         assert [told[name].section for name in names] == ["first", "both", "both", "both", "both", "end"]
+
+
+@pytest.mark.parametrize(
+    ("ends", "told"),
+    [
+        ('failure_when="1"', "its failure fails both while another child runs"),
+        ('failure_when="1" success_when="1"', "its failure fails both"),
+    ],
+)
+def test_a_failure_fails_a_block_unless_it_is_the_last(tmp_path: Path, ends: str, told: str) -> None:
+    (tmp_path / "m.xml").write_text(
+        f"""<mission name="m" xmlns="urn:mcpn:mission:1">
+        <robot name="r"><hardware name="h"/><activity name="a"/><activity name="b" consumes="h"/></robot>
+        <parallel name="both" {ends}>
+          <objective name="x" activities="a"/>
+          <objective name="y" activities="b" mandatory="false"/>
+        </parallel>
+        </mission>"""
+    )
+    found = compose(read_mission(tmp_path / "m.xml"))
+    for engine in ENGINES:
+        rows = fmeca(Asked(found, engine).prospects)
+        assert {row.compensation for row in rows if row.objective == "y"} == {told}
 
 
 def test_of_a_mode_only_what_changes_is_told() -> None:

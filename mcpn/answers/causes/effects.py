@@ -208,6 +208,8 @@ def _route(section: ElementarySection, around: Ancestors) -> str:
         return f"its failure aborts {block.name}"
     if section.failure == SUCCEED:
         return f"its failure is a success of {branch.name}"
+    if block.failing == 1 and block.needed is None and not branch.mandatory:
+        return f"its failure fails {block.name} while another child runs"  # else mandatory ones decide
     if block.failing == 1 or (branch.mandatory and (block.needed is None or block.hasty)):
         return f"its failure fails {block.name}"
     counts = []
