@@ -462,7 +462,8 @@ class Study:
 
         Args:
             kind: What is drawn of a mission: ``mission`` (as it is written, the default), ``objectives``,
-                ``net``, ``alternatives`` (that of a section by default) or ``controller``; of a net ``net``.
+                ``net``, ``alternatives`` (that of a section by default), ``controller``, or ``run`` (a
+                counterexample); of a net ``net``.
             section: Draw this section alone.
 
         Raises:

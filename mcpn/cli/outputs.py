@@ -111,7 +111,7 @@ def controller(
 @click.argument("target", type=FILE)
 @click.option(
     "--draw",
-    type=click.Choice(["mission", "objectives", "net", "alternatives", "controller"]),
+    type=click.Choice(["mission", "objectives", "net", "alternatives", "controller", "run"]),
     help="What a picture of a mission shows (default: the mission as it is written).",
 )
 @click.option("--section", metavar="NAME", help="Draw the net, alternatives or controller of one section.")
@@ -133,7 +133,8 @@ def convert(
 
     TARGET is a picture where it ends in .svg or .png: of a mission that which --draw names, of a net its
     places and transitions. With --rates TARGET ends in .drn: the chain of the mission as a Markov automaton,
-    for the model checker Storm.
+    for the model checker Storm. --draw run is the first counterexample that check shows, or the run without
+    failures, as a sequence diagram; where TARGET ends in .mmd, as a text for Mermaid.
     """
     from mcpn.nets.formats import WRITABLE, save_net
     from mcpn.report.pictures.drawing import KNOWN
@@ -144,6 +145,14 @@ def convert(
             expected = "a file .drn with --rates, which holds the chain of a mission"
             raise InputError.at(Source(str(target)), f"found {found}, expected {expected}")
         _write_chain(source, target, question)
+        return
+    if draw == "run" and target.suffix.lower() == ".mmd":
+        from mcpn.files import write_atomically
+        from mcpn.report.pictures.runs import mermaid, run_of
+
+        write_atomically(target, mermaid(run_of(question.study(source).mission_spaces("a run"))))
+        if question.as_json:
+            emit_json({"file": str(target), "warnings": []})
         return
     if target.suffix.lower() in KNOWN:
         question.study(source).picture(draw, section).save(target)

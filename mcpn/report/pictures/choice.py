@@ -8,7 +8,7 @@ from mcpn.answers.spaces import MissionSpaces, MissionSubject, spaces_of
 from mcpn.errors import InputError
 from mcpn.report.pictures.drawing import Drawing
 
-KINDS = ("mission", "objectives", "net", "alternatives", "controller")
+KINDS = ("mission", "objectives", "net", "alternatives", "controller", "run")
 
 
 def drawn(subject: MissionSubject, kind: str = "mission", section: str | None = None) -> Drawing:
@@ -36,6 +36,12 @@ def _mission(spaces: MissionSpaces) -> Drawing:
     from mcpn.report.pictures.objectives import mission_drawing
 
     return mission_drawing(spaces.mission)
+
+
+def _run(spaces: MissionSpaces) -> Drawing:
+    from mcpn.report.pictures.runs import run_drawing
+
+    return run_drawing(spaces)
 
 
 def _objectives(spaces: MissionSpaces) -> Drawing:
@@ -89,6 +95,7 @@ _WHOLE: Mapping[str, Callable[[MissionSpaces], Drawing]] = {
     "net": _net,
     "alternatives": _alternatives,
     "controller": _controller,
+    "run": _run,
 }
 _OF_SECTION: Mapping[str, Callable[[MissionSpaces, str], Drawing]] = {
     "net": _section_net,
