@@ -285,6 +285,8 @@ class _Reader:
             if tree := self.tree(element, path, source, shown):
                 self.own += [tree] if own else []
         else:
+            for inside in element.iterchildren(etree.Element):
+                self.known(inside, path, element)
             self.include(element, path, source)
 
     def included(self, href: str, folders: list[Path]) -> tuple[Path | None, InputError | None]:
@@ -373,6 +375,9 @@ class _Reader:
         self.text(element, source)
         children = [self.node(child, path, depth + 1) for child in element.iterchildren(etree.Element)]
         if any(child is None for child in children):
+            return None
+        if category == "SubTree" and children:
+            self.wrong(source, f"{id_} has {len(children)} children, expected 0: a SubTree has none")
             return None
         rules = {key: value for key, value in attributes.items() if key.startswith("_")}
         for rule in rules.keys() - set(ATTRIBUTES):
