@@ -15,7 +15,7 @@ from mcpn.mission.model import Mission, Objective, Parallel, Recursive, walk
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.mission.xml import read_mission
 from mcpn.report.pictures.boxes import Box, boxes
-from mcpn.report.pictures.layout import lay_out
+from mcpn.report.pictures.layout import lay_out, text_width
 from mcpn.report.pictures.objectives import objectives_picture
 from mcpn.testing import missions
 from tests import commands
@@ -175,3 +175,40 @@ def test_success_is_drawn_past_a_sibling_that_only_helps(how: str, tmp_path: Pat
     assert "work: success leads to park" in titles
     assert "park succeeds" in titles
     assert not {"work succeeds", "aside succeeds"} & titles
+
+
+FACTS = """<mission name="m" xmlns="urn:mcpn:mission:1">
+  <robot name="r">
+    <hardware name="motor" repairable="false"/>
+    <hardware name="radio" initial="oos" detected="late"/>
+    <hardware name="hull" faulty="false"/>
+    <fact name="tide" values="low high" initial="high"/>
+    <event name="tide_falls"><sets fact="tide" to="low"/></event>
+    <activity name="map" requires="tide=high">
+      <alternative name="quick" consumes="motor hull" requires="tide=high"/>
+      <alternative name="slow" consumes="motor radio"/>
+    </activity>
+  </robot>
+  <objective name="o" activities="map"/>
+</mission>
+"""
+
+
+def test_what_facts_ask_and_what_is_never_repaired_is_drawn(tmp_path: Path) -> None:
+    """All that the robot's elements say that decides a mission; and no heading is cut."""
+    path = tmp_path / "m.xml"
+    path.write_text(FACTS)
+    picture = etree.fromstring(mcpn.open(path).picture().svg.encode())
+    texts = {str(text.text): float(text.get("x", "0")) for text in picture.iter("{*}text")}
+    assert set(texts) >= {
+        "1. quick: motor + hull, if tide=high",
+        "2. slow: motor + radio",
+        "if tide=high",
+        "may fail, and is not repaired",
+        "out of service at the start",
+        "its loss is noticed late",
+        "never fails",
+        "low or high, at first high",
+        "set by tide_falls",
+    }
+    assert all(x + text_width(text) <= float(picture.get("width", "0")) for text, x in texts.items())

@@ -9,11 +9,12 @@ it leaves: the label stands behind all lanes, where nothing else is drawn.
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission
+from mcpn.mission.robot import Hardware
 from mcpn.report.pictures.boxes import Box, facts_said
 
 PAD, LANE, GAP, ROW, HEAD, EXIT, LINE = 12, 14, 28, 19, 24, 22, 15
@@ -376,7 +377,10 @@ def _robot(picture: Picture, mission: Mission, width: float) -> None:
             needs = " + ".join(way.consumes) or "nothing"
             data: _Data = (("activity", activity.name), ("alternative", way.name))
             crashes = ", may crash" if way.faulty else ""
-            rows.append((shown(f"{number}. {way.name}: {needs}{crashes}"), data))
+            asked = f", if {' '.join(way.requires)}" if way.requires else ""
+            rows.append((shown(f"{number}. {way.name}: {needs}{asked}{crashes}"), data))
+        if activity.requires:
+            rows.append((shown(f"if {' '.join(activity.requires)}"), ()))
         if activity.faulty:
             rows.append(("may crash", ()))
         if activity.produces:
@@ -387,12 +391,32 @@ def _robot(picture: Picture, mission: Mission, width: float) -> None:
     y = _rows(picture, "Activities and their alternatives", cells, width, y)
     cells = []
     for hardware in (h for robot in mission.robots for h in robot.hardware):
-        rows = [("may fail" if hardware.faulty else "never fails", ())]
+        rows = [(text, ()) for text in _fails(hardware)]
         rows += [(shown(f"fails with {f.name}"), ()) for f in mission.faults if hardware.name in f.affects]
         title = f"hardware {hardware.name}" + (f": {hardware.description}" if hardware.description else "")
         frame = Rectangle(0, 0, 0, 0, "block hardware", shown(title, 1000), (("hardware", hardware.name),))
         cells.append((hardware.name, rows, frame))
-    picture.height = _rows(picture, "Hardware", cells, width, y)
+    y = _rows(picture, "Hardware", cells, width, y)
+    cells = []
+    for fact in mission.facts:
+        rows = [(shown(f"{' or '.join(fact.values)}, at first {fact.start}"), ())]
+        setting = [e.name for e in mission.events if any(each.fact == fact.name for each in e.sets)]
+        rows += [(shown(f"set by {' '.join(setting)}"), ())] if setting else []
+        title = f"fact {fact.name}" + (f": {fact.description}" if fact.description else "")
+        cells.append((fact.name, rows, Rectangle(0, 0, 0, 0, "block robot", shown(title, 1000))))
+    picture.height = _rows(picture, "Facts", cells, width, y)
+
+
+def _fails(hardware: Hardware) -> Iterator[str]:
+    """Whether hardware may fail, and what becomes of it then."""
+    if not hardware.faulty:
+        yield "never fails"
+    else:
+        yield "may fail" if hardware.repairable else "may fail, and is not repaired"
+    if hardware.initial == "oos":
+        yield "out of service at the start"
+    if hardware.detected == "late":
+        yield "its loss is noticed late"
 
 
 def _rows(
@@ -410,6 +434,7 @@ def _rows(
     if not cells:
         return y
     picture.labels.append(Label(PAD, y + 12, heading, "heading"))
+    picture.width = max(picture.width, text_width(heading, BOLD) + 2 * PAD)
     y += 22
     x, highest = float(PAD), 0.0
     for name, rows, frame in cells:
