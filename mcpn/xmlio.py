@@ -98,6 +98,8 @@ def stream_xml(
             if first:
                 _refuse_dtd(path, element)
                 first = False
+            if event == "start":
+                _refuse_crowded(path, element)
             yield str(event), element
 
 
@@ -120,6 +122,9 @@ def _parsed(path: Path, data: bytes, encoding: str | None, *, whole: bool) -> et
     with _located(path):
         root = etree.fromstring(data, parser)
     _refuse_dtd(path, root)
+    if _is_crowded(root):
+        for element in root.iter("*"):
+            _refuse_crowded(path, element)
     return root
 
 
@@ -135,6 +140,18 @@ def _located(path: Path, fed: etree.XMLPullParser | None = None) -> Iterator[Non
         raise InputError.at(Source(str(path), line or 1), sentence(str(said))) from error
     except (ValueError, LookupError) as error:
         raise InputError.at(Source(str(path), 1), sentence(str(error))) from error
+
+
+MOST_ATTRIBUTES = 1000
+"""On one element: to read them takes time in proportion to their square, in libxml2 and lxml."""
+_is_crowded = etree.XPath(f"boolean(//*[count(@*) > {MOST_ATTRIBUTES}])")
+
+
+def _refuse_crowded(path: Path, element: etree._Element) -> None:
+    if len(element.attrib) > MOST_ATTRIBUTES:
+        line = element.sourceline if isinstance(element.sourceline, int) else 1
+        found = f"found {len(element.attrib)} attributes on one element"
+        raise InputError.at(Source(str(path), line), f"{found}, expected at most {MOST_ATTRIBUTES}")
 
 
 def _refuse_dtd(path: Path, element: etree._Element) -> None:

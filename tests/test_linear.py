@@ -18,6 +18,7 @@ from mcpn.mission.language import datatypes
 from mcpn.mission.language.datatypes import Datatype
 from mcpn.mission.language.forms import _data
 from mcpn.mission.xml import read_mission
+from mcpn.xmlio import parse_xml, stream_xml
 from tests.conftest import ROOT
 from tests.mutation import at_most
 
@@ -141,3 +142,20 @@ def test_names_and_spaces_in_a_file(tmp_path: Path, attribute: str) -> None:
 def test_a_mission_that_was_slow(faults: Path, name: str) -> None:
     with at_most(4 * SECONDS), pytest.raises(InputError, match="names of letters, digits and _"):
         read_mission(faults / name)
+
+
+@pytest.mark.parametrize("read", ["mission", "tree", "net"])
+def test_an_element_with_very_many_attributes_is_refused_at_once(read: str, tmp_path: Path) -> None:
+    """Reading them took time in proportion to their square: twice as many may not take four times as long."""
+    names = {"mission": '<mission xmlns="urn:mcpn:mission:1" {}/>', "tree": "<root {}/>", "net": "<pnml {}/>"}
+    for count in (20_000, 40_000, 80_000):
+        text = names[read].format(" ".join(f'a{number}="1"' for number in range(count)))
+        file = tmp_path / {"mission": "m.xml", "tree": "t.xml", "net": "n.pnml"}[read]
+        file.write_text(text)
+        reader = (lambda path: list(stream_xml(path, 1 << 24))) if read == "net" else _tree
+        with at_most(SECONDS), pytest.raises(InputError, match="attributes on one element, expected at most"):
+            reader(file)
+
+
+def _tree(path: Path) -> object:
+    return parse_xml(path, 1 << 24)

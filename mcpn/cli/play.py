@@ -125,6 +125,9 @@ class Prompt(ABC):
         Raises:
             InputError: A command from a pipe cannot be carried out.
         """
+        if sys.stdin is None:
+            what = "it is closed: expected events there, or --events, --random or --nominal"
+            raise InputError.at(Source("standard input"), what)
         person = sys.stdin.isatty()
         if person:
             _complete(lambda: [*self.possible(), *self.words])

@@ -289,6 +289,13 @@ class _Check:
             found = filled(text, values)
             if found.startswith("-") and not text.startswith("-"):
                 yield self._at(spec.place, f"{text}: {who}: {found!r} would be an option of the program")
+        for text, what in _run_as_code(spec.command):
+            if filled(text, values) != text:
+                yield self._at(
+                    spec.place,
+                    f"{text[:80]!r}: {who}: a value of the mission would be part of {what}: "
+                    "give it as an argument of its own",
+                )
         for text in spec.topics.texts:
             found = filled(text, values)
             if found != text and any(found.count(sign) > text.count(sign) for sign in WILDCARDS):
@@ -357,6 +364,26 @@ class _Check:
             )
             for activity in row["activities"]
         )
+
+
+_READS_CODE = re.compile(
+    r"(?:ba|da|z|k|mk|a|c|tc|fi)?sh|(?:python|perl|ruby|node|lua|php)[\d.]*|\{python\}|eval"
+)
+"""Programs, by their name without folders, that run a text among their arguments."""
+_CODE_FOLLOWS = re.compile(r"-\w*[ceErR]|--(?:eval|command|exec)")
+"""Options of theirs that stand before that text."""
+
+
+def _run_as_code(command: tuple[str, ...]) -> Iterator[tuple[str, str]]:
+    """The texts of a command that are run as they are, and what each is: the program, or a program's text."""
+    options = False  # whether what stands before are such a program and options of it
+    for place, text in enumerate(command):
+        if place == 0:
+            yield text, "the program that is run"
+        elif options and _CODE_FOLLOWS.fullmatch(command[place - 1]):
+            yield text, "a program's text"
+        reads = _READS_CODE.fullmatch(text.rpartition("/")[2]) is not None
+        options = reads or (options and text.startswith("-"))
 
 
 def starts_by_itself(plan: Plan) -> bool:

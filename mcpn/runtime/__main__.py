@@ -26,6 +26,8 @@ def main(arguments: list[str]) -> int:
         if len(arguments) == 2:
             lines = Path(arguments[1]).read_text(encoding="utf-8").splitlines()
         else:
+            if sys.stdin is None:
+                raise ValueError("standard input is closed: expected a log there, or its file")
             lines = sys.stdin.read().splitlines()
         watch(monitors, lines)
     except JournalError as error:

@@ -19,6 +19,9 @@ def run(tables: Tables, arguments: Sequence[str] = ()) -> None:
         tables: The controller's.
         arguments: With any, a line also has the mode, the events that are possible next, and the outcome.
     """
+    if sys.stdin is None:
+        sys.stderr.write("error: standard input is closed: expected events there, one a line\n")
+        sys.exit(2)
     # The lines say what was refused: it is not printed on standard error as well.
     logging.getLogger("mcpn.runtime").addHandler(logging.NullHandler())
     controller = Controller(tables)

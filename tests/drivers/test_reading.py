@@ -243,6 +243,11 @@ def test_files_that_were_slow_or_ended_badly(faults: Path, name: str) -> None:
 @pytest.mark.parametrize(
     ("text", "value", "expected"),
     [
+        ('process = ["{room}"]', "true", "a value of the mission would be part of the program that is run"),
+        ('process = ["sh", "-c", "echo {room}"]', "$(date)", "would be part of a program's text"),
+        ('process = ["/bin/bash", "-euc", "echo {room}"]', "a", "give it as an argument of its own"),
+        ('process = ["env", "A=b", "dash", "-c", "echo {room}"]', "a", "would be part of a program's text"),
+        ('process = ["{python}", "-c", "print({room})"]', "a", "would be part of a program's text"),
         ('process = ["true", "{room}"]', "--version", "'--version' would be an option of the program"),
         ('process = ["true", "--room={room}"]', "--version", None),
         ('mqtt = { start = "robot/{room}" }', "#", "'robot/#' would add a wildcard"),
