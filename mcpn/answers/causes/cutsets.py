@@ -88,7 +88,7 @@ class CutSets(Prospects[S]):
         """States after runs without repairs and without avoidable failures, with all that is out dead."""
         space, transitions = self.space, self.unrepaired | self.dying
         found = space.reached(space.initial, transitions=transitions, guards=self.forced)
-        return (found & self.begun) - space.enabling(self.dying)
+        return found - space.enabling(self.dying)
 
     def found(self, goal: Goal[S], section: Section | None = None) -> Found:
         """What makes a goal fail at each moment, for an objective also at the entry of its section.
@@ -102,7 +102,7 @@ class CutSets(Prospects[S]):
             minimal = {moment: self.minimal(lost) for moment, lost in losing.items()}
             return Found(minimal, self.nonmonotone(losing[Moment.SOMETIME]))
 
-        times = [self._at_worst, self._from_start, self.begun]
+        times = [self._at_worst, self._from_start]
         times += [] if section is None else [self.entered(section)]
         known = self.alike(goal, *(goal.running & states for states in times))
         return compute() if known is None else self._found.known(*known, compute)[0]
@@ -121,7 +121,7 @@ class CutSets(Prospects[S]):
             assert section is not None, "an entry is that of a section"
             survived = self.entered(section) & goal.running & hopeful
         else:
-            survived = goal.running & self.begun & hopeful
+            survived = goal.running & hopeful
         return self.images.everything - self._dead(survived)
 
     def _failed(self, goal: Goal[S]) -> S:
