@@ -57,7 +57,7 @@ OF_MISSIONS = [
         for f in FORMS
         for t in TARGETS
     ),
-    ("controller", "--form", "hierarchical", "--minimise", "-o", "{out}/controller", "--json"),
+    ("controller", "--form", "minimised", "-o", "{out}/controller", "--json"),
 ]
 """What is asked of each mission; ``{out}`` is a folder of its own, whose files are answers too."""
 OF_NETS = [

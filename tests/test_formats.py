@@ -77,7 +77,7 @@ WRITTEN = {
     "convert unbounded.net n.json": ("n.json", "net"),
     "convert courier/mission.xml n.json": ("n.json", "net"),  # its internal transitions have ranks
     "controller mission.xml -o one": ("one/controller.json", "controller-document"),
-    "controller mission.xml -o one --flat --minimise": ("one/controller.json", "controller-document"),
+    "controller mission.xml -o one --form minimised": ("one/controller.json", "controller-document"),
     "controller mission.xml -o one --form modular": ("one/controller.json", "controller-rules"),
     "controller courier/mission.xml -o one --form modular": ("one/controller.json", "controller-rules"),
     "monitor mission.xml -o one": ("one/monitors.json", "monitors"),

@@ -42,14 +42,14 @@ def _once() -> Callable[[str], None]:
 @click.option("-o", "--output", type=FILE, required=True, help="Directory to write the controller to.")
 @click.option(
     "--form",
-    type=click.Choice(["auto", "hierarchical", "modular", "flat"]),
+    type=click.Choice(["auto", "hierarchical", "minimised", "modular", "flat"]),
     default="auto",
     show_default=True,
-    help="A machine for each type of section, rules for each, or one machine; auto: the first that fits.",
+    help="A machine for each type of section, the same without states that no run of events tells apart, "
+    "rules for each, or one machine; auto: hierarchical where it fits, else modular.",
 )
 @click.option("--hierarchical", "form", flag_value="hierarchical", help="The same as --form hierarchical.")
 @click.option("--flat", "form", flag_value="flat", help="The same as --form flat.")
-@click.option("--minimise", "smallest", is_flag=True, help="Merge states that no run of events tells apart.")
 @click.option("--unverified", is_flag=True, help="Do not verify the mission first; the files say so.")
 @question(workers=True)
 def controller(
@@ -57,16 +57,13 @@ def controller(
     mission: Path,
     target: str,
     output: Path,
-    form: Literal["auto", "hierarchical", "modular", "flat"],
-    smallest: bool,
+    form: Literal["auto", "hierarchical", "minimised", "modular", "flat"],
     unverified: bool,
 ) -> None:
     """Generate the controller of MISSION: state machines, or rules, that do what was verified.
 
     A mission that mcpn check says no to is reported, and nothing is written: exit code 1.
     """
-    if smallest and form == "modular":
-        raise click.UsageError("--minimise merges states of machines: a modular controller has none")
     from mcpn.controller.document import document
     from mcpn.controller.generate import refuse_or_tell
     from mcpn.controller.hierarchy import TableController
@@ -76,19 +73,19 @@ def controller(
     from mcpn.files import write_folder
 
     study = question.study(mission)
-    if form == "auto" and (smallest or target not in OF_RULES):
-        form = "hierarchical"
+    tables = form == "auto" and target not in OF_RULES
+    made = "hierarchical" if form == "minimised" or tables else form
     told = _once()
     with question.work():
         if not unverified and not study.is_net:
-            if form == "hierarchical":
+            if made == "hierarchical":
                 composite = study.mission_spaces("a controller").composite
                 with suppress(SemanticsError):  # which verification reports with more
                     refuse_or_tell(representatives(composite()), question.max_states, told)
             require_verified(study, question, REFUSED)
-        found = study.controller(form, max_states=question.max_states, told=told)
+        found = study.controller(made, max_states=question.max_states, told=told)
     size = found.size
-    if smallest and isinstance(found, TableController):
+    if form == "minimised" and isinstance(found, TableController):
         found = minimise(found)
         size = f"{size}; minimised: {found.states} states, {found.moves} edges"
     texts = files(document(found, study.mission_net, verified=not unverified), target)
