@@ -208,7 +208,11 @@ class _Reader:
             return
         attributes, _ = ELEMENTS[tag]
         for key in element.attrib if attributes is not None else ():
-            if str(key) not in attributes:  # type: ignore[operator]
+            if str(key) in attributes:  # type: ignore[operator]
+                continue
+            if str(key).startswith("_"):
+                self.warnings.append(Problem(source, f"<{tag}>: attribute {key!s} means nothing"))
+            else:
                 expected = ", ".join(attributes) if attributes else "none"
                 self.wrong(source, f"<{tag}> has no attribute {str(key)!r}, expected {expected}")
 
@@ -373,7 +377,11 @@ class _Reader:
         if explicit:
             id_ = id_ if category == "SubTree" else spelled(id_)
         self.text(element, source)
-        children = [self.node(child, path, depth + 1) for child in element.iterchildren(etree.Element)]
+        inside = list(element.iterchildren(etree.Element))
+        if category == "SubTree":  # version 3 writes ports as elements, too
+            attributes |= {str(c.get("internal")): f"{{{c.get('external')}}}" for c in inside if _is_remap(c)}
+            inside = [child for child in inside if not _is_remap(child)]
+        children = [self.node(child, path, depth + 1) for child in inside]
         if any(child is None for child in children):
             return None
         if category == "SubTree" and children:
@@ -385,11 +393,20 @@ class _Reader:
             hint = f", {meant} does" if meant else ""
             self.warnings.append(Problem(source, f"{id_}: attribute {rule} means nothing{hint}"))
         ports = {key: value for key, value in attributes.items() if not key.startswith("_")}
-        inside = tuple(child for child in children if child is not None)
-        return TreeNode(id_, category, name, ports, rules, inside, source)
+        found = tuple(child for child in children if child is not None)
+        return TreeNode(id_, category, name, ports, rules, found, source)
 
     def wrong(self, source: Source, message: str) -> None:
         self.problems.append(Problem(source, message))
+
+
+def _is_remap(element: etree._Element) -> bool:
+    """Whether an element inside of a use of a tree names one port: internal, external."""
+    return (
+        _tag(element) == "remap"
+        and {*map(str, element.attrib)} == {"internal", "external"}
+        and not len(element)
+    )
 
 
 def _tag(element: etree._Element) -> str:

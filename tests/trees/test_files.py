@@ -360,3 +360,18 @@ def test_names_in_other_letters(tmp_path: Path) -> None:
         ("Grosse_prufen", "Größe prüfen"),
         ("node", "拿"),
     ]
+
+
+def test_what_editors_and_version_3_write(tmp_path: Path) -> None:
+    """Attributes of editors stand anywhere; version 3 writes the ports of a tree as elements."""
+    path = tmp_path / "tree.xml"
+    path.write_text(
+        '<root main_tree_to_execute="A"><BehaviorTree ID="A" _description="x" _favorite="true">\n'
+        '<SubTree ID="B"><remap internal="to" external="goal"/></SubTree></BehaviorTree>\n'
+        '<BehaviorTree ID="B"><a to="{to}"/></BehaviorTree>\n'
+        '<TreeNodesModel><SubTree ID="B"><MetadataFields><Metadata runnable="true"/></MetadataFields>'
+        '<input_port name="to" default="x">Where to</input_port></SubTree></TreeNodesModel></root>'
+    )
+    forest = read_forest(path)
+    assert forest.main.root.ports == {"to": "{goal}"}
+    assert [each.message for each in forest.warnings] == ["<BehaviorTree>: attribute _favorite means nothing"]
