@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.causes.find import Causes, find_causes
 from mcpn.answers.causes.fmeca import Row, fmeca
+from mcpn.answers.claims import Claim, claims_of, claims_of_losses
 from mcpn.answers.spaces import MissionSpaces, MissionSubject, spaces_of
 from mcpn.answers.verdicts.mission import MissionCheck, check
 from mcpn.controller.document import document
@@ -72,6 +73,7 @@ class Findings:
         risk: Numbers of risk, where the mission's files give rates.
         local: Local graphs, one for each type of section.
         unlisted: Why some local graphs are missing.
+        claims: All that is said of the mission, each with what shows it.
     """
 
     check: MissionCheck
@@ -85,6 +87,7 @@ class Findings:
     risk: Risk | None = None
     local: Sequence[LocalGraph] = ()
     unlisted: Sequence[str] = ()
+    claims: Sequence[Claim] = ()
 
     @cached_property
     def tables(self) -> Tables | None:
@@ -134,7 +137,10 @@ def findings(
     warnings = list(map(str, checked.warnings))
     if not (checked.verdicts["safe"].holds and checked.verdicts["confluent"].holds):
         notes.append("No causes and no controller: the reaction to an event is not always the same.")
-        return Findings(checked, notes=notes, warnings=warnings, engine=chosen, seconds=seconds)
+        claims = claims_of(checked)
+        return Findings(
+            checked, notes=notes, warnings=warnings, engine=chosen, seconds=seconds, claims=claims
+        )
     causes, rows = tried("causes", lambda: _causes(checked, max_states)) or (None, None)
     if causes is not None and rows is None:
         notes.append(f"No FMECA table of more than {MOST_ROWS} objectives: mcpn causes --fmeca writes it.")
@@ -146,8 +152,11 @@ def findings(
         risk = tried("numbers of risk", lambda: _risk(causes.prospects))
         if risk is not None and (means := at_their_means(mission_net.mission)):
             notes.append(f"Numbers of risk are {means}; mcpn causes --rates tells bounds.")
+    with timed("claims"):
+        claims = claims_of(checked)
+        claims += [] if causes is None else claims_of_losses(causes.prospects, rows or ())
     return Findings(
-        checked, causes, rows, controller, notes, warnings, chosen, seconds, risk, local, unlisted
+        checked, causes, rows, controller, notes, warnings, chosen, seconds, risk, local, unlisted, claims
     )
 
 

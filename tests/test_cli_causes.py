@@ -80,7 +80,10 @@ def test_unknown_objectives_are_told_with_the_known_ones() -> None:
 def test_a_person_reads_conditions(tmp_path: Path) -> None:
     run = mcpn("causes", ULYSSE)
     assert run.returncode == 0, run.stderr
-    told = "transect.advancing, transect.going_up fail if thruster_actuator, or if GPS_sensor and IMU_sensor"
+    told = (
+        "transect.advancing, transect.going_up can no longer succeed after the loss of thruster_actuator, "
+        "or of GPS_sensor and IMU_sensor"
+    )
     assert told in run.stdout
     assert (
         "transect.filming, transect.measuring_temperature can succeed whatever hardware fails" in run.stdout
@@ -92,7 +95,7 @@ def test_a_run_after_which_the_mission_need_not_end_says_so() -> None:
     run = mcpn("causes", ROOT / "experiments" / "glider" / "mission.xml")
     assert run.returncode == 0, run.stderr
     radio = run.stdout.partition("no success by satellite_radio:")[2].partition("no safe end")[0]
-    assert "from here on only a repair helps; the mission need not end" in radio
+    assert "from here on no run without a repair helps; the mission need not end" in radio
     pump = run.stdout.partition("no success by buoyancy_pump:")[2].partition("no success")[0]
     assert "the mission ends in abort" in pump
     assert "need not end" not in pump
@@ -181,7 +184,7 @@ def test_a_chain_too_large_has_no_numbers_and_the_rest_is_answered(tmp_path: Pat
     run = mcpn("causes", path, *limit)
     assert run.returncode == 2
     assert why in run.stderr
-    assert "m fails if H" in run.stdout
+    assert "m can no longer succeed after the loss of H" in run.stdout
     run = mcpn("causes", path, *limit, "--json")
     assert run.returncode == 2
     found = json.loads(run.stdout)

@@ -28,7 +28,7 @@ ASKED = {
     "no_single_loss_endangers": "No single loss of hardware, at whatever moment, leaves no safe end.",
     "no_late_loss_endangers": "No loss noticed late lets an objective go on in vain, or leaves no safe end.",
     "no_abort_by_failure": "No abort is called safe though what should make the robot safe has failed.",
-    "succeeds_if_nothing_fails": "While nothing fails, the mission succeeds.",
+    "succeeds_if_nothing_fails": "While nothing fails, the mission succeeds, or goes on where that is meant.",
 }
 """By name what is asked, as a sentence that is to be true."""
 

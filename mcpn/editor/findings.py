@@ -19,6 +19,7 @@ def findings(file: Path) -> dict[str, Any]:
     """Modes and cut sets by objective, what each hardware resource can make fail, and problems."""
     from mcpn.mission.expansion.copies import grouped
     from mcpn.report.words import modes_in_words
+    from mcpn.sentences import enumeration
     from mcpn.study import open_study
 
     study = open_study(file)
@@ -32,10 +33,13 @@ def findings(file: Path) -> dict[str, Any]:
         causes = study.causes()
         for goal in (causes.mission, *causes.objectives.values()):
             for cut in goal.cut_sets:
-                names.setdefault(goal.name, []).append(f"Fails if lost: {', '.join(cut)}.")
+                names.setdefault(goal.name, []).append(
+                    f"Can no longer succeed after the loss of {enumeration(cut)}."
+                )
                 for hardware in cut:
                     alone = "alone" if len(cut) == 1 else f"with {', '.join(h for h in cut if h != hardware)}"
-                    names.setdefault(hardware, []).append(f"Its loss, {alone}, makes {goal.name} fail.")
+                    lost = f"After its loss, {alone}, {goal.name} can no longer succeed."
+                    names.setdefault(hardware, []).append(lost)
     problems = [
         {"file": at and at.file, "line": at and at.line, "message": problem.message}
         for problem in (*checked.unselectable, *checked.futile)

@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 
 SENTENCES: Mapping[str, tuple[str, str, str]] = {
     "nominal_success": (
-        "While nothing fails, the mission succeeds.",
-        "Even while nothing fails, the mission goes wrong.",
+        "While nothing fails, the mission succeeds, or goes on where that is meant.",
+        "While nothing fails, the mission does not do what its blocks say.",
         "Whether the mission succeeds while nothing fails is not known.",
     ),
     "success_reachable": (
@@ -50,7 +50,7 @@ SENTENCES: Mapping[str, tuple[str, str, str]] = {
         "Whether the mission can fail is not known.",
     ),
     "abort_reachable": (
-        "The mission can be aborted: it ends in a safe way, not accomplished.",
+        "The mission can be aborted: not accomplished, and safe as far as its text says.",
         "The mission is never aborted.",
         "Whether the mission can be aborted is not known.",
     ),
@@ -70,12 +70,12 @@ SENTENCES: Mapping[str, tuple[str, str, str]] = {
         "Whether the mission can always end is not known.",
     ),
     "events_handled": (
-        "Every event that must be handled is handled, whatever runs.",
+        "Every event that must be handled is handled, or changes nothing while its answer runs.",
         "An event that must be handled is ignored.",
         "Whether every event that must be handled is handled is not known.",
     ),
     "deadlock_free": (
-        "The robot never gets stuck before the mission ends.",
+        "In every state before the mission ends some event is possible.",
         "The robot can get stuck: no event is possible, and the mission has not ended.",
         "Whether the robot can get stuck is not known.",
     ),
@@ -217,6 +217,8 @@ def _print_requirements(terminal: Terminal, check: MissionCheck) -> None:
         if not (answer.required or answer.met):
             mark, colour = _INFORMATIVE, "yellow"
         asked = answer.asked
+        if answer.met and any(each.event in asked.events for each in check.ignored):
+            mark, colour = "!", "yellow"
         terminal.print(f"{mark:4} {asked.words} ({asked.name})", style=colour, indent=2, hang=5)
         for sentence in unhandled_in_words(asked, check.changing_nothing):
             terminal.print(sentence, indent=7)

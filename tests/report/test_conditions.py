@@ -21,7 +21,10 @@ from tests.logic.asked import ENGINES
 
 
 def test_sentences() -> None:
-    assert condition("x", [("A",), ("B", "C", "D")]) == "x fails if A, or if B, C and D"
+    assert (
+        condition("x", [("A",), ("B", "C", "D")])
+        == "x can no longer succeed after the loss of A, or of B, C and D"
+    )
     assert condition("x", [()]) == "x can never succeed"
 
 
@@ -57,8 +60,8 @@ def causes(survey: Path, request: pytest.FixtureRequest) -> Causes:
 
 def test_both_levels_stand_in_the_headlines(causes: Causes) -> None:
     assert list(headlines(causes)) == [
-        "survey cannot succeed if motor, or if sonar",
-        "survey cannot end safely, in success or abort, if motor",
+        "survey can no longer succeed after the loss of motor, or of sonar",
+        "survey cannot end safely, in success or abort, after the loss of motor",
     ]
     moments = {found.section: list(survived(found)) for found in causes.survival}
     unsafe = (
@@ -107,8 +110,8 @@ def test_what_each_failure_costs(causes: Causes) -> None:
 def test_the_page_does_not_count_an_abort_as_success(survey: Path) -> None:
     html = page(findings(compose(read_mission(survey))))
     for told in (
-        "It can no longer succeed once this hardware is lost and not repaired: motor; sonar.",
-        "It can neither succeed nor be aborted once this hardware is lost and not repaired: motor.",
+        "Lost before it starts and not repaired, this leaves no way to success: motor; sonar.",
+        "Lost before it starts and not repaired, this leaves no way to succeed or be aborted: motor.",
         "It can still succeed after the loss of any one of these alone: rudder.",
         "After the loss of any one of these alone it can only be aborted: sonar.",
         "probability of abort",

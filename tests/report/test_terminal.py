@@ -94,7 +94,8 @@ def test_modes_that_read_the_same_are_said_once(tmp_path: Path) -> None:
 
 def test_the_same_is_not_said_for_each_event() -> None:
     told = mcpn("causes", ULYSSE).stdout
-    assert told.count("at any moment") == 2  # what is survived, and what is critical
+    assert told.count("from its start and from each section on") == 1  # what is survived
+    assert told.count("at any moment") == 1  # what is critical
     assert told.count("GPS_sensor and IMU_sensor") <= 6
 
 
@@ -205,6 +206,7 @@ def test_a_report_tells_what_it_prepares(caplog: pytest.LogCaptureFixture) -> No
         "the FMECA table",
         "controller",
         "local graphs",
+        "claims",
     ]
     listed = [(each.number, each.total) for each in steps if each.doing is Doing.LISTING_SECTION]
     assert listed == [(1, 2), (2, 2)]

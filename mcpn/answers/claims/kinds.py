@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-JSON = "JSON"
+PAGE, JSON = "page", "JSON"
 
 
 class ClaimKind(NamedTuple):
@@ -75,6 +75,15 @@ KINDS: Mapping[str, ClaimKind] = {
             "all states; where it fails, a run",
         ),
         ClaimKind(
+            "can_always_end_safely",
+            "AG EF (success | abort)",
+            "whatever has happened, the mission can still end safely, in success or abort",
+            "the mission can reach a state from which it cannot end safely, in success or abort",
+            "whether the mission can always end safely is not known",
+            "all states; where it fails, a run",
+            why=_SAFE_ENDS,
+        ),
+        ClaimKind(
             "can_always_go_on",
             "AG (deadlock -> {ends})",
             "in every state before the mission ends some event is possible",
@@ -89,6 +98,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "the mission ends in success only if {0} has succeeded",
             "whether the mission may end in success without {0} is not known",
             "a run",
+            shown=(PAGE, JSON),
         ),
         ClaimKind(
             "loss_defeats",
@@ -97,6 +107,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "after the loss of {0} alone, whenever it comes, success stays possible",
             "whether the loss of {0} alone leaves a way to success is not known",
             "all states in which no hardware is lost, and the loss in each",
+            shown=(PAGE, JSON),
         ),
         ClaimKind(
             "loss_endangers",
@@ -106,6 +117,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "whether the loss of {0} alone leaves a safe end is not known",
             "all states in which no hardware is lost, and the loss in each",
             why=_SAFE_ENDS,
+            shown=(PAGE, JSON),
         ),
         ClaimKind(
             "handled_always",
@@ -138,6 +150,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "{0} never interrupts {1}, to which {2} leads",
             "whether {0} interrupts {1} is not known",
             "a run",
+            shown=(PAGE, JSON),
         ),
         ClaimKind(
             "ends_at_once",
@@ -146,6 +159,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "{0} never ends the mission in {1} at once",
             "whether {0} ends the mission in {1} at once is not known",
             "a run",
+            shown=(PAGE, JSON),
         ),
         ClaimKind(
             "alternate_for_ever",
@@ -154,6 +168,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "declared events alone never go on for ever",
             "whether declared events alone may go on for ever is not known",
             "a run that repeats",
+            shown=(PAGE, JSON),
         ),
         ClaimKind(
             "requirement",
@@ -172,6 +187,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "whether requirement {0} is met is not known",
             "all runs, and a state",
             why="fair requirements, and those within a protocol, are asked with its names and of fair runs",
+            shown=(PAGE, JSON),
         ),
         ClaimKind(
             "failure_loses_mission",

@@ -30,6 +30,7 @@ VERDICTS = {
     "can_fail": "failure_reachable",
     "can_be_aborted": "abort_reachable",
     "can_always_end": "can_always_finish",
+    "can_always_end_safely": "can_always_end_safely",
     "can_always_go_on": "deadlock_free",
     "nominal_success": "nominal_success",
 }
@@ -73,6 +74,8 @@ def _of_verdicts(check: MissionCheck) -> Iterator[Claim]:
         if (verdict := check.verdicts.get(name)) is not None:
             reason = verdict.explanation if verdict.holds is None else ""
             formula = KINDS[kind].formula.format(ends=ends)
+            if kind == "can_always_end_safely" and check.verdicts["abort_by_failure"].holds:
+                formula = ""
             moment: Literal["every", "some"] = "every" if kind.startswith("can_always") else "some"
             yield Claim(kind, (), verdict.holds, Assumes(moment=moment), formula, reason)
 

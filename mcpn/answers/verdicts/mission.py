@@ -17,7 +17,7 @@ from mcpn.answers.spaces import MissionSpaces, MissionSubject, spaces_of
 from mcpn.answers.verdicts.modes import Mode, functioning_modes
 from mcpn.answers.verdicts.never import Ignored, Never, changing_nothing, never_happens
 from mcpn.answers.verdicts.nominal import NominalRuns
-from mcpn.answers.verdicts.unsafe_abort import abort_by_failure
+from mcpn.answers.verdicts.unsafe_abort import abort_by_failure, without_safe_end
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, Problem, SemanticsError, UnsafeError
 from mcpn.mission.flatten import ObjectivesGraph
@@ -468,7 +468,7 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
         "failure_reachable": failure,
     }
     if mission_net.abort is not None:
-        goals[ENDS_SAFELY] = space.everything - space.reaching(success | abort)
+        goals[ENDS_SAFELY] = without_safe_end(mission_net, space)
         goals[ABORT_REACHABLE] = abort
         yield _unsafe_abort(mission_net, space, settles=settles)
     for name, goal in goals.items():

@@ -6,7 +6,9 @@ Such an abort is no safe end. So neither the verdict nor the cut sets of safe en
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import reduce
 from itertools import product
+from operator import or_
 from typing import Generic, NamedTuple
 
 from mcpn.answers.verdicts.nominal import nominal_transitions
@@ -79,6 +81,22 @@ def aborts(mission_net: MissionNet, space: Space[S]) -> Aborts[S]:
         badly[t] = badly[t] | states if t in badly else states
     left = ((t, states - badly[t] if t in badly else states) for t, states in into.items())
     return Aborts(unsafe, badly, {t: states for t, states in left if states})
+
+
+def without_safe_end(mission_net: MissionNet, space: Space[S]) -> S:
+    """States from which no run succeeds, or aborts by anything but the failure of what should make safe.
+
+    Args:
+        mission_net: The mission's net.
+        space: Its alternatives graph, or its markings graph.
+    """
+    assert mission_net.abort is not None, "it can abort"
+    abort, success = (space.marked([end]) for end in (mission_net.abort, mission_net.success))
+    found = aborts(mission_net, space)
+    if not found.unsafe:
+        return space.everything - space.reaching(success | abort)
+    running = space.everything - abort
+    return running - space.reaching(reduce(or_, found.well.values(), success), running)
 
 
 def _failures(section: ElementarySection) -> Iterator[Event]:

@@ -133,8 +133,9 @@ CHECK = Document(
                     ),
                     "can_always_end_safely?": Nullable(
                         Boolean(
-                            "Whatever has happened, some run still ends the mission in success or abort; of "
-                            "missions that can abort."
+                            "Whatever has happened, some run still ends the mission in success, or in an abort "
+                            "that no failure of what should make the robot safe leads to; of missions that "
+                            "can abort."
                         )
                     ),
                     "abort_by_failure?": Nullable(
@@ -281,7 +282,7 @@ GOAL = Shared(
         "Why one goal fails.",
         {
             "cut_sets": CUT_SETS.meant("Of the mission at its start, of an objective at its entry."),
-            "critical_events": texts("Events after which only a repair helps, or nothing."),
+            "critical_events": texts("Events after which, in some states, only a repair helps, or nothing."),
             "condition": String("The cut sets as a sentence."),
             "moments": MapOf("Cut sets by moment: start, entry, whenever, sometime.", CUT_SETS),
             "critical": ObjectOf(

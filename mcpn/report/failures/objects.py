@@ -11,7 +11,7 @@ from mcpn.answers.causes.find import Causes, GoalCauses, Survival
 from mcpn.answers.causes.prospects import CriticalEvent
 from mcpn.answers.claims import claims_of_losses
 from mcpn.nets.events import Event
-from mcpn.report.failures.terminal import accomplished, condition, safe
+from mcpn.report.failures.terminal import condition, safe
 from mcpn.spaces.run import Run
 
 if TYPE_CHECKING:
@@ -33,9 +33,8 @@ def causes_object(causes: Causes, *, runs: bool = True, rows: Sequence[Row] = ()
         names), ``critical_events`` (names of events that cross into the losing region without repairs) and
         the details of both; ``claims`` on losses; ``survival``, from the start first, then from each section.
     """
-    sentence = condition if causes.safety is None else accomplished
     return {
-        "mission": _goal(causes.mission, runs, sentence),
+        "mission": _goal(causes.mission, runs),
         **({} if causes.safety is None else {"safety": _goal(causes.safety, runs, safe)}),
         **({"unsafe_aborts": list(causes.unsafe_aborts)} if causes.unsafe_aborts else {}),
         "objectives": {name: _goal(goal, runs) for name, goal in causes.objectives.items()},

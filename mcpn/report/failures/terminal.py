@@ -35,7 +35,7 @@ def condition(name: str, cut_sets: Sequence[CutSet]) -> str:
     """When something fails, by its minimal cut sets.
 
     >>> condition("going_up", [("thruster_actuator",), ("GPS_sensor", "IMU_sensor")])
-    'going_up fails if thruster_actuator, or if GPS_sensor and IMU_sensor'
+    'going_up can no longer succeed after the loss of thruster_actuator, or of GPS_sensor and IMU_sensor'
     >>> condition("filming", [])
     'filming can succeed whatever hardware fails'
     """
@@ -43,32 +43,21 @@ def condition(name: str, cut_sets: Sequence[CutSet]) -> str:
         return f"{name} can succeed whatever hardware fails"
     if () in cut_sets:
         return f"{name} can never succeed"
-    return f"{name} fails if " + ", or if ".join(map(enumeration, cut_sets))
-
-
-def accomplished(name: str, cut_sets: Sequence[CutSet]) -> str:
-    """When a mission that can abort cannot succeed, by its minimal cut sets.
-
-    >>> accomplished("survey", [("motor",), ("camera", "sonar")])
-    'survey cannot succeed if motor, or if camera and sonar'
-    """
-    if () in cut_sets or not cut_sets:
-        return condition(name, cut_sets)
-    return f"{name} cannot succeed if " + ", or if ".join(map(enumeration, cut_sets))
+    return f"{name} can no longer succeed after the loss of {', or of '.join(map(enumeration, cut_sets))}"
 
 
 def safe(name: str, cut_sets: Sequence[CutSet]) -> str:
     """When a mission can end neither in success nor in abort, by its minimal cut sets.
 
     >>> safe("survey", [("motor",)])
-    'survey cannot end safely, in success or abort, if motor'
+    'survey cannot end safely, in success or abort, after the loss of motor'
     """
     if not cut_sets:
         return f"{name} can end safely, in success or abort, whatever hardware fails"
     if () in cut_sets:
         return f"{name} can never end safely, in success or abort"
-    lost = ", or if ".join(map(enumeration, cut_sets))
-    return f"{name} cannot end safely, in success or abort, if {lost}"
+    lost = ", or of ".join(map(enumeration, cut_sets))
+    return f"{name} cannot end safely, in success or abort, after the loss of {lost}"
 
 
 def by_word_alone(causes: Causes) -> str:
@@ -80,10 +69,8 @@ def by_word_alone(causes: Causes) -> str:
 def headlines(causes: Causes) -> Iterator[str]:
     """What keeps the mission from success and, where it can abort, from a safe end."""
     mission, safety = causes.mission, causes.safety
-    if safety is None:
-        yield condition(mission.name, mission.cut_sets)
-    else:
-        yield accomplished(mission.name, mission.cut_sets)
+    yield condition(mission.name, mission.cut_sets)
+    if safety is not None:
         yield safe(safety.name, safety.cut_sets)
         if causes.unsafe_aborts:
             yield f"{by_word_alone(causes)} is no safe end"
@@ -166,7 +153,7 @@ def without_a_rate(numbers: Risk) -> str:
 
 # --- Failure causes on a terminal -------------------------------------------------------------------------
 
-AFTER = "critical events: after them nothing but repair can help"
+LEADS = "critical events for {0}: after them, in some states, no run without a repair leads to {0}"
 
 
 def print_causes(causes: Causes) -> None:
@@ -181,10 +168,7 @@ def print_causes(causes: Causes) -> None:
     for name, goal in causes.objectives.items():
         shared.setdefault(tuple(goal.cut_sets), []).append(name)
     for cut_sets, names in shared.items():
-        told = condition(", ".join(folded(mission_net, names)), cut_sets)
-        if len(names) > 1:
-            told = told.replace(" fails if ", " fail if ")
-        terminal.print(told, indent=2)
+        terminal.print(condition(", ".join(folded(mission_net, names)), cut_sets), indent=2)
     terminal.print()
     _print_survival(terminal, causes)
     safety = causes.safety
@@ -197,12 +181,9 @@ def print_causes(causes: Causes) -> None:
     _print_run(terminal, mission_net, "success in spite of the most failures", start.run)
     if start.safety is not None and start.safety.run != start.run:
         _print_run(terminal, mission_net, "a safe end in spite of the most failures", start.safety.run)
+    _print_critical(terminal, causes, causes.mission, LEADS.format("success"))
     if safety is not None:
-        leads = "critical events for {0}: after them nothing but repair can lead to {0}"
-        _print_critical(terminal, causes, causes.mission, leads.format("success"))
-        _print_critical(terminal, causes, safety, leads.format("a safe end"))
-    else:
-        _print_critical(terminal, causes, causes.mission, AFTER)
+        _print_critical(terminal, causes, safety, LEADS.format("a safe end"))
     for goal in (causes.mission, *causes.objectives.values()):
         if goal.nonmonotone is not None:
             fewer = enumeration(goal.nonmonotone.lost or ("nothing",))
@@ -219,7 +200,7 @@ def _print_survival(terminal: Terminal, causes: Causes) -> None:
     terminal.print("what the mission survives", style="bold")
     for told, sections in shared.items():
         if len(shared) == 1:
-            moments = "at any moment"
+            moments = "from its start and from each section on"
         else:
             named = ", ".join(_sections(causes.mission_net, [name for name in sections if name]))
             moments = " and ".join(
@@ -249,7 +230,9 @@ def _print_run(terminal: Terminal, mission_net: MissionNet, what: str, run: Run 
     steps = list(in_words(mission_net, run))
     print_steps(terminal, steps, indent=2)
     if not any("the mission ends in" in words for _, words in steps):
-        terminal.print("from here on only a repair helps; the mission need not end", indent=2, style="dim")
+        terminal.print(
+            "from here on no run without a repair helps; the mission need not end", indent=2, style="dim"
+        )
 
 
 def _print_critical(terminal: Terminal, causes: Causes, goal: GoalCauses, heading: str) -> None:
@@ -257,6 +240,7 @@ def _print_critical(terminal: Terminal, causes: Causes, goal: GoalCauses, headin
 
     Ends of objectives need no moments: they come while the objective runs. Those of one kind stand together.
     """
+    for_good = {critical.event for critical in goal.critical_with_repairs}
     during: dict[Event, dict[str, None]] = {}
     for critical in goal.critical or ():
         during.setdefault(critical.event, {}).update(dict.fromkeys(critical.objectives or ("",)))
@@ -273,7 +257,8 @@ def _print_critical(terminal: Terminal, causes: Causes, goal: GoalCauses, headin
             shared.setdefault(frozenset(objectives), []).append(event)
     for moments, events in shared.items():
         for event in events:
-            terminal.print(f"{what_happens(event, causes.mission.name)}  [{event}]", indent=2)
+            never = ", and in some no repair helps" * (event in for_good)
+            terminal.print(f"{what_happens(event, causes.mission.name)}{never}  [{event}]", indent=2)
         terminal.print(_moments_in_words(causes, moments), indent=6)
     for events in ends.values():
         first = what_happens(events[0], causes.mission.name)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from mcpn.answers.safety import single_losses as alone
 from mcpn.report.words import folded
 from mcpn.sentences import enumeration
 
@@ -51,12 +50,15 @@ class SingleLosses:
     Args:
         defeats: What is lost before the start leaves no success.
         later: What does so only where it is lost at the worst moment.
-        endangers: What leaves no safe end, at whatever moment it is lost.
+        endangers: What leaves no safe end where it is lost at the worst moment.
+        helped: What leaves success, or a safe end, only with the help of a declared event or a timeout, each
+            with what helps.
     """
 
     defeats: Sequence[str] = ()
     later: Sequence[str] = ()
     endangers: Sequence[str] = ()
+    helped: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
 
 def single_losses(findings: Findings) -> SingleLosses:
@@ -65,20 +67,32 @@ def single_losses(findings: Findings) -> SingleLosses:
     if causes is None:
         return SingleLosses()
     defeats = [lost[0] for lost in causes.mission.cut_sets if len(lost) == 1]
-    later = [name for name in alone(causes.mission) if name not in defeats]
-    return SingleLosses(defeats, later, [] if causes.safety is None else alone(causes.safety))
+
+    def alone(kind: str) -> list[str]:
+        of_kind = (claim for claim in findings.claims if claim.kind == kind and claim.holds)
+        return [claim.subject[0] for claim in of_kind if claim.assumes.help == "declared"]
+
+    later = [name for name in alone("loss_defeats") if name not in defeats]
+    helped = {claim.subject[0]: claim.refers_to for claim in findings.claims if claim.refers_to}
+    return SingleLosses(defeats, later, alone("loss_endangers"), helped)
 
 
 def _single_losses(findings: Findings) -> Iterator[Tick]:
     lost = single_losses(findings)
     if endangers := lost.endangers:
-        why = f"{_each(endangers)} alone leaves no success and no safe abort."
+        why = f"{_each(endangers)} alone, at its worst moment, leaves no success and no safe abort."
         yield Tick(f"Test {_named(endangers)}: single points of failure.", why)
     if only := [name for name in lost.defeats if name not in endangers]:
         yield Tick(f"Test {_named(only)}.", f"{_each(only)} alone leaves no way to success.")
     if only := [name for name in lost.later if name not in endangers]:
         why = f"{_each(only)} alone leaves no way to success where it comes at the worst moment."
         yield Tick(f"Test {_named(only)}.", why)
+    by_help: dict[tuple[str, ...], list[str]] = {}
+    for name, helpers in lost.helped.items():
+        by_help.setdefault(tuple(helpers), []).append(name)
+    for helpers, names in by_help.items():
+        why = f"Only they help after {_each(names)[:1].lower()}{_each(names)[1:]} at the worst moment."
+        yield Tick(f"Test {_named(names)} with {_named(helpers)}.", why)
 
 
 def _aborts(findings: Findings) -> Iterator[Tick]:
@@ -130,9 +144,7 @@ def _open(findings: Findings) -> Iterator[Tick]:
         elif answer.says_nothing_of:
             yield Tick(f"Read '{answer.asked.words}' again.", answer.says_nothing_of)
     if idle := list(dict.fromkeys(problem.message for problem in check.unselectable)):
-        yield Tick(
-            f"Accept what never runs: {'; '.join(idle[:3])}.", "It is declared, and no run reaches it."
-        )
+        yield Tick(f"Accept what never runs: {'; '.join(idle[:3])}.", "It is declared, and no run does it.")
     for note in findings.notes:
         yield Tick("Find out what this page does not know.", note)
     if count := len(findings.warnings):

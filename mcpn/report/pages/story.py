@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.causes.cutsets import CutSet, Moment
+from mcpn.answers.claims.claim import Claim, told
 from mcpn.answers.verdicts.mission import NOMINAL
 from mcpn.nets.events import Event
 from mcpn.report.failures.terminal import without_a_rate
@@ -26,6 +27,7 @@ from mcpn.sentences import enumeration
 
 if TYPE_CHECKING:
     from mcpn.answers.causes.find import Causes, GoalCauses
+    from mcpn.answers.requirements import RequirementAnswer
     from mcpn.answers.verdicts.mission import MissionCheck
     from mcpn.findings import Findings
     from mcpn.spaces.run import Run
@@ -77,18 +79,24 @@ def _conditions(findings: Findings) -> Iterator[str]:
         defeats, endangers = alone.defeats, alone.endangers
         worst = f"that of {_few(alone.later)} at the worst moment" if alone.later else ""
         also = f", {worst} too" if worst else ""
+        helpers = list(dict.fromkeys(name for helping in alone.helped.values() for name in helping))
+        helped = f"; without the help of {_few(helpers)} that of {_few([*alone.helped])} as well" * bool(
+            helpers
+        )
         if len(defeats) == 1:
-            yield f"the loss of {defeats[0]} alone defeats it{also}"
+            yield f"the loss of {defeats[0]} alone defeats it{also}{helped}"
         elif defeats:
-            yield f"{len(defeats)} losses, each alone, defeat it ({_few(defeats)}){also}"
+            yield f"{len(defeats)} losses, each alone, defeat it ({_few(defeats)}){also}{helped}"
         elif worst:
-            yield f"no loss before the start defeats it alone, {worst} does"
+            yield f"no loss before the start defeats it alone, {worst} does{helped}"
+        elif helped:
+            yield f"no single loss defeats it{helped.replace(' as well', ' does')}"
         else:
             yield "no single loss defeats it"
         if causes.safety is None:
             yield "it has no abort, so nothing says which failures are safe"
         elif endangers:
-            yield f"the loss of {_few(endangers)} alone endangers the robot"
+            yield f"the loss of {_few(endangers)} alone, at its worst moment, endangers the robot"
         else:
             yield "no single loss endangers the robot"
         if unsafe := folded(causes.mission_net, causes.unsafe_aborts):
@@ -126,12 +134,20 @@ def _with_requirements(check: MissionCheck) -> str:
     if not answers:
         return "; the mission states no requirements of its own"
     unmet = sum(not a.required and not a.met for a in answers)
+    empty = sum(bool(a.met and _idle(check, a)) for a in answers)
     met = "; it meets all that it requires" if any(a.required for a in answers) else ""
+    if empty:
+        met += f", {empty} of it only since something never happens"
     return (
         f"{met}; {unmet} advised {'requirement is' if unmet == 1 else 'requirements are'} not met"
         if unmet
         else met
     )
+
+
+def _idle(check: MissionCheck, answer: RequirementAnswer) -> bool:
+    """Whether a requirement speaks of an event that is ignored somewhere."""
+    return any(each.event in answer.asked.events for each in check.ignored)
 
 
 def story(findings: Findings) -> Iterator[StoryLine]:
@@ -143,8 +159,9 @@ def story(findings: Findings) -> Iterator[StoryLine]:
         mission, safety = findings.causes.mission, findings.causes.safety
         yield _safety(findings, safety)
         yield from _by_word(findings.causes)
-        yield _lost(mission, aborts=safety is not None)
+        yield _lost(mission)
         yield from _survived(findings)
+    yield from _claimed(findings.claims)
     yield from _ignored(findings.check)
     yield from _unnoticed(findings.check)
     yield from _required(findings.check)
@@ -160,6 +177,30 @@ def story(findings: Findings) -> Iterator[StoryLine]:
         yield StoryLine("note", "How probable?", f"With the given rates {told}.")
     yield _never(findings.check)
     yield _unproved(findings)
+
+
+CLAIMED = {
+    "succeeds_without": "What may success leave out?",
+    "interrupts_answer": "What interrupts an answer?",
+    "ends_at_once": "What ends it at once?",
+    "alternate_for_ever": "What may go on for ever?",
+    "met_as_ignored": "What is met as it never happens?",
+}
+"""By kind of claim that a page tells where it holds, what it answers."""
+
+
+def _claimed(claims: Sequence[Claim]) -> Iterator[StoryLine]:
+    """The claims that hold and that a reader should know, those that differ in their first name together."""
+    for kind, asked in CLAIMED.items():
+        together: dict[tuple[str, ...], list[Claim]] = {}
+        for claim in claims:
+            if claim.kind == kind and claim.holds:
+                together.setdefault(claim.subject[1:], []).append(claim)
+        if together:
+            said = [told(same) for same in together.values()]
+            more = len(said) - MOST_TOLD
+            said = [*said[:MOST_TOLD], *([f"And {more} more, which check --json lists."] if more > 0 else [])]
+            yield StoryLine("note", asked, " ".join(said))
 
 
 def _near_one(chance: float) -> str:
@@ -214,22 +255,21 @@ def _success(findings: Findings) -> StoryLine:
     return StoryLine(state, "Can it succeed?", said, chips, json.dumps(events) if events else "")
 
 
-def _lost(goal: GoalCauses, *, aborts: bool) -> StoryLine:
+def _lost(goal: GoalCauses) -> StoryLine:
     """What keeps a mission from success."""
     asked, cut_sets, worst = "What defeats it?", goal.cut_sets, at_worst(goal)
     if () in cut_sets:
-        said = f"It {'can never succeed' if aborts else 'fails'} whatever the hardware does."
+        said = "It can never succeed, whatever the hardware does."
         return StoryLine("fails", asked, said)
     also = " too" if cut_sets else ""
     later = f" Lost at the worst moment, this defeats it{also}: {_listed(worst)}." if worst else ""
     if cut_sets:
         lost = _listed(cut_sets)
-        said = f"It can no longer succeed once this hardware is lost and not repaired: {lost}.{later}"
+        said = f"Lost before it starts and not repaired, this leaves no way to success: {lost}.{later}"
         return StoryLine("note", asked, said)
     if later:
         return StoryLine("note", asked, f"Lost before the start, no hardware defeats it.{later}")
-    keeps = "keeps it from success" if aborts else "makes it fail"
-    return StoryLine("holds", asked, f"No loss of hardware alone {keeps}.")
+    return StoryLine("holds", asked, "No loss of hardware alone keeps it from success.")
 
 
 def at_worst(goal: GoalCauses) -> list[CutSet]:
@@ -259,14 +299,18 @@ def _survived(findings: Findings) -> Iterator[StoryLine]:
 
     succeeding, lost = left(causes.mission.cut_sets), single_losses(findings)
     if succeeding:
-        always = [name for name in succeeding if name not in lost.later]
+        always = [name for name in succeeding if name not in (*lost.later, *lost.helped)]
+        helped = [name for name in succeeding if name in lost.helped and name not in lost.later]
         said = (
             f"It can still succeed after the loss of any one of these alone: {', '.join(always)}."
             if always
             else "At the worst moment, no loss."
         )
         if lost.later:
-            said += f" Of these only where they are lost before the start: {', '.join(lost.later)}."
+            said += f" Only where they are lost before the start: {', '.join(lost.later)}."
+        if helped:
+            by = enumeration(list(dict.fromkeys(each for name in helped for each in lost.helped[name])))
+            said += f" Only with the help of {by}: {', '.join(helped)}."
         yield StoryLine("holds" if always else "note", asked, said)
         yield from _left_out(findings, causes, succeeding)
     if causes.safety is None:
@@ -291,7 +335,7 @@ def _left_out(findings: Findings, causes: Causes, hardware: Sequence[str]) -> It
     for objectives, needed in list(without.items())[:MOST_TOLD]:
         more = f" and {len(objectives) - MOST_TOLD} more" if len(objectives) > MOST_TOLD else ""
         told.append(f"without {' or '.join(needed)}: {', '.join(objectives[:MOST_TOLD])}{more}")
-    said = f"The mission then goes on, but some objectives cannot succeed; {'; '.join(told)}."
+    said = f"These objectives cannot succeed then; {'; '.join(told)}."
     yield StoryLine("note", "What is lost then?", said)
 
 
@@ -316,14 +360,14 @@ def _safety(findings: Findings, goal: GoalCauses | None) -> StoryLine:
             f"At the worst moment it can neither succeed nor {end} after the loss of this: {_listed(worst)}."
         )
         if cut_sets:
-            said += f" And at any moment once this is lost and not repaired: {_listed(cut_sets)}."
+            said += f" And lost before it starts and not repaired: {_listed(cut_sets)}."
         return StoryLine("note", asked, said)
     if not cut_sets:
         said = f"Whatever hardware is lost, it can still succeed or be aborted: {ABORTED}."
         if findings.causes and findings.causes.unsafe_aborts:
             return StoryLine("note", asked, "No loss of hardware alone, but failures of what makes it safe.")
         return StoryLine("holds", asked, said)
-    said = f"It can neither succeed nor {end} once this hardware is lost and not repaired:"
+    said = f"Lost before it starts and not repaired, this leaves no way to succeed or {end}:"
     return StoryLine("note", asked, f"{said} {_listed(cut_sets)}.")
 
 
@@ -352,10 +396,15 @@ def _ignored(check: MissionCheck) -> Iterator[StoryLine]:
         said = f"{told}. What is required of these events holds only where they are handled."
         yield StoryLine("note", asked, said)
     elif events and (check.alternatives is not None or check.markings is not None):
-        said = f"No event: {_few(events)} {_is(events)} handled whatever runs"
-        if again := [each.event for each in check.changing_nothing]:
+        again = [each.event for each in check.changing_nothing]
+        always = [name for name in events if name not in again]
+        said = f"No event: {_few(always)} {_is(always)} handled whatever runs" if always else "No event"
+        if again:
             they = "it leads" if len(again) == 1 else "they lead"
-            said += f", but {_few(again)} while what {they} to runs already"
+            nothing = "changes nothing" if len(again) == 1 else "change nothing"
+            said += (
+                f"{', and' if always else ':'} {_few(again)} {nothing} only while what {they} to runs already"
+            )
         yield StoryLine("holds", asked, f"{said}.")
 
 
@@ -405,7 +454,9 @@ def _required(check: MissionCheck) -> Iterator[StoryLine]:
     told += [f"violated: {_quoted(violated)}"] if violated else []
     told += [f"not known: {_quoted(unknown)}"] if unknown else []
     told += [f"not met, and only advised: {_quoted(advice)}"] if advice else []
-    state = "fails" if violated else "unknown" if unknown else "note" if advice else "holds"
+    empty = [a.asked.words for a in answers if a.met and _idle(check, a)]
+    told += [f"met only since something never happens: {_quoted(empty)}"] if empty else []
+    state = "fails" if violated else "unknown" if unknown else "note" if advice or empty else "holds"
     yield StoryLine(state, asked, f"{'; '.join(told)}.")
 
 
@@ -441,8 +492,14 @@ def _unproved(findings: Findings) -> StoryLine:
         return StoryLine("unknown", asked, wrong)
     if findings.notes:
         return StoryLine("note", asked, " ".join(findings.notes))
-    said = "All that this page says about the mission as written is proved. Drivers are not part of it."
-    return StoryLine("holds", asked, said)
+    unknown = sum(claim.holds is None for claim in findings.claims)
+    asked_again = sum(bool(claim.formula) for claim in findings.claims if claim.holds is not None)
+    said = (
+        f"Of the mission as written {len(findings.claims) - unknown} claims are decided from all its states, "
+        f"{asked_again} of them with a formula that mcpn ask answers again; {unknown} are not known. "
+        "Rates are taken as given. Drivers are not part of it."
+    )
+    return StoryLine("holds" if not unknown else "note", asked, said)
 
 
 def runs_of(check: MissionCheck) -> Iterator[dict[str, Any]]:

@@ -136,7 +136,8 @@ def _what_if(rows: Sequence[Row], mission_net: MissionNet) -> Table:
         return _differences(by_objective, mission_net)
     return Table(
         "What happens when hardware fails",
-        "A row is what the robot is doing, a column what fails then, alone; the cell is what follows "
+        "A row is what the robot is doing, a column what fails then, with all other hardware in service "
+        "(what failed before is repaired, objectives may have failed); the cell is what follows "
         f"({UNCHANGED}: nothing changes).",
         heads,
         fold_rows(mission_net, table),
@@ -153,7 +154,8 @@ def _differences(effects: Mapping[str, Mapping[str, str]], mission_net: MissionN
         rows += ((objective, ", ".join(h), e) for e, h in together.items() if e != UNCHANGED)
     return Table(
         "What happens when hardware fails",
-        "While an objective runs one hardware resource fails, alone. What is not listed changes nothing.",
+        "While an objective runs one hardware resource fails, with all other hardware in service. What is "
+        "not listed changes nothing.",
         ("while this runs", "one of these fails", "what follows"),
         merged(fold_rows(mission_net, rows)),
     )
@@ -249,8 +251,9 @@ def _risk(risk: Risk) -> Table:
     said = {end: f"probability of {end}" for end in ("success", "abort", "failure")}
     said["degraded modes"] = "times in a degraded mode, expected"
     rows = [(said.get(name, name), f"{value:.6g}") for name, value in risk_counts(risk)]
-    reading = "From the rates and durations that the mission's files give; importance is what success gains "
-    return Table("Risk", f"{reading}where this resource never fails.", ("what", "value"), rows)
+    reading = "From the rates and durations that the mission's files give; what has none never fails there. "
+    importance = "Importance is what the loss of a resource before the start costs."
+    return Table("Risk", f"{reading}{importance}", ("what", "value"), rows)
 
 
 def _cause_tables(causes: Causes, mission_net: MissionNet) -> Iterator[Table]:
@@ -274,14 +277,16 @@ def _cause_tables(causes: Causes, mission_net: MissionNet) -> Iterator[Table]:
         for found in causes.mission.critical or ()
     ]
     yield Table(
-        "Causes: smallest losses after which it fails",
-        "Each row is enough by itself: once all of it is lost and not repaired, this cannot succeed.",
+        "Causes: smallest losses that leave no way to success",
+        "Each row is enough by itself: lost before the mission starts, of an objective before it begins, and "
+        "not repaired. Declared events may help.",
         ("what fails", "lost", "how many"),
         [*sets, *merged(fold_rows(mission_net, of_objectives), most=MOST_NAMED)],
     )
     yield Table(
-        "Critical events: after them only a repair helps",
-        "The last events of runs that lose the mission: what happens, and what the robot was doing.",
+        "Critical events: after them nothing but a repair may help",
+        "The last events of runs without repairs that lose the mission, in some states: what happens, and "
+        "what the robot was doing.",
         ("event", "while", "mode"),
         merged(fold_rows(mission_net, critical, 1), 1, "; or ", MOST_NAMED),
     )
