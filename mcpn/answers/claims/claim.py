@@ -94,7 +94,8 @@ def told(claims: list[Claim]) -> str:
     """
     first = claims[0]
     words = first.of.sentences[{True: 0, False: 1, None: 2}[first.holds]]
-    names = enumeration(list(dict.fromkeys(claim.subject[0] for claim in claims if claim.subject)))
+    about = list(dict.fromkeys(claim.subject[0] for claim in claims if claim.subject))
+    names = f"any one of {enumeration(about)}" if len(about) > 1 else enumeration(about)
     said = words.format(names, *first.subject[1:])
     help_ = enumeration(first.refers_to) or "declared events and timeouts"
     without = f" without the help of {help_}" if first.assumes.help == "none" else ""

@@ -50,9 +50,8 @@ class SingleLosses:
     Args:
         defeats: What is lost before the start leaves no success.
         later: What does so only where it is lost at the worst moment.
-        endangers: What leaves no safe end where it is lost at the worst moment.
-        helped: What leaves success, or a safe end, only with the help of a declared event or a timeout, each
-            with what helps.
+        endangers: What leaves no safe end where it is lost at the worst moment, and nothing helps.
+        helped: What leaves success only with the help of a declared event or a timeout, each with what helps.
     """
 
     defeats: Sequence[str] = ()
@@ -68,13 +67,12 @@ def single_losses(findings: Findings) -> SingleLosses:
         return SingleLosses()
     defeats = [lost[0] for lost in causes.mission.cut_sets if len(lost) == 1]
 
-    def alone(kind: str) -> list[str]:
-        of_kind = (claim for claim in findings.claims if claim.kind == kind and claim.holds)
-        return [claim.subject[0] for claim in of_kind if claim.assumes.help == "declared"]
-
-    later = [name for name in alone("loss_defeats") if name not in defeats]
-    helped = {claim.subject[0]: claim.refers_to for claim in findings.claims if claim.refers_to}
-    return SingleLosses(defeats, later, alone("loss_endangers"), helped)
+    held = [claim for claim in findings.claims if claim.holds]
+    aided = [c.subject[0] for c in held if c.kind == "loss_defeats" and c.assumes.help == "declared"]
+    later = [name for name in aided if name not in defeats]
+    helped = {c.subject[0]: c.refers_to for c in held if c.kind == "loss_defeats" and c.refers_to}
+    endangers = dict.fromkeys(c.subject[0] for c in held if c.kind == "loss_endangers")
+    return SingleLosses(defeats, later, list(endangers), helped)
 
 
 def _single_losses(findings: Findings) -> Iterator[Tick]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -90,7 +90,8 @@ def _conditions(findings: Findings) -> Iterator[str]:
         elif worst:
             yield f"no loss before the start defeats it alone, {worst} does{helped}"
         elif helped:
-            yield f"no single loss defeats it{helped.replace(' as well', ' does')}"
+            lost = f"the loss of {_few([*alone.helped])} alone defeats it without the help of {_few(helpers)}"
+            yield f"{lost}; with it no single loss does"
         else:
             yield "no single loss defeats it"
         if causes.safety is None:
@@ -159,7 +160,7 @@ def story(findings: Findings) -> Iterator[StoryLine]:
         mission, safety = findings.causes.mission, findings.causes.safety
         yield _safety(findings, safety)
         yield from _by_word(findings.causes)
-        yield _lost(mission)
+        yield _lost(mission, single_losses(findings).helped)
         yield from _survived(findings)
     yield from _claimed(findings.claims)
     yield from _ignored(findings.check)
@@ -190,12 +191,13 @@ CLAIMED = {
 
 
 def _claimed(claims: Sequence[Claim]) -> Iterator[StoryLine]:
-    """The claims that hold and that a reader should know, those that differ in their first name together."""
+    """The claims that hold and that a reader should know; what success may do without is said together."""
     for kind, asked in CLAIMED.items():
         together: dict[tuple[str, ...], list[Claim]] = {}
         for claim in claims:
             if claim.kind == kind and claim.holds:
-                together.setdefault(claim.subject[1:], []).append(claim)
+                apart = claim.subject if kind != "succeeds_without" else ()
+                together.setdefault(apart, []).append(claim)
         if together:
             said = [told(same) for same in together.values()]
             more = len(said) - MOST_TOLD
@@ -255,7 +257,7 @@ def _success(findings: Findings) -> StoryLine:
     return StoryLine(state, "Can it succeed?", said, chips, json.dumps(events) if events else "")
 
 
-def _lost(goal: GoalCauses) -> StoryLine:
+def _lost(goal: GoalCauses, helped: Mapping[str, Sequence[str]]) -> StoryLine:
     """What keeps a mission from success."""
     asked, cut_sets, worst = "What defeats it?", goal.cut_sets, at_worst(goal)
     if () in cut_sets:
@@ -269,6 +271,10 @@ def _lost(goal: GoalCauses) -> StoryLine:
         return StoryLine("note", asked, said)
     if later:
         return StoryLine("note", asked, f"Lost before the start, no hardware defeats it.{later}")
+    if helped:
+        helpers = enumeration(list(dict.fromkeys(name for helping in helped.values() for name in helping)))
+        said = f"At its worst moment, and without the help of {helpers}, the loss of one of these: "
+        return StoryLine("note", asked, f"{said}{', '.join(helped)}. With this help no loss does.")
     return StoryLine("holds", asked, "No loss of hardware alone keeps it from success.")
 
 
