@@ -125,7 +125,7 @@ def spoken(text: str, names: dict[str, Any]) -> None:
             told.append(after[2:])
     out = io.StringIO()
     for module in re.findall(r"^(?:from|import) (distributed|stormpy)\b", text, re.MULTILINE):
-        pytest.importorskip(module)
+        pytest.importorskip(module, reason=f"needs {module}: the extra test-all")
     with contextlib.redirect_stdout(out):
         exec(compile(text, "<example>", "exec"), names)
     assert not told or out.getvalue().splitlines() == told

@@ -193,7 +193,7 @@ def test_a_store_that_is_cancelled_gives_up() -> None:
 
 
 def test_the_stub_says_what_the_kernel_has() -> None:
-    pytest.importorskip("mypy.stubtest")
+    pytest.importorskip("mypy.stubtest", reason="needs mypy: the extra test-all")
     command = [
         sys.executable,
         "-m",
