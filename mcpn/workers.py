@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from concurrent.futures import Executor
+    from concurrent.futures import Executor, Future
 
 # Both kinds are loaded when they are asked for.
 
@@ -68,18 +68,55 @@ def executor_of(jobs: int = 1, scheduler: str | None = None) -> Iterator[Executo
         with cluster(scheduler) as executor:
             yield executor
     elif jobs > 1:
-        from concurrent.futures import ProcessPoolExecutor
-        from multiprocessing import active_children, get_context
+        from multiprocessing import active_children
 
-        with ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=_end_with_parent) as pool:
-            before = set(active_children())
-            try:
-                yield pool
-            finally:  # else leaving the pool waits for unneeded work, or for ever if the pool is broken
-                for process in set(active_children()) - before:
-                    process.terminate()
+        before = set(active_children())
+        pool = _pool(jobs)
+        done = False
+        try:
+            yield pool
+            done = True
+        finally:  # else leaving the pool waits for unneeded work, or for ever if the pool is broken
+            for process in set(active_children()) - before:
+                process.kill()
+            if not done and (calls := getattr(pool, "_call_queue", None)) is not None:
+                calls.cancel_join_thread()  # which waits for ever where work that nobody reads fills a pipe
+            pool.shutdown(wait=done, cancel_futures=True)
     else:
         yield None
+
+
+def _pool(jobs: int) -> Executor:
+    """Processes that no signal to their group ends: who asks them does.
+
+    So none prints a traceback of its own, and multiprocessing's tracker of resources outlives them.
+    """
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
+    class QuietPool(ProcessPoolExecutor):
+        def submit(self, *call: Any, **named: Any) -> Future[Any]:
+            with _signals_wait():  # a process that this starts has them blocked from the first
+                return super().submit(*call, **named)
+
+    with _signals_wait():
+        return QuietPool(jobs, mp_context=get_context("spawn"), initializer=_end_with_parent)
+
+
+@contextmanager
+def _signals_wait() -> Iterator[None]:
+    """Blocks the signals that end a process, for this thread and what it starts."""
+    import signal
+
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    ending = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT}
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ending)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _end_with_parent() -> None:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import subprocess
 import sys
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from multiprocessing import active_children
 from pathlib import Path
 from typing import Any
@@ -18,7 +22,7 @@ from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError, WorkersError
 from mcpn.workers import executor_of, using
 from tests.commands import mcpn, output
-from tests.conftest import ROOT
+from tests.conftest import ROOT, interruptible
 from tests.dying import die
 
 ULYSSE = ROOT / "experiments" / "ulysse" / "mission.xml"
@@ -150,6 +154,32 @@ def test_a_killed_process_is_an_error_that_says_so(ulysse_net: MissionNet) -> No
             child.kill()
         with using(executor), pytest.raises(WorkersError, match="a process that explored sections ended"):
             composite_space(ulysse_net)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGQUIT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("wait", [0.0, 0.6])
+def test_a_signal_to_the_group_ends_all_at_once(number: signal.Signals, wait: float) -> None:
+    """As Ctrl-C in a terminal: no process prints a traceback of its own, and nothing hangs."""
+    mission = ROOT / "experiments" / "rover" / "mission.xml"
+    command = [sys.executable, "-m", "mcpn.cli", "check", str(mission), "--engine", "local", "--jobs", "2"]
+    run = subprocess.Popen(
+        command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        preexec_fn=interruptible,
+    )  # fmt: skip
+    children = Path(f"/proc/{run.pid}/task/{run.pid}/children")
+    if not children.exists():
+        run.kill()
+        pytest.skip("needs /proc")
+    while run.poll() is None and len(children.read_text().split()) < 2:
+        time.sleep(0.01)
+    time.sleep(wait)
+    with suppress(ProcessLookupError):
+        os.killpg(run.pid, number)
+    _, said = run.communicate(timeout=30)
+    assert "Traceback" not in said
+    assert "Error" not in said
+    assert run.returncode in (0, 1, 128 + number)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")

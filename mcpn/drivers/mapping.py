@@ -130,7 +130,7 @@ class Plan:
     releases: Mapping[str, DriverSpec]
     never: tuple[str, ...]
     mqtt: Mapping[str, str | int]
-    zenoh: Mapping[str, str | tuple[str, ...]]
+    zenoh: Mapping[str, bool | str | tuple[str, ...]]
 
     @property
     def specs(self) -> tuple[DriverSpec, ...]:

@@ -43,8 +43,14 @@ MQTT: Mapping[str, type] = {
     "username": str,
     "password": str,
 }
-ZENOH = ("mode", "connect", "listen")
-WORDS: Mapping[type, str] = {str: "a text", int: "a whole number", dict: "a table", list: "a list of texts"}
+ZENOH = ("mode", "connect", "listen", "multicast")
+WORDS: Mapping[type, str] = {
+    str: "a text",
+    int: "a whole number",
+    bool: "true or false",
+    dict: "a table",
+    list: "a list of texts",
+}
 
 
 def read_drivers(path: Path) -> Plan:
@@ -240,13 +246,14 @@ class _DriversReader:
                 self._wrong(("mqtt", key), f"{key}: expected 0 to {most}, found {_shown(found[key])}")
         return found
 
-    def _zenoh(self, said: dict[str, Any]) -> dict[str, str | tuple[str, ...]]:
-        table, found = said.get("zenoh", {}), dict[str, str | tuple[str, ...]]()
+    def _zenoh(self, said: dict[str, Any]) -> dict[str, bool | str | tuple[str, ...]]:
+        table, found = said.get("zenoh", {}), dict[str, bool | str | tuple[str, ...]]()
         with self._at(("zenoh",)):
             self._known(("zenoh",), _typed("zenoh", table, dict), ZENOH)
             for key, value in table.items():
                 with self._at(("zenoh", key)):
-                    found[key] = _typed(key, value, str) if key == "mode" else _texts(key, value)
+                    kind = {"mode": str, "multicast": bool}.get(key)
+                    found[key] = _texts(key, value) if kind is None else _typed(key, value, kind)
         return found
 
 

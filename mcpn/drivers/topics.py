@@ -134,6 +134,10 @@ class Mqtt:
         self._client.loop_stop()
 
 
+_ZENOH = {"mode": "mode", "multicast": "scouting/multicast/enabled"}
+"""Keys of ``[zenoh]`` that are no endpoints, by their names in zenoh's own configuration."""
+
+
 class Zenoh:
     """A session of zenoh.
 
@@ -151,9 +155,8 @@ class Zenoh:
             raise LimitError("drivers by zenoh need eclipse-zenoh: pip install 'mcpn[zenoh]'") from error
         try:
             config = zenoh.Config()
-            for key, value in plan.zenoh.items():
-                name = key if key == "mode" else f"{key}/endpoints"
-                config.insert_json5(name, json.dumps(value))
+            for key, value in ({"multicast": False} | dict(plan.zenoh)).items():
+                config.insert_json5(_ZENOH.get(key, f"{key}/endpoints"), json.dumps(value))
             self._session: Any = zenoh.open(config)
         except Exception as error:  # zenoh.ZError, which is no narrower
             at = Source(str(plan.file), plan.line(("zenoh",)))

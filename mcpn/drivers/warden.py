@@ -4,6 +4,7 @@ Run as a program it is the warden of one controller, which holds the other end o
 writes there which processes it starts and ends. When that end closes, or the parent is another one, the
 controller is gone (killed by SIGKILL, at the worst), and the warden ends what is left. A pipe does this on
 every system, and unlike PR_SET_PDEATHSIG of Linux it reaches the processes that a driver has started itself.
+A stand-in, which the warden starts and tells the same, does so where both of them are killed.
 This module needs nothing but Python, so that the warden is small and starts at once.
 """
 
@@ -149,13 +150,19 @@ def _followed(rows: dict[int, ProcessGroup], line: str) -> None:
         rows.pop(int(number), None)
 
 
-def keep(source: int, parent: int, parent_is: Callable[[], int] = os.getppid) -> dict[int, ProcessGroup]:
+def keep(
+    source: int,
+    parent: int,
+    parent_is: Callable[[], int] = os.getppid,
+    told: Callable[[bytes], object] = lambda data: None,
+) -> dict[int, ProcessGroup]:
     """Reads what is started and ended, until the writer is gone.
 
     Args:
         source: The pipe.
         parent: The writer's number.
         parent_is: Tells the number of the parent.
+        told: Is given what is read.
 
     Returns:
         By number, the processes that have not been ended.
@@ -168,6 +175,7 @@ def keep(source: int, parent: int, parent_is: Callable[[], int] = os.getppid) ->
             data = os.read(source, 1 << 16)
             if not data:
                 break
+            told(data)
             *lines, rest = (rest + data).split(b"\n")
             for line in lines:
                 _followed(rows, line.decode())
@@ -183,7 +191,35 @@ def main() -> None:
             signal.signal(number, signal.SIG_IGN)
     sys.stdout.write("ready\n")
     sys.stdout.flush()
-    end(keep(0, int(sys.argv[1])).values())
+    controller = int(sys.argv[1])
+    since, warden = started_at(controller), os.getpid()
+    source, sink = os.pipe()
+    if os.fork() == 0:
+        _stand_in(source, sink, warden, controller, since)
+        return
+    os.close(source)
+
+    def tell(data: bytes) -> None:
+        with suppress(OSError):  # the stand-in has been killed
+            os.write(sink, data)
+
+    rows = keep(0, controller, told=tell)
+    end(rows.values())
+    for ended in rows:
+        tell(f"- {ended}\n".encode())
+
+
+def _stand_in(source: int, sink: int, warden: int, controller: int, since: str | None) -> None:
+    """Ends what is left where the warden and the controller are killed; while that runs it has another."""
+    os.setsid()
+    os.close(sink)
+    nothing = os.open(os.devnull, os.O_RDWR)
+    for stream in (0, 1):
+        os.dup2(nothing, stream)
+    rows = keep(source, warden)
+    while rows and since is not None and started_at(controller) == since:
+        time.sleep(10 * LOOK)
+    end(rows.values())
 
 
 if __name__ == "__main__":

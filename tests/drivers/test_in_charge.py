@@ -117,6 +117,18 @@ def test_who_is_killed_takes_the_robot_along(made: Made) -> None:
     until(lambda: not runs.left, 120)
 
 
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="needs /proc")
+def test_who_is_killed_with_its_warden_takes_the_robot_along_too(made: Made) -> None:
+    runs = made()
+    run = runs.start("--snapshot", "at.json")
+    going(runs)
+    known(runs, 4)
+    said = json.loads((runs.folder / "at.json").read_text())["beside"]["processes"]
+    os.kill(said["warden"][0], signal.SIGKILL)
+    run.kill()
+    until(lambda: not runs.left, 20)
+
+
 def test_drivers_that_outlive_their_warden_are_ended_before_a_run_goes_on(made: Made) -> None:
     """Controller and warden are killed at once; what is left is ended, and one drive drives."""
     runs = made(PARTS.replace('ends.other = "failure"', 'ends.other = "failure"\nrepeat = "safe"'))
@@ -125,7 +137,10 @@ def test_drivers_that_outlive_their_warden_are_ended_before_a_run_goes_on(made: 
     known(runs, 4)
     said = json.loads((runs.folder / "at.json").read_text())["beside"]["processes"]
     (before,) = runs.runs("drive")
-    os.kill(said["warden"][0], signal.SIGKILL)
+    keeper = said["warden"][0]
+    for stand_in in Path(f"/proc/{keeper}/task/{keeper}/children").read_text().split():
+        os.kill(int(stand_in), signal.SIGKILL)
+    os.kill(keeper, signal.SIGKILL)
     run.kill()
     run.wait()
     assert alive(before)

@@ -7,9 +7,12 @@ import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import pytest
 
+from mcpn.drivers.reading import read_drivers
+from mcpn.drivers.topics import Zenoh
 from tests.commands import mcpn, output
 from tests.drivers.robots import MISSION, NEVER, until
 from tests.drivers.runs import free_port
@@ -149,3 +152,15 @@ def test_without_a_broker_it_is_said_where(tmp_path: Path) -> None:
     found = mcpn("run", tmp_path / "mission.xml", "--drivers", tmp_path / "drivers.toml")
     assert found.returncode == 2
     assert "drivers.toml:3: no connection to the broker 127.0.0.1:" in found.stderr
+
+
+@pytest.mark.parametrize(("said", "looks"), [("", "false"), ("multicast = true", "true")])
+def test_peers_are_looked_for_by_multicast_only_where_that_is_asked_for(
+    said: str, looks: str, tmp_path: Path
+) -> None:
+    zenoh = pytest.importorskip("zenoh", reason="needs mcpn[zenoh]")
+    (tmp_path / "drivers.toml").write_text(f"[zenoh]\n{said}\n")
+    plan, opened = read_drivers(tmp_path / "drivers.toml"), list[Any]()
+    with patch.object(zenoh, "open", opened.append):
+        Zenoh(plan)
+    assert opened[0].get_json("scouting/multicast/enabled") == looks
