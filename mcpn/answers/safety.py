@@ -159,6 +159,7 @@ def _single_losses(
 ) -> tuple[list[str] | None, SafetyAnswer]:
     """Hardware whose loss alone leaves no safe end, where that is known, and the answer on it."""
     from mcpn.answers.causes.find import find_causes
+    from mcpn.answers.claims import claims_of_losses
 
     name = "no_single_loss_endangers"
     try:
@@ -172,8 +173,14 @@ def _single_losses(
     if any(not lost for cut_sets in goal.moments.values() for lost in cut_sets):
         said = "there may be no safe end left even while nothing is lost"
         return single_losses(goal), SafetyAnswer(name, False, (said,), notes=tuple(notes))
-    lost = single_losses(goal)
+    # Also after objectives that failed by themselves: those runs are the claims'.
+    kind = "loss_defeats" if causes.safety is None else "loss_endangers"
+    claims = [c for c in claims_of_losses(causes.prospects) if c.kind == kind and c.holds]
+    shown = {claim.subject[0]: claim.find_run for claim in claims}
+    lost = sorted({*single_losses(goal), *shown})
     run = goal.find_run((lost[0],)) if lost else None
+    if lost and run is None and (find := shown.get(lost[0])) is not None:
+        run = find()
     why = tuple(f"{each} alone{_moments(goal, each)}" for each in lost)
     return lost, SafetyAnswer(name, not lost, why, run, notes=tuple(notes))
 

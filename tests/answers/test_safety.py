@@ -237,3 +237,19 @@ def test_the_command(tmp_path: Path) -> None:
     assert {each["question"]: each["applies"] for each in without}["dark_after_stop"] is False
     assert mcpn("ask", tmp_path / "m.xml", "--dangerous", "shine").returncode == 2
     assert mcpn("ask", tmp_path / "m.xml", "--robot-safety", "EF success").returncode == 2
+
+
+def test_a_loss_endangers_after_an_objective_that_fails_by_itself(tmp_path: Path) -> None:
+    """The survey fails with all hardware in service; parked, the robot needs its anchor."""
+    (tmp_path / "m.xml").write_text(
+        '<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r"><hardware name="camera"/>'
+        '<hardware name="anchor"/><activity name="film" consumes="camera"/>'
+        '<activity name="hold" consumes="anchor"/></robot>'
+        '<objective name="survey" activities="film" success="succeed" failure="park"/>'
+        '<objective name="park" activities="hold" success="abort" failure="park"/></mission>'
+    )
+    found = {each.name: each for each in robot_safety(compose(read_mission(tmp_path / "m.xml")))}
+    single = found["no_single_loss_endangers"]
+    assert single.holds is False
+    assert single.why == ("anchor alone, at the worst moment",)
+    assert single.run is not None
