@@ -23,11 +23,13 @@ class Tick(NamedTuple):
         status: What the root returned.
         seen: The leaves that have answered, with what they did, in order.
         running: The leaves that run then, sorted.
+        beside: Places of answers that leaves gave as they were begun, while others ran.
     """
 
     status: str
     seen: tuple[tuple[str, str], ...]
     running: tuple[str, ...]
+    beside: frozenset[int] = frozenset()
 
 
 LEAVES, CONDITIONS = ("a", "b", "c", "d"), ("IsX", "IsY")
@@ -47,6 +49,7 @@ class _Played:
         self.chance = random.Random(seed)
         self.running: dict[int, str] = {}
         self.seen: list[tuple[str, str]] = []
+        self.beside: set[int] = set()
         self.ending: int | None = None
         self.factory = factory = self.bt.BehaviorTreeFactory()  # which must live as long as the tree
         for name in LEAVES:
@@ -69,6 +72,7 @@ class _Played:
         if self.chance.randrange(3):
             self.running[node.uid()] = node.name()
             return self.bt.NodeStatus.RUNNING
+        self.beside |= {len(self.seen)} if self.running else set()
         return self.answer(node)
 
     def asked(self, node: Any) -> Any:
@@ -84,10 +88,11 @@ class _Played:
         for _ in range(TICKS):
             for entry in self.entries:  # which scripts read
                 self.tree.root_blackboard().set_bool(entry, self.chance.random() < 0.3)
-            self.seen = []
+            self.seen, self.beside = [], set()
             self.ending = self.chance.choice([*self.running, None])
             status = str(self.tree.tick_exactly_once()).rpartition(".")[2].lower()
-            yield Tick(status, tuple(self.seen), tuple(sorted(self.running.values())))
+            running = tuple(sorted(self.running.values()))
+            yield Tick(status, tuple(self.seen), running, frozenset(self.beside))
             if status != "running":
                 return
 

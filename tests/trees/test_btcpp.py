@@ -53,7 +53,7 @@ def agree(player: Player, folder: Path, tree: str, seeds: Iterable[int]) -> None
         mission = Side(both.mission_moves, both.mission_rest)
         begun: tuple[State, str] = ((), IDLE)
         states = {(begun, mission.closed([((), both.mission.initial)]))}
-        for status, seen, running in player(folder / "tree.xml", seed):
+        for status, seen, running, _ in player(folder / "tree.xml", seed):
             states = {
                 ((after, now), _behind(mission, there, shown))
                 for (state, _), there in states
