@@ -20,7 +20,6 @@ from mcpn.mission.robot import BOOLEAN_VALUES
 from mcpn.nets.events import ENDING, START, Event, What
 from mcpn.nets.petri import PetriNet
 from mcpn.records import ValueRecord
-from mcpn.runtime.tables import spelled
 from mcpn.spaces.names import ENDINGS, Names, known, unknown
 from mcpn.spaces.search.goal import FALSE, TRUE, Fires, Formula, marked
 
@@ -127,6 +126,8 @@ class MissionNames(Names):
     def _events(self, name: str) -> set[Event]:
         """The events that a name says: one, or that of all copies of an objective or a block."""
         known = {t.event for t in self.net.transitions if t.event}
+        from mcpn.runtime.tables import spelled  # which a check without formulas does not load
+
         declared, said = Event(What.DECLARED, spelled(name, self.declared)), Event.parse(name)
         if declared in known or declared.element in self.declared:
             return {declared}
