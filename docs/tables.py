@@ -16,10 +16,10 @@ from mcpn.answers.claims import KINDS
 from mcpn.drawing.templates.interface import MEETINGS
 from mcpn.logic.contest import KNOWN as OF_PROPERTIES
 from mcpn.mission.language.forms import GROUPS, Field, form_of, inside, language, relax_ng
+from mcpn.mission.misfits import SCHEMA
 from mcpn.mission.model import BlockElement
 from mcpn.mission.requirement import Absence
 from mcpn.mission.robot import Described, Element
-from mcpn.mission.xml import SCHEMA
 from mcpn.nets.formats.pnml import KNOWN as OF_PNML
 from mcpn.report.documents import FORMATS, json_schema
 from mcpn.report.documents.answers import NAMED

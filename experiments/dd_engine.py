@@ -2,7 +2,7 @@
 
 Run: cd experiments; mcpn compare --family philosophers 2..8 --engine dd_engine:DdSets
 
-The five methods that :class:`mcpn.spaces.own.Sets` asks for, and two more for columns of the table.
+The five methods that :class:`mcpn.spaces.custom_engine.Sets` asks for, and two more for columns of the table.
 """
 
 from __future__ import annotations

@@ -34,11 +34,11 @@ from limits import Result, measured
 from mcpn import __version__
 from mcpn.errors import McpnError
 from mcpn.logic import verdicts
+from mcpn.logic.answering import answer_all
 from mcpn.logic.asking import Questions
 from mcpn.logic.contest import read_properties
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.formulas import EG, EU, EX, is_temporal
-from mcpn.logic.verdicts import answer_all
 from mcpn.nets.formats import read_net
 from mcpn.spaces.algebra import S
 from mcpn.spaces.search.goal import TRUE, And, Formula, Not, Or

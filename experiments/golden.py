@@ -80,7 +80,7 @@ def subjects(folder: Path, number: int, seed: int) -> None:
     from drawing import drawn
 
     from mcpn.mission.writer import write_mission
-    from mcpn.nets.formats.pnml import write_pnml
+    from mcpn.nets.formats.pnml_writer import write_pnml
     from mcpn.testing import nets
     from mcpn.testing.elements import MISSIONS
     from tests.answers.dense import any_missions

@@ -27,7 +27,7 @@ from mcpn.errors import LimitError
 from mcpn.mission.xml import read_mission
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.markings.explicit import KernelNet
-from mcpn.spaces.stable.completion import Orders, settled
+from mcpn.spaces.stable.run_to_completion import Orders, settled
 
 SIZES = {
     "ladder": (10, 30),

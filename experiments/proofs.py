@@ -34,7 +34,7 @@ from mcpn.mission.xml import read_mission
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.diagrams.symbolic import reach
 from mcpn.spaces.markings.explicit import KernelNet
-from mcpn.spaces.stable.completion import settled
+from mcpn.spaces.stable.run_to_completion import settled
 from mcpn.testing.elements import MISSIONS
 
 MEANS = ("one at a time", "no arcs conflict", "units exclude", "out of reach", "every way tried")

@@ -30,7 +30,7 @@ from typing import Any
 from mcpn.answers.causes.risk import risk
 from mcpn.bench.runs import interval
 from mcpn.controller.document import document
-from mcpn.controller.monitors import files, monitors_of
+from mcpn.controller.monitors.writing import files, monitors_of
 from mcpn.controller.simulator import Simulation
 from mcpn.drivers.mapping import check_plan
 from mcpn.drivers.reading import read_drivers

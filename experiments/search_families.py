@@ -183,9 +183,9 @@ def drawn(net: PetriNet, bounds: int) -> list[tuple[int, ...]]:
 def answer(net: PetriNet, bounds: int, engine: str, seconds: int, answers: Connection) -> None:
     """Answers the bounds and the examinations of a net; sends them as they come."""
     from mcpn.errors import McpnError, Source
+    from mcpn.logic.answering import answer_all
     from mcpn.logic.asking import Questions
     from mcpn.logic.contest import Property
-    from mcpn.logic.verdicts import answer_all
 
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
     asked = [

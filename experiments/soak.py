@@ -35,7 +35,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from mcpn.controller.document import document
-from mcpn.controller.monitors import files, monitors_of
+from mcpn.controller.monitors.writing import files, monitors_of
 from mcpn.drivers.functions import Call
 from mcpn.drivers.reading import read_drivers
 from mcpn.drivers.running import RobotRun

@@ -6,7 +6,8 @@ Usage: ``python experiments/staying.py [--contest FOLDER NET...] [--seconds S]``
 its strongly connected component by one closure forward and one back, and go on in what is left, with a state
 of the farthest layer (R. Gentilini, C. Piazza, A. Policriti, *Computing strongly connected components in a
 linear number of symbolic steps*, SODA 2003). *Turns* are what mcpn does: layers, and in turns with them one
-closure back from dead states and layers of what may fire on cycles (``mcpn.spaces.diagrams.staying``).
+closure back from dead states and layers of what may fire on cycles
+(``mcpn.spaces.diagrams.greatest_fixpoint``).
 
 Asked are runs on which some of the transitions are never enabled, on nets of several families. With
 ``--contest`` the sets are those that come up while the CTL formulas of such nets are answered. Every way has
@@ -30,9 +31,9 @@ from limits import Result, measured
 from mcpn import __version__
 from mcpn._kernel import Zdd
 from mcpn.errors import McpnError
+from mcpn.logic.answering import answer_all
 from mcpn.logic.asking import Questions
 from mcpn.logic.contest import read_properties
-from mcpn.logic.verdicts import answer_all
 from mcpn.nets.formats import read_net
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.diagrams.base import Diagrams

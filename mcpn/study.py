@@ -11,7 +11,7 @@ True
 >>> [sorted(cut) for cut in study.causes().mission.cut_sets]
 [['thruster_actuator'], ['GPS_sensor', 'IMU_sensor']]
 
-Each space is built once (:mod:`mcpn.spaces.kept`): these questions share a list of stable states.
+Each space is built once (:mod:`mcpn.spaces.registry`): these questions share a list of stable states.
 
 :func:`open_study`, which users call as ``mcpn.open``, makes a study of a file.
 """
@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from mcpn.answers.causes.find import Causes
-    from mcpn.answers.found import FoundStates
     from mcpn.answers.safety import SafetyAnswer
     from mcpn.answers.spaces import MissionSpaces
+    from mcpn.answers.state_sets import FoundStates
     from mcpn.answers.verdicts.mission import MissionCheck
     from mcpn.controller.generate import Form
     from mcpn.controller.modular import AnyController
@@ -42,15 +42,15 @@ if TYPE_CHECKING:
     from mcpn.findings import Findings
     from mcpn.logic.asking import Questions
     from mcpn.logic.behaviour import NetCheck, Structure
-    from mcpn.logic.questions import Answer
+    from mcpn.logic.session import Answer
     from mcpn.mission.model import Mission
     from mcpn.report.pictures.drawing import Drawing
     from mcpn.spaces.algebra import Space
     from mcpn.spaces.engine_names import Asked, Counting, On
     from mcpn.spaces.engines import Choice
-    from mcpn.spaces.kept import Spaces
     from mcpn.spaces.markings.graph import StateGraph
-    from mcpn.spaces.sizes import SpaceSummary
+    from mcpn.spaces.registry import Spaces
+    from mcpn.spaces.summary import SpaceSummary
 
 
 # Methods import the modules that they need, so that each question loads no more than it needs.
@@ -103,7 +103,7 @@ class Study:
     def spaces(self) -> Spaces:
         """Its spaces, built or not; here the net of a mission is composed."""
         if isinstance(self._subject, PetriNet):
-            from mcpn.spaces.kept import Spaces
+            from mcpn.spaces.registry import Spaces
 
             return Spaces(self._subject)
         from mcpn.answers.spaces import MissionSpaces
@@ -327,7 +327,7 @@ class Study:
             >>> able.count, able.sample(1, seed=3)[0].out_of_service
             (244, ('GPS_sensor',))
         """
-        from mcpn.answers.found import FoundStates
+        from mcpn.answers.state_sets import FoundStates
 
         questions = self.questions(on=on, fair=fair, engine=engine, max_states=max_states)
         states = questions.evaluation.states(questions.formula(formula))
@@ -539,14 +539,14 @@ def _read(file: Path, root: Path | None) -> Mission | PetriNet:
     if file.suffix.lower() in READABLE:
         return read_net(file)
     refuse_foreign(file)
-    from mcpn.mission.xml import read_mission  # which a question about a net does not load
+    from mcpn.mission.xml import read_mission
 
     try:
         return read_mission(file, import_root=root)
     except InputError as error:
         if (tree := _mission_of_tree(file, root)) is not None:
             return tree
-        from mcpn.answers.drafts import with_formulas
+        from mcpn.answers.formula_errors import with_formulas
 
         raise with_formulas(error) from None
 

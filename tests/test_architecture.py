@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 from functools import cache
@@ -199,15 +200,19 @@ def test_engines_are_built_in_one_place() -> None:
         if (names := builders(path))
         and path.relative_to(PACKAGE).parts[0] != "composite"
         and not path.is_relative_to(PACKAGE / "spaces")
-    } | {"spaces/kept.py": builders(PACKAGE / "spaces" / "kept.py")}
+    } | {"spaces/registry.py": builders(PACKAGE / "spaces" / "registry.py")}
     assert found == {
-        "spaces/kept.py": BUILDERS | SPACES - {"CompositeSpace"},
+        "spaces/registry.py": BUILDERS | SPACES - {"CompositeSpace"},
         "answers/spaces.py": COMPOSERS,
     }
 
 
 def test_modules_are_of_a_size_to_be_read() -> None:
     assert [str(path) for path in MODULES + SOURCES if len(path.read_text().splitlines()) > 600] == []
+
+
+def test_no_file_is_several_joined_by_banners() -> None:
+    assert [str(path) for path in MODULES if re.search(r"^# ?-{3,}", path.read_text(), re.MULTILINE)] == []
 
 
 def test_no_two_classes_have_one_name() -> None:

@@ -19,12 +19,12 @@ from mcpn.answers.verdicts.mission import MissionCheck
 from mcpn.controller.modular import AnyController
 from mcpn.errors import LimitError
 from mcpn.logic.behaviour import NetCheck
-from mcpn.logic.questions import Answer
+from mcpn.logic.session import Answer
 from mcpn.mission.model import Mission
 from mcpn.nets.petri import PetriNet
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.spaces.markings.graph import StateGraph
-from mcpn.spaces.sizes import SpaceSummary
+from mcpn.spaces.summary import SpaceSummary
 from mcpn.testing import missions
 from mcpn.testing.shape import as_xml
 from tests.conftest import ROOT, ULYSSE
@@ -73,7 +73,7 @@ def test_a_users_type_checker_sees_what_they_give() -> None:
 def test_the_package_itself_loads_nothing() -> None:
     script = "import sys, mcpn\nprint(*sorted(m for m in sys.modules if m[:4] == 'mcpn' or m == 'numpy'))"
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    assert run.stdout.split() == ["mcpn"]
+    assert run.stdout.split() == ["mcpn", "mcpn.version"]
 
 
 @pytest.mark.parametrize(("drawn", "parts"), [(missions(), ()), (pt_nets(), ("places",))])

@@ -16,8 +16,9 @@ from mcpn.answers.verdicts.mission import check
 from mcpn.cli.begin import EXAMPLES
 from mcpn.drawing.compose import compose
 from mcpn.mission.language.forms import language, relax_ng
+from mcpn.mission.misfits import SCHEMA, find_misfits
 from mcpn.mission.static.warnings import find_warnings
-from mcpn.mission.xml import SCHEMA, find_misfits, read_mission
+from mcpn.mission.xml import read_mission
 from tests.conftest import ROOT
 
 PAGES = [ROOT / "docs" / name for name in ("language.md", "patterns.md", "from-a-tree.md")]

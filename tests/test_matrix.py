@@ -26,7 +26,7 @@ from mcpn.logic.behaviour import Behaviour
 from mcpn.mission.model import Mission, Objective, Parallel
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.spaces.engine_names import Engine, On
-from mcpn.spaces.kept import Spaces
+from mcpn.spaces.registry import Spaces
 from mcpn.spaces.stable.alternatives import written_out
 from tests.logic.asked import Asked
 

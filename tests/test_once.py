@@ -22,7 +22,7 @@ from mcpn.controller.modular import AnyController
 from mcpn.controller.simulator import Simulation
 from mcpn.controller.targets import files
 from mcpn.drawing.compose import MissionNet, compose
-from mcpn.drawing.mortal import forgetful
+from mcpn.drawing.forgetful import forgetful
 from mcpn.drawing.sections import section_part
 from mcpn.errors import LimitError, McpnError, SemanticsError
 from mcpn.mission.model import Mission

@@ -29,8 +29,8 @@ from tests.draws import fewer
 BUILT = {
     "composite": "mcpn.composite.composing.composite_space",
     "listing": "mcpn.spaces.stable.falsification.proved",
-    "diagram": "mcpn.spaces.kept.reaching",
-    "markings": "mcpn.spaces.kept.explore",
+    "diagram": "mcpn.spaces.registry.reaching",
+    "markings": "mcpn.spaces.registry.explore",
 }
 """What builds a space of the whole mission."""
 NET = """pl a (1)
@@ -52,7 +52,7 @@ def built() -> Iterator[Counter[str]]:
         return counted
 
     from mcpn.composite import composing
-    from mcpn.spaces import kept as spaces
+    from mcpn.spaces import registry as spaces
     from mcpn.spaces.stable import falsification
 
     homes = {"composite": composing, "listing": falsification, "diagram": spaces, "markings": spaces}

@@ -22,8 +22,9 @@ from mcpn.errors import LimitError, McpnError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.engine_names import LOCAL, SYMBOLIC
-from mcpn.spaces.kept import Spaces
-from mcpn.spaces.sizes import ENGINES, summarise
+from mcpn.spaces.registry import Spaces
+from mcpn.spaces.sizes import summarise
+from mcpn.spaces.summary import ENGINES
 
 SIZES = ("states", "edges", "stable_states", "dead_states", "max_tokens")
 """What engines must agree on, as far as each counts it."""
@@ -39,7 +40,7 @@ class Measurement:
     """What one engine found, and what it took.
 
     Args:
-        engine: One of :data:`mcpn.spaces.sizes.ENGINES`, ``local``, or one of the caller's own.
+        engine: One of :data:`mcpn.spaces.summary.ENGINES`, ``local``, or one of the caller's own.
         sizes: By the names of :data:`SIZES` and :data:`DIAGRAM`; a size that the engine does not count is
             ``None``. The whole is ``None`` where the engine gave up.
         seconds: Wall-clock time of the engine, imports apart: the least of all runs.
@@ -105,7 +106,7 @@ def measure(
         max_states: Limit for the explicit engine.
         seconds: Wall-clock limit on each run.
         repeats: How often each engine runs.
-        own: Engines of the caller's own, by their names; see :func:`mcpn.spaces.own.engine_named`.
+        own: Engines of the caller's own, by their names; see :func:`mcpn.spaces.custom_engine.engine_named`.
         size: Of a member of a family, its size.
         without: Engines that are not asked, each with the reason.
 

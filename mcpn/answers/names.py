@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator
 from functools import cached_property
 from typing import NoReturn
 
@@ -19,7 +18,6 @@ from mcpn.mission.model import Mission, Objective, walk
 from mcpn.mission.robot import BOOLEAN_VALUES
 from mcpn.nets.events import ENDING, START, Event, What
 from mcpn.nets.petri import PetriNet
-from mcpn.records import ValueRecord
 from mcpn.spaces.names import ENDINGS, Names, known, unknown
 from mcpn.spaces.search.goal import FALSE, TRUE, Fires, Formula, marked
 
@@ -262,96 +260,4 @@ def progress(mission_net: MissionNet) -> tuple[Justice, ...]:
     return tuple(
         Justice(~marked(place), tuple(t for t, event in enumerate(events) if event in endings))
         for place, endings in waits.items()
-    )
-
-
-# --- The words of a mission: what formulas about it may name ----------------------------------------------
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class NamedWord(ValueRecord):
-    """A name that formulas may say.
-
-    Args:
-        name: The name; of copies the one that means all of them.
-        copies: Each of them by itself; none where there is only one.
-        description: What the mission says of it.
-    """
-
-    name: str
-    copies: tuple[str, ...] = ()
-    description: str | None = None
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class NamedActivity(NamedWord):
-    """An activity, and what alternatives it has."""
-
-    alternatives: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class NamedFact(NamedWord):
-    """A fact, and what values it has."""
-
-    values: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Vocabulary(ValueRecord):
-    """What formulas about a mission may name, by kind, in the order of the mission.
-
-    Args:
-        mission: The mission's name.
-        objectives: For ``objective(x)`` and ``pending(x)``.
-        blocks: For ``block(x)``: those that hold objectives.
-        activities: For ``activity(x)``, ``alternative(x)=y``, ``waiting(x)`` and ``refused(x)``.
-        hardware: For ``oos(x)`` and ``available(x)``.
-        software: For ``available(x)``.
-        facts: For ``fact(x)=v``, with their values.
-        events: For ``happens(x)`` and ``event(x)``.
-        ends: How the mission may end, words by themselves.
-    """
-
-    mission: str
-    objectives: tuple[NamedWord, ...]
-    blocks: tuple[NamedWord, ...]
-    activities: tuple[NamedActivity, ...]
-    hardware: tuple[NamedWord, ...]
-    software: tuple[NamedWord, ...]
-    facts: tuple[NamedFact, ...]
-    events: tuple[NamedWord, ...]
-    ends: tuple[str, ...]
-
-
-def vocabulary(mission_net: MissionNet) -> Vocabulary:
-    """The words of a mission; nothing is explored to know them."""
-    mission, names = mission_net.mission, MissionNames(mission_net)
-    copies = mission_net.graph.copies
-    described = {section.name: section.description for section in mission_net.graph.walk()}
-    events = dict.fromkeys(t.event for t in mission_net.net.transitions if t.event is not None)
-    happening: dict[str, str | None] = {
-        e.element if e.what is What.DECLARED else str(e): None for e in events
-    }
-    happening |= {event.name: event.description for event in mission.events if event.name in happening}
-
-    def folded(known: Mapping[str, str | None]) -> tuple[NamedWord, ...]:
-        return tuple(
-            NamedWord(name, tuple(copies) if copies != [name] else (), known[copies[0]])
-            for name, copies in names.folded(known).items()
-        )
-
-    return Vocabulary(
-        mission.name,
-        folded(described),
-        folded({n: None for n, held in copies.held.items() if held != (n,) and n not in copies.wholes}),
-        tuple(
-            NamedActivity(a.name, (), a.description, tuple(way.name for way in a.alternatives))
-            for a in mission_net.usage.activities.values()
-        ),
-        tuple(NamedWord(h.name, (), h.description) for h in mission.hardware),
-        tuple(NamedWord(s.name, (), s.description) for s in mission.software),
-        tuple(NamedFact(f.name, (), f.description, f.values) for f in mission.facts),
-        folded(happening),
-        tuple(mission_net.ends),
     )

@@ -11,9 +11,10 @@ from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError, LimitError, Problem
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.formulas import is_temporal
-from mcpn.logic.syntax import parse, show
+from mcpn.logic.syntax import parse
 from mcpn.logic.vacuity import idle_parts
 from mcpn.logic.witness import Witness, explain
+from mcpn.logic.writing import show
 from mcpn.mission.flatten import requirements_of
 from mcpn.mission.requirement import BoundedExistence, Requirement
 from mcpn.nets.events import ENDING
@@ -192,7 +193,7 @@ def _say_when(each: AskedRequirement, witness: Witness, evaluation: Evaluation[A
     counted = parse(pattern.of, each.names)
     if pattern.after or pattern.before or is_temporal(counted) or each.events:
         return
-    from mcpn.answers.patterns.reading import clause
+    from mcpn.answers.patterns.english import clause
 
     states, single = evaluation.states(counted), evaluation.space.single
     holding = [bool(single(at) & states) for at in (witness.start, *(edge.target for edge in witness.steps))]

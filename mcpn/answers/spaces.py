@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from mcpn.composite.clash import in_mission_words
 from mcpn.drawing.compose import MissionNet
-from mcpn.drawing.mortal import mortal
+from mcpn.drawing.permanent_loss import mortal
 from mcpn.drawing.sections import SectionParts, part_of, refuse_wide
 from mcpn.errors import InputError, LimitError
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.engine_names import EXPLICIT, LOCAL, SYMBOLIC, Asked, Engine, On
 from mcpn.spaces.engines import Choice, choices_of_net, refuse_unknown
-from mcpn.spaces.kept import Spaces, kept
-from mcpn.spaces.stable.completion import MAX_STABLE_STATES
+from mcpn.spaces.registry import Spaces, kept
+from mcpn.spaces.stable.run_to_completion import MAX_STABLE_STATES
 
 if TYPE_CHECKING:
     from mcpn.answers.names import MissionNames
@@ -114,14 +114,15 @@ class MissionSpaces(Spaces):
         tokens: bool = True,
         may_die: bool = False,
     ) -> Space[Any]:
-        """The space on one of the graphs, by one of the engines; see :meth:`mcpn.spaces.kept.Spaces.space`.
+        """The space on one of the graphs, by an engine; see :meth:`mcpn.spaces.registry.Spaces.space`.
 
         Args:
             by: The engine; ``local`` composes the alternatives graph.
             on: The graph.
             tokens: As there; the net of a mission must be 1-safe.
-            may_die: Whether the hardware of the mission may die (:mod:`mcpn.drawing.mortal`). Internal
-                evolution is then known to be confluent, for dying changes nothing but what may be repaired;
+            may_die: Whether the hardware of the mission may die
+                (:mod:`mcpn.drawing.permanent_loss`). Internal evolution is then known to be confluent, for
+                dying changes nothing but what may be repaired;
                 where something may crash, which then does so at any moment, it is proved again.
 
         Raises:

@@ -1,43 +1,22 @@
-"""Monitors on the runs of a bench: how many of them violate each requirement, satisfy it, leave it open."""
+"""Runs of a mission in virtual time, and what was seen in them."""
 
 from __future__ import annotations
 
 import random
 from bisect import bisect_right
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import inf, sqrt
 from statistics import NormalDist
 
-from mcpn.bench.world import BenchNode, ControllerPlace, StartDemand, World
-from mcpn.controller.run import awaited, nominal_run
+from mcpn.bench.controller_places import ControllerPlace, StartDemand
+from mcpn.bench.world import BenchNode, World
+from mcpn.controller.run_to_completion import awaited, nominal_run
 from mcpn.nets.events import Event
 from mcpn.runtime.controller import timeout_event, timer_order
 from mcpn.runtime.machines import TypeTables
-from mcpn.runtime.monitors import Monitors
 from mcpn.runtime.tables import Tables
-
-
-def watched(monitors: Monitors, runs: Iterable[BenchRun]) -> dict[str, dict[str, int]]:
-    """By requirement, what its monitor says at the ends of how many runs.
-
-    Args:
-        monitors: Those of the mission; they begin anew with each run.
-        runs: The runs.
-    """
-    found = {name: dict.fromkeys(("violated", "satisfied", "open"), 0) for name in monitors.values}
-    for run in runs:
-        monitors.restart()
-        for event in run.events:
-            if not event.refused:
-                monitors.take(event.event)
-        for name, value in monitors.values.items():
-            found[name][value] += 1
-    return found
-
-
-# --- Runs of a mission in virtual time, and what was seen in them -----------------------------------------
 
 MOST_EVENTS = 10_000
 """Of one run: a mission may go on for ever."""

@@ -1,59 +1,16 @@
-"""Scripts of faults: events with the hours at which they happen."""
+"""Sequences of events that take every edge of a controller, to test a robot's own code with."""
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from math import inf
-from pathlib import Path
 
-from mcpn.errors import InputError, LimitError, Source
-from mcpn.files import read_bounded
-from mcpn.mission.near import did_you_mean
+from mcpn.errors import LimitError
 from mcpn.runtime.documents import BEFORE, RUNNING
-from mcpn.runtime.tables import Action, RuntimePosition, Tables, spelled
-
-
-def read_script(path: Path, known: Collection[str]) -> list[tuple[float, str]]:
-    """Reads a script: on each line the hours since the start and an event; ``#`` begins a comment.
-
-    Args:
-        path: The file.
-        known: The events of the mission.
-
-    Returns:
-        The events in the order in which they happen.
-
-    Raises:
-        InputError: A line is of another form, or its event is none of the mission.
-    """
-    try:
-        lines = read_bounded(path).decode("utf-8-sig").splitlines()
-    except UnicodeDecodeError as error:
-        raise InputError.at(Source(str(path)), f"expected text in UTF-8: {error.reason}") from error
-    found: list[tuple[float, str]] = []
-    for number, line in enumerate(lines, 1):
-        words = line.partition("#")[0].split()
-        if not words:
-            continue
-        try:
-            hours, event = float(words[0]), words[1]
-        except (ValueError, IndexError):
-            hours, event = -1.0, ""
-        if len(words) != 2 or not 0 <= hours < inf:
-            message = f"found {line.strip()[:80]!r}, expected hours and an event, as in 0.5 GPS_EV_OOS"
-            raise InputError.at(Source(str(path), number), message)
-        event = spelled(event, known)
-        if event not in known:
-            message = f"found {event[:80]!r}, which is no event of the mission{did_you_mean(event, known)}"
-            raise InputError.at(Source(str(path), number), message)
-        found.append((hours, event))
-    return sorted(found, key=lambda step: step[0])
-
-
-# --- Sequences of events that take every edge of a controller, to test a robot's own code with ------------
+from mcpn.runtime.tables import Action, RuntimePosition, Tables
 
 MOST_PLACES = 200_000
 """Places that may be looked at: with much hardware there are very many."""

@@ -15,9 +15,9 @@ from mcpn.cli.shared import EXIT_FAILED, FILE, Question, choice_object, emit_jso
 if TYPE_CHECKING:
     from mcpn.answers.safety import SafetyAnswer
     from mcpn.drawing.compose import MissionNet
+    from mcpn.logic.answering import ContestAnswer
     from mcpn.logic.asking import Questions
-    from mcpn.logic.questions import Answer
-    from mcpn.logic.verdicts import ContestAnswer
+    from mcpn.logic.session import Answer
     from mcpn.logic.witness import Witness
     from mcpn.nets.petri import PetriNet
     from mcpn.spaces.engine_names import Asked, On
@@ -82,7 +82,7 @@ def ask(
         raise click.UsageError("--robot-safety asks questions of its own: no FORMULA goes with it")
     if (dangerous or stops) and not robot_safety:
         raise click.UsageError("--dangerous and --stop go with --robot-safety")
-    from mcpn.logic.verdicts import answer_typed
+    from mcpn.logic.answering import answer_typed
 
     with question.progress():
         study = question.study(file)
@@ -149,9 +149,11 @@ def _tell_safety(found: Sequence[SafetyAnswer], mission_net: MissionNet, as_json
 def _print_automata(questions: Questions, formulas: tuple[str, ...], as_json: bool) -> None:
     """The automata of formulas on paths, in the Hanoi format."""
     from mcpn.errors import InputError
-    from mcpn.logic.ltl.automaton import classes, translated, write_hoa
+    from mcpn.logic.ltl.automaton import translated
     from mcpn.logic.ltl.formulas import is_of_paths, normal
-    from mcpn.logic.syntax import parse_open, show
+    from mcpn.logic.ltl.hoa import classes, write_hoa
+    from mcpn.logic.syntax import parse_open
+    from mcpn.logic.writing import show
 
     found = []
     for text in formulas:
@@ -170,7 +172,7 @@ def _print_automata(questions: Questions, formulas: tuple[str, ...], as_json: bo
 
 def _list_words(mission_net: MissionNet, as_json: bool) -> None:
     """The words that formulas about a mission are made of."""
-    from mcpn.answers.names import vocabulary
+    from mcpn.answers.vocabulary import vocabulary
 
     words = vocabulary(mission_net)
     if as_json:
@@ -190,8 +192,8 @@ def _tell_contest(
     """
     if not (properties or examinations):
         return []
+    from mcpn.logic.answering import answer_all, examination
     from mcpn.logic.contest import read_properties
-    from mcpn.logic.verdicts import answer_all, examination
 
     files = dict.fromkeys(properties)
     of_files = [each for path in files for each in read_properties(path, questions.names)]

@@ -98,7 +98,7 @@ def compare(
 
         ready(plot)
     if own:
-        from mcpn.spaces.own import engine_named
+        from mcpn.spaces.custom_engine import engine_named
 
         for name in own:
             engine_named(name)
@@ -150,7 +150,7 @@ def _members(
 def _compare_sets(file: Path, names: tuple[str, str], question: Question, as_json: bool) -> None:
     from dataclasses import asdict, replace
 
-    from mcpn.answers.likeness import likeness_of
+    from mcpn.answers.template_equivalence import likeness_of
     from mcpn.drawing.templates.named import templates_named
     from mcpn.report.text import print_likeness
 

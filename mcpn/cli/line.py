@@ -45,7 +45,7 @@ COMMANDS = {
     "serve": "report",
     "simulate": "simulate",
     "states": "spaces",
-    "tests": "robot.bench",
+    "tests": "robot.sequences",
 }
 """By command, the module of this package that has it."""
 ALIASES = {"ctl": "ask"}

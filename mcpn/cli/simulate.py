@@ -62,7 +62,7 @@ def simulate(
 
 
 def _play_tokens(study: Study, steps: int | None, rng: random.Random, as_json: bool) -> None:
-    from mcpn.cli.play import TokenSession
+    from mcpn.cli.play.tokens import TokenSession
     from mcpn.nets.game import TokenGame
 
     session = TokenSession(TokenGame(study.net), quiet=as_json)
@@ -89,7 +89,7 @@ def _play_events(
     max_states: int | None,
     as_json: bool,
 ) -> None:
-    from mcpn.cli.play import EventSession
+    from mcpn.cli.play.events import EventSession
     from mcpn.controller.simulator import MAX_VISITED, Simulation, drawn_event, likelihood
 
     simulation = Simulation(study.mission_net, max_states or MAX_VISITED)

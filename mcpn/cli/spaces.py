@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from mcpn.spaces.algebra import Space
     from mcpn.spaces.engine_names import Asked, Counting, On
     from mcpn.spaces.engines import Choice
-    from mcpn.spaces.kept import Spaces
-    from mcpn.spaces.sizes import SpaceSummary
+    from mcpn.spaces.registry import Spaces
+    from mcpn.spaces.summary import SpaceSummary
 
 
 @click.command()
@@ -67,7 +67,7 @@ def states(
 
 def _in_order(spaces: Spaces, order: Path | None, seed: int | None, save_order: Path | None) -> SpaceSummary:
     from mcpn.spaces.diagrams.order import read_order, write_order
-    from mcpn.spaces.sizes import summary_of
+    from mcpn.spaces.summary import summary_of
 
     started, net = time.perf_counter(), spaces.net
     space = spaces.ordered(read_order(order, net) if order else None, seed)

@@ -13,7 +13,7 @@ from itertools import permutations, product
 from typing import NamedTuple
 
 from mcpn.drawing.compose import MissionNet
-from mcpn.drawing.mortal import crashed_idle
+from mcpn.drawing.permanent_loss import crashed_idle
 from mcpn.errors import ConfluenceError
 from mcpn.mission.flatten import ParallelSection
 from mcpn.nets.events import What

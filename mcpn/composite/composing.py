@@ -10,28 +10,25 @@ states in which it fails are looked for among those that the mission comes to.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
-from mcpn._kernel import Zdd
 from mcpn.composite.clash import in_mission_words
-from mcpn.composite.composite import CompositeSet, CompositeSpace, SectionSets, TwoOutcomes
+from mcpn.composite.composite import CompositeSpace
 from mcpn.composite.layout import Layout
-from mcpn.composite.section_type import ALL, Explored, SectionType, explore_and_prove, explore_local
-from mcpn.composite.sections import Stage, WholeNet
+from mcpn.composite.section_type import Explored, SectionType, explore_and_prove, explore_local
+from mcpn.composite.sections import WholeNet
 from mcpn.drawing.compose import MissionNet
-from mcpn.drawing.mortal import crashing_anytime, forgetful, mortal
-from mcpn.drawing.sections import SectionParts, junction_part, many_apart, part_of, refuse_wide
+from mcpn.drawing.forgetful import forgetful
+from mcpn.drawing.permanent_loss import crashing_anytime, mortal
+from mcpn.drawing.sections import SectionParts, many_apart, part_of, refuse_wide
 from mcpn.drawing.templates import TemplateSet
 from mcpn.drawing.templates.named import looks_at_no_names
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, WorkersError
-from mcpn.mission.flatten import Section
-from mcpn.nets.petri import Marking, PetriNet
-from mcpn.spaces.diagrams.encoding import behind, distinct, leading, passing
-from mcpn.spaces.stable.completion import MAX_STABLE_STATES, fault_after
-from mcpn.spaces.stable.confluence import prove_confluent, without_one_end
-from mcpn.spaces.stable.falsification import FIRST_FIRINGS, fault_by, nearest_fault
+from mcpn.nets.petri import PetriNet
+from mcpn.spaces.stable.falsification import FIRST_FIRINGS, nearest_fault
+from mcpn.spaces.stable.run_to_completion import MAX_STABLE_STATES
 from mcpn.steps import Doing, step
 from mcpn.workers import workers
 
@@ -39,6 +36,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     from mcpn.spaces.stable.alternatives import AlternativesGraph
+from mcpn.composite.nonconfluent import refuse_nonconfluent, refuse_open_junctions
 
 
 def composite_space(
@@ -53,10 +51,10 @@ def composite_space(
         mission_net: The mission's net; it is not explored.
         templates: Those that the mission is composed with, the paper's by default; with a caller's own no two
             sections are of one type.
-        may_die: Whether hardware may die (:mod:`mcpn.drawing.mortal`).
+        may_die: Whether hardware may die (:mod:`mcpn.drawing.permanent_loss`).
 
     Returns:
-        The composite. With ``may_die`` its net is that of :func:`mcpn.drawing.mortal.mortal`.
+        The composite. With ``may_die`` its net is that of :func:`mcpn.drawing.permanent_loss.mortal`.
 
     Raises:
         PremiseError: A section hands on more than its exit and the status of what sections carry.
@@ -168,7 +166,7 @@ def local_graph(
 ) -> tuple[MissionNet, AlternativesGraph]:
     """The local net of a section and its alternatives graph, from every state of its hardware.
 
-    It forgets what has happened once (:mod:`mcpn.drawing.mortal`).
+    It forgets what has happened once (:mod:`mcpn.drawing.permanent_loss`).
 
     Args:
         mission_net: The mission's net.
@@ -197,117 +195,3 @@ def in_section(name: str) -> Iterator[None]:
         yield
     except LimitError as error:
         raise LimitError(f"in section {name}: {error}") from error
-
-
-# --- Where a mission reaches an event without one outcome: the second premise of composition --------------
-#
-# The symbolic proof (:mod:`mcpn.spaces.stable.confluence`) is tried on the local net of each type, from every
-# state of its hardware. Where it leaves conflicts open, what is behind the markings that the mission passes
-# is explored, once for markings that evolve alike (:mod:`mcpn.spaces.stable.confluence`).
-
-
-def refuse_nonconfluent(composite: CompositeSpace, explored: Mapping[SectionType, Explored]) -> None:
-    """Looks for an event without one outcome, on the markings of each type's local net.
-
-    Raises:
-        ConfluenceError: An event that the mission comes to has two outcomes; both runs are given.
-        DivergenceError: After an event that the mission comes to internal evolution need not end.
-    """
-    # What is small is known soon: an error is found before large sections are proved.
-    for type_, known in sorted(explored.items(), key=lambda pair: pair[1].space.reachable.nodes()):
-        stages = [stage for stage in composite.sections.values() if stage.type is type_]
-        step(Doing.PROVING_SECTION, section=stages[0].name)
-        if known.ends and not known.conflicts:
-            continue
-        encoding, begun = type_.encoding, composite.empty
-        for stage in stages:
-            begun |= _begun(composite, stage)
-        marking = without_one_end(encoding, begun)
-        if marking is not None:
-            _raise_before(composite, stages, behind(encoding, begun)[0], marking)
-
-
-def _begun(composite: CompositeSpace, stage: Stage) -> Zdd:
-    """Markings just after the events of a section that the mission comes to, and after its entry."""
-    type_, everything, hardware = stage.type, composite.everything, composite.empty
-    for before in composite.into[stage.name]:  # a section whose entry has no end has no state
-        for route, states in composite.stages[before].leave(everything.of(before)):
-            if route == stage.name:
-                hardware |= states
-    events, entering = type_.encoding.events, type_.from_slots(hardware, stage.slots, None)
-    own = distinct(events[t] for t in type_.graph.waiting)
-    return everything.of(stage.name).images(own) | entering.images([events[type_.net.start]])
-
-
-def _raise_before(
-    composite: CompositeSpace, stages: Sequence[Stage], transient: Zdd, marking: Marking
-) -> NoReturn:
-    """Raises the error of an event after which sections of a type reach a marking of such runs."""
-    type_, layout, everything = stages[0].type, composite.layout, composite.everything
-    encoding = type_.encoding
-    here = layout.opened(encoding.set_of(marking), layout.all_slots) & transient
-    ending = leading(encoding, here, passing(encoding, transient))
-    for stage in stages:
-        for t in type_.graph.waiting:
-            before, met = ending.images([encoding.undoing[t]]), SectionSets()
-            if t != type_.net.start:
-                met.add(stage.name, before & everything.of(stage.name))
-            else:
-                hardware = type_.to_slots(before & type_.before, stage.slots, None)
-                for earlier in (composite.stages[name] for name in composite.into[stage.name]):
-                    leaving = earlier.type.before_step(earlier.ends({stage.name: hardware}), ALL)
-                    met.add(earlier.name, leaving & everything.of(earlier.name))
-            if met:
-                event = stage.transitions[t] if t != type_.net.start else None
-                _raise(composite, CompositeSet(composite, met), event)
-    raise AssertionError("the marking comes after some event of the mission")
-
-
-def _raise(composite: CompositeSpace, here: CompositeSet, transition: int | None) -> NoReturn:
-    """Raises the error of an event, or of any, in some states, with runs of the whole mission."""
-    begin, net = composite.initial.pick(), composite.net
-    assert begin is not None, "there is an initial state"
-    try:
-        run = composite.run(begin, here, composite.everything - here)
-    except TwoOutcomes as nearer:  # then that is the error, whichever of the events there it is
-        run, transition = nearer.run, None
-    assert run is not None, "the mission comes there"
-    fired = [edge.transition for edge in run]
-    for last in net.enabled(composite.marking(run[-1].target if run else begin)):
-        if transition in (None, last):
-            events = [t for t in (*fired, last) if not net.transitions[t].internal]
-            error = fault_by(net, events) or fault_after(net, events)
-            if error is not None:
-                raise error
-    raise AssertionError("what is not confluent in the section's net is not in the mission's")
-
-
-def refuse_open_junctions(composite: CompositeSpace) -> None:
-    """Proves the junctions of a mission whose templates are the caller's own confluent.
-
-    The paper's templates make every junction confluent whose sections are (``papers/composition.md``). Of a
-    caller's own nothing is known, so each junction of sections that share anything is proved on the net of
-    both.
-
-    Raises:
-        SemanticsError: A junction is not confluent for some state of its hardware.
-        LimitError: A limit was hit.
-    """
-    for first, second in sharing_pairs(composite):
-        step(Doing.PROVING_JUNCTION, section=first.name, successor=second.name)
-        part = junction_part(composite.mission_net.usage, first, second)
-        prove_confluent(part.net(composite.whole.templates).net)
-
-
-def sharing_pairs(composite: CompositeSpace) -> Iterator[tuple[Section, Section]]:
-    """Sections in a row that share activities or hardware: one that is left, one that is entered."""
-    graph = composite.mission_net.graph
-    uses = {
-        name: {("activity", a.name) for a in stage.part.used.activities}
-        | {("hardware", h.name) for h in stage.part.used.hardware}
-        for name, stage in composite.sections.items()
-    }
-    for first in graph.sections:
-        for second in {target.name: target for target in graph.targets(first)}.values():
-            if uses[first.name] & uses[second.name]:
-                yield first, second

@@ -279,7 +279,7 @@ def idle_places(mission_net: MissionNet) -> dict[int, tuple[Element, bool]]:
                 if marking[place] != initial[place]:
                     places[place] = ("hardware", name), bool(initial[place])
                     marking[place] = initial[place]
-    # Dying changes nothing else: see :func:`mcpn.drawing.mortal.mortal`.
+    # Dying changes nothing else: see :func:`mcpn.drawing.permanent_loss.mortal`.
     for flag in (flag for status in mission_net.statuses for flag in status.flags):
         for said, reverse in zip(mission_net.flag_places(flag), (False, True), strict=True):
             places |= dict.fromkeys(said, (flag.element, reverse))

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from mcpn._kernel import Zdd
 from mcpn.composite.layout import Layout, idle_places
 from mcpn.drawing.compose import MissionNet
-from mcpn.drawing.mortal import Guard, forgetful
+from mcpn.drawing.forgetful import Guard, forgetful
 from mcpn.drawing.sections import LocalPart
 from mcpn.drawing.status import Element
 from mcpn.errors import LimitError, PremiseError
@@ -33,8 +33,8 @@ from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY, reaching
 from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.memoized import memoized
 from mcpn.spaces.stable.big_steps import MOST_STEPS, BigStepSpace, Steps, reach_in_big_steps
-from mcpn.spaces.stable.completion import MAX_STABLE_STATES
-from mcpn.spaces.stable.confluence import open_conflicts
+from mcpn.spaces.stable.open_conflicts import open_conflicts
+from mcpn.spaces.stable.run_to_completion import MAX_STABLE_STATES
 
 if TYPE_CHECKING:
     from mcpn.spaces.stable.alternatives import AlternativesGraph
@@ -102,9 +102,10 @@ def explore_local(net: PetriNet, dying: PetriNet | None = None, wide: bool = Fal
 
     Args:
         net: The net.
-        dying: Where given, the same net with hardware that may die (:func:`mcpn.drawing.mortal.mortal`): then
-            it is this one that is explored. Death only disables repairs, so the big steps of ``net`` prove
-            that events have one outcome in it, too.
+        dying: Where given, the same net with hardware that may die
+            (:func:`mcpn.drawing.permanent_loss.mortal`): then it is this one that is explored.
+            Death only disables repairs, so the big steps of ``net`` prove that events have one outcome
+            in it, too.
         wide: Whether all markings are tried before big steps (:func:`mcpn.drawing.sections.many_apart`).
 
     Raises:

@@ -11,7 +11,7 @@ from mcpn._kernel import Zdd
 from mcpn.composite.layout import Layout, Renaming, Toggle, renamed_sections, renamed_statuses
 from mcpn.composite.section_type import ALL, Allowed, Exit, SectionType, explore_local
 from mcpn.drawing.compose import MissionNet
-from mcpn.drawing.mortal import mortal
+from mcpn.drawing.permanent_loss import mortal
 from mcpn.drawing.sections import LocalPart, Used
 from mcpn.drawing.status import Element
 from mcpn.drawing.templates import TemplateSet
@@ -21,8 +21,8 @@ from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.nets.events import START, Event, What
 from mcpn.nets.petri import NetBuilder, Provenance
 from mcpn.spaces.diagrams.encoding import Levels
-from mcpn.spaces.images import Bit
 from mcpn.spaces.memoized import memoized
+from mcpn.spaces.projections import Bit
 
 Found = TypeVar("Found")
 

@@ -91,8 +91,9 @@ from mcpn.controller.hierarchy import SectionMachine
 from mcpn.controller.machine import PlannedAction
 from mcpn.controller.modular import AnyController, Rules
 from mcpn.drawing.compose import MissionNet
-from mcpn.mission.conditions import FactUsage, flags
+from mcpn.mission.conditions import flags
 from mcpn.mission.expansion.faults import noticed
+from mcpn.mission.fact_usage import FactUsage
 from mcpn.mission.flatten import requirements_of
 from mcpn.mission.graph import ElementarySection, ObjectivesGraph
 from mcpn.mission.robot import Parameter

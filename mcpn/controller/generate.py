@@ -20,7 +20,7 @@ from mcpn.controller.sizes import (
     too_large,
 )
 from mcpn.errors import LimitError
-from mcpn.spaces.stable.completion import MAX_STABLE_STATES
+from mcpn.spaces.stable.run_to_completion import MAX_STABLE_STATES
 
 Form = Literal["flat", "hierarchical", "modular"]
 

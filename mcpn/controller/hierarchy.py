@@ -32,7 +32,7 @@ from mcpn.composite.section_type import SectionType
 from mcpn.controller.machine import Machine, PlannedAction, controller, event_at
 from mcpn.controller.sizes import refuse_entries
 from mcpn.drawing.compose import MissionNet
-from mcpn.drawing.mortal import ALWAYS, Guard
+from mcpn.drawing.forgetful import ALWAYS, Guard
 from mcpn.drawing.sections import LocalPart
 from mcpn.drawing.status import told_as_facts
 from mcpn.mission.model import ABORT, FAIL, SUCCEED

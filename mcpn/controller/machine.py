@@ -2,8 +2,8 @@
 
 "The mission controller receives the events and reads in the graph of the alternatives the actions he must
 perform (alternative change, activation / deactivation of activity)." A state is a stable marking; the actions
-of an edge are what the net's run to completion does to activities (:mod:`mcpn.controller.run`), in a safe
-order:
+of an edge are what the net's run to completion does to activities
+(:mod:`mcpn.controller.run_to_completion`), in a safe order:
 
 Consumers are stopped before what they consume, and started after it. Hardware is released after the last stop
 and before anything new is asked for. An alternative is selected before its activity starts. The timers of
@@ -20,12 +20,12 @@ from typing import Literal
 import numpy as np
 
 from mcpn.answers.verdicts.modes import Situation, said_by
-from mcpn.controller.run import Runner, Stopped
+from mcpn.controller.run_to_completion import Runner, Stopped
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.sections import section_part
 from mcpn.mission.flatten import ObjectivesGraph, Section
 from mcpn.mission.graph import names_in
-from mcpn.mission.static.usage import Usage
+from mcpn.mission.static.resource_use import Usage
 from mcpn.nets.events import Event
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.markings.graph import Ints
@@ -193,7 +193,7 @@ class Machine:
         mission: The mission's name.
         states: What each state is, by number.
         graph: The alternatives graph, whose edges they are: sorted by source, then in the net's order; at
-            most one for each state and event, but in a net that forgets (:mod:`mcpn.drawing.mortal`).
+            most one for each state and event, but in a net that forgets (:mod:`mcpn.drawing.permanent_loss`).
         orders: By edge, the number of its list of actions.
         lists: By number, actions in order: stops, releases, selections, starts.
         waiting: Numbers of the states before the mission's start.

@@ -18,12 +18,13 @@ from operator import or_
 from mcpn._kernel import BigSteps as KernelSteps
 from mcpn._kernel import MemoryLimit, StateLimit, Zdd, choices
 from mcpn.composite.section_type import SectionType
-from mcpn.controller.run import Runner
+from mcpn.controller.run_to_completion import Runner
 from mcpn.controller.sizes import each_step
 from mcpn.nets.petri import Arcs, PetriNet, Place, Transition
 from mcpn.spaces.diagrams.encoding import Encoding
 from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY
-from mcpn.spaces.markings.explicit import KernelNet, bits_of
+from mcpn.spaces.markings.explicit import KernelNet
+from mcpn.spaces.markings.masked import bits_of
 from mcpn.spaces.stable.big_steps import FEW_CASES, MOST_KEPT, MOST_SINGLY, is_function
 
 FEW_STATES = 2_000

@@ -18,13 +18,13 @@ from mcpn.composite.composite import CompositeSpace
 from mcpn.composite.layout import idle_places
 from mcpn.composite.section_type import SectionType
 from mcpn.controller.conditions import conditions
+from mcpn.controller.decisions import EventParts
 from mcpn.controller.hierarchy import placed_machines
 from mcpn.controller.machine import Ordered, Ordering, situations
 from mcpn.controller.modular import Effect, ModularController, Rule, Rules, Shown, StatusBits
-from mcpn.controller.parts import EventParts
 from mcpn.controller.reaction import EventReaction, Remembering
 from mcpn.controller.reduce import Cube, levels_of, reduced
-from mcpn.controller.run import Runner, Stopped
+from mcpn.controller.run_to_completion import Runner, Stopped
 from mcpn.controller.sizes import count_steps, each_step, representatives
 from mcpn.drawing.status import Element
 from mcpn.errors import LimitError

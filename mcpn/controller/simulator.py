@@ -15,7 +15,7 @@ from itertools import combinations, repeat
 
 from mcpn.answers.verdicts.modes import Situation, situation
 from mcpn.controller.machine import Ordering, PlannedAction
-from mcpn.controller.run import Runner
+from mcpn.controller.run_to_completion import Runner
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
 from mcpn.mission.expansion.faults import Crash

@@ -16,7 +16,7 @@ from mcpn.drawing.templates.interface import Meeting
 from mcpn.mission.flatten import ObjectivesGraph, flatten
 from mcpn.mission.model import Mission
 from mcpn.mission.robot import Activity, Fact, Hardware, Software
-from mcpn.mission.static.usage import Usage
+from mcpn.mission.static.resource_use import Usage
 from mcpn.nets.events import START, What
 from mcpn.nets.petri import Marking, PetriNet
 from mcpn.notebook import Drawn

@@ -15,18 +15,18 @@ from operator import itemgetter
 from typing import Any
 
 from mcpn.drawing.compose import MissionNet, Parts, compose_parts
-from mcpn.drawing.mortal import entered_otherwise
+from mcpn.drawing.permanent_loss import entered_otherwise
 from mcpn.drawing.status import Element, Flag, Status, kind_by_kind, statuses, told_as_facts
 from mcpn.drawing.templates import TemplateSet
 from mcpn.errors import InputError, LimitError, Problem
-from mcpn.mission.conditions import touched_by
 from mcpn.mission.expansion.faults import Crash
 from mcpn.mission.expansion.routes import FactCase, Interrupted, exits_by_facts, exits_on
+from mcpn.mission.fact_usage import touched_by
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.graph import TIMED_OUT, failed_for
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Activity, Fact, Hardware, Software
-from mcpn.mission.static.usage import Usage
+from mcpn.mission.static.resource_use import Usage
 
 MOST_NAMED = 12
 """Sections that an error lists at most."""

@@ -7,7 +7,7 @@ true of an element are its *flags*, and a value is the set of those that are tru
 A status is declared here, and the rest follows in loops over its flags: the slots of the composite's diagrams
 (:mod:`mcpn.composite.layout`), the entries, guards and changes of controllers, the bits of chains
 (:mod:`mcpn.answers.causes`). Facts are all that has values and a start in
-:attr:`mcpn.mission.conditions.FactUsage.facts`, whoever declares it: ``done(x)`` is one of them.
+:attr:`mcpn.mission.fact_usage.FactUsage.facts`, whoever declares it: ``done(x)`` is one of them.
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ from typing import Literal
 from mcpn.drivers.functions import function_of
 from mcpn.drivers.processes import program_of
 from mcpn.errors import InputError, Problem, Source
-from mcpn.mission.near import did_you_mean
+from mcpn.mission.did_you_mean import did_you_mean
 from mcpn.nets.events import Event, What
 from mcpn.runtime.tables import START, Tables, spelled
 

@@ -27,7 +27,7 @@ from mcpn.drivers.mapping import (
 )
 from mcpn.errors import InputError, Problem, Source
 from mcpn.files import read_bounded
-from mcpn.mission.near import did_you_mean
+from mcpn.mission.did_you_mean import did_you_mean
 from mcpn.runtime.tables import START, Tables
 
 MAX_BYTES = 1 << 20

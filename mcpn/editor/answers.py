@@ -14,7 +14,8 @@ from pygls.workspace import TextDocument
 from mcpn.editor.layout import Outlined, formatted, outline
 from mcpn.editor.names import Symbol, attribute_of, resolved, scope_of, symbols, words
 from mcpn.editor.project import Project
-from mcpn.editor.scan import ScannedAttribute, ScannedElement, targets
+from mcpn.editor.route_targets import targets
+from mcpn.editor.scan import ScannedAttribute, ScannedElement
 from mcpn.errors import Problem
 from mcpn.mission.language.datatypes import BOOLEAN, NAME
 from mcpn.mission.language.forms import ROOTS, Tag, language

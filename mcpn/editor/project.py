@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from mcpn.answers.drafts import with_formulas
+from mcpn.answers.formula_errors import with_formulas
 from mcpn.answers.requirements import asked_of
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.editor.scan import Scan, scan
@@ -15,10 +15,10 @@ from mcpn.errors import InputError, LimitError, Problem
 from mcpn.files import file_inside, read_bounded
 from mcpn.mission.conditions import facts_of, objective_done
 from mcpn.mission.flatten import flatten
-from mcpn.mission.language.drafts import MissionDraft
+from mcpn.mission.language.incremental_reader import MissionDraft
 from mcpn.mission.model import Import, Mission
 from mcpn.mission.robot import Robot
-from mcpn.mission.static.usage import Usage
+from mcpn.mission.static.resource_use import Usage
 from mcpn.mission.static.warnings import static_warnings
 from mcpn.mission.xml import MAX_FILE_BYTES, misfits_of, read_mission
 

@@ -23,7 +23,7 @@ from pathlib import Path
 from time import time
 from typing import TYPE_CHECKING, Any
 
-from mcpn.editor.supposing import compared
+from mcpn.editor.what_if import compared
 from mcpn.errors import InputError, LimitError, McpnError, Problem
 from mcpn.report.page import failed_page, files_of, page
 from mcpn.report.words import in_words
@@ -32,7 +32,7 @@ from mcpn.runtime.journal import step_object
 from mcpn.study import Study, open_study
 
 if TYPE_CHECKING:
-    from mcpn.logic.questions import Answer
+    from mcpn.logic.session import Answer
     from mcpn.spaces.engine_names import Asked
 
 LOOPBACK = "127.0.0.1"

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from mcpn.logic.questions import Answer, Session
-from mcpn.logic.verdicts import answer_typed
+from mcpn.logic.answering import answer_typed
+from mcpn.logic.session import Answer, Session
 
 
 class Questions(Session):
     """Answers questions about one net: those that are asked of one object share its space."""
 
     def answer(self, text: str) -> Answer:
-        """Answers a formula, and shows by a run why; see :func:`mcpn.logic.verdicts.answer_typed`."""
+        """Answers a formula, and shows by a run why; see :func:`mcpn.logic.answering.answer_typed`."""
         return answer_typed(self, [text])[0]

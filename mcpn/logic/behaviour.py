@@ -28,8 +28,8 @@ from mcpn.nets.siphons import (
 )
 from mcpn.nets.structure import Sparse, incidence, invariants
 from mcpn.spaces.algebra import S, Space
-from mcpn.spaces.kept import Spaces, spaces_of
-from mcpn.spaces.markings.counted import REPEATED, Boundedness, boundedness
+from mcpn.spaces.markings.boundedness import REPEATED, Boundedness, boundedness
+from mcpn.spaces.registry import Spaces, spaces_of
 from mcpn.spaces.search.goal import DEADLOCK
 from mcpn.spaces.search.portfolio import Portfolio
 

@@ -12,7 +12,7 @@ from typing import Literal
 from mcpn._kernel import Checker
 from mcpn.logic.formulas import EG, EU, EX
 from mcpn.nets.petri import PetriNet
-from mcpn.nets.reduction import reduce_for_branching
+from mcpn.nets.reduce.reduction import reduce_for_branching
 from mcpn.spaces.search.goal import (
     FALSE,
     TRUE,

@@ -57,7 +57,8 @@ def simplified(
         that the bounds decide are constants.
 
     Examples:
-        >>> from mcpn.logic.syntax import Names, parse, show
+        >>> from mcpn.logic.syntax import Names, parse
+        >>> from mcpn.logic.writing import show
         >>> from mcpn.testing.nets import philosophers
         >>> net = philosophers(2)
         >>> names = Names(net)

@@ -17,7 +17,7 @@ from typing import Any, Generic, NamedTuple, Protocol
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.formulas import EG, EU, EX, Justice, is_temporal
 from mcpn.logic.ltl.formulas import SomePath
-from mcpn.logic.syntax import show
+from mcpn.logic.writing import show
 from mcpn.nets.petri import Marking, PetriNet
 from mcpn.spaces.algebra import Edge, S
 from mcpn.spaces.names import Names

@@ -7,7 +7,7 @@ their names qualified by the use (``transect_north.diving``). Rounds of ``each``
 (``visit_12.travel``).
 
 Routes that facts choose (``<route when="door=open">``) become the cases of sections in
-:meth:`_Flattening.deciding`, by :func:`mcpn.mission.expansion.leads.by_facts`.
+:meth:`_Flattening.deciding`, by :func:`mcpn.mission.expansion.destinations.by_facts`.
 """
 
 from __future__ import annotations
@@ -19,8 +19,16 @@ from functools import partial
 from mcpn.errors import InputError, Source
 from mcpn.mission.conditions import facts_of, resolved
 from mcpn.mission.expansion.copies import Copies
-from mcpn.mission.expansion.guards import guarded, left_by_facts, refuse_paused
-from mcpn.mission.expansion.leads import Destination, Destinations, Named, by_facts, failing_for, reasons_led
+from mcpn.mission.expansion.destinations import (
+    Destination,
+    Destinations,
+    Named,
+    by_facts,
+    failing_for,
+    reasons_led,
+)
+from mcpn.mission.expansion.guards import guarded
+from mcpn.mission.expansion.left_by_facts import left_by_facts, refuse_paused
 from mcpn.mission.expansion.pauses import PAUSE, suffix_at, with_pause_graph
 from mcpn.mission.expansion.recovery import entered, following, helping
 from mcpn.mission.expansion.routes import GO_ON, Becoming, Condition, Interruption, Setting

@@ -11,10 +11,10 @@ from math import fsum
 from typing import NamedTuple
 
 from mcpn.errors import Problem
-from mcpn.mission.expansion.guards import left_by_facts
+from mcpn.mission.did_you_mean import did_you_mean
+from mcpn.mission.expansion.left_by_facts import left_by_facts
 from mcpn.mission.language.datatypes import REASON, REASONS, SHARES
 from mcpn.mission.model import Block, Each, Objective, Parallel, Protocol, Recursive, Use
-from mcpn.mission.near import did_you_mean
 from mcpn.mission.robot import Activity
 
 

@@ -8,6 +8,7 @@ from types import NoneType
 from typing import Any
 
 from mcpn.errors import InputError, Problem, Source
+from mcpn.mission.did_you_mean import Hints
 from mcpn.mission.expansion.faults import (
     Crash,
     crash_errors,
@@ -15,10 +16,11 @@ from mcpn.mission.expansion.faults import (
     detection_errors,
     failure_errors,
 )
-from mcpn.mission.expansion.guards import becoming_problems, guard_problems, of_branches, of_missions
+from mcpn.mission.expansion.guards import guard_problems, of_branches
+from mcpn.mission.expansion.left_by_facts import becoming_problems, of_missions
+from mcpn.mission.expansion.name_clashes import clashes
 from mcpn.mission.expansion.pauses import no_siblings, pause_problems
 from mcpn.mission.expansion.recovery import problems as recoveries
-from mcpn.mission.expansion.scope import clashes
 from mcpn.mission.fact_errors import fact_errors
 from mcpn.mission.language.datatypes import NAME, Interval
 from mcpn.mission.language.forms import Field, form_of
@@ -39,7 +41,6 @@ from mcpn.mission.model import (
     Use,
     walk,
 )
-from mcpn.mission.near import Hints
 from mcpn.mission.reasons import ReasonChecks
 from mcpn.mission.requirement import Requirement
 from mcpn.mission.robot import Activity, Described, Element, Parameter

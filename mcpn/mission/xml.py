@@ -1,170 +1,28 @@
-"""Validates mission files against the schema, with errors that say what was found and expected.
+"""Reads mission files (namespace ``urn:mcpn:mission:1``); :mod:`mcpn.mission.writer` writes them.
 
-libxml2 decides, by the file ``schema.rng``, which :mod:`mcpn.mission.language.forms` makes. It says little
-of why a document fails, so elements and attributes are compared with the language once more to find that.
+Files are untrusted: see :mod:`mcpn.xmlio`; imports stay inside the directory of the main file, unless a
+wider root is given. All problems of all files are collected and raised in one go.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 from lxml import etree
 
 from mcpn.errors import InputError, Problem, Source
 from mcpn.files import OutsideError, file_inside, read_bounded
-from mcpn.mission.language.drafts import Edit, Made, MissionDraft, tag_of
-from mcpn.mission.language.forms import NAMESPACE, ROOTS, Field, Tag, form_of, language
-from mcpn.mission.model import Block, Import, Mission, Parallel, Protocol, Recursive
-from mcpn.mission.near import did_you_mean
+from mcpn.mission.language.forms import ROOTS, Field, form_of, language
+from mcpn.mission.language.incremental_reader import Edit, Made, MissionDraft, tag_of
+from mcpn.mission.misfits import find_misfits
+from mcpn.mission.model import Import, Mission, Parallel, Protocol
 from mcpn.mission.robot import Robot
 from mcpn.mission.validate import find_errors
-from mcpn.sentences import quoted
 from mcpn.xmlio import parse_bytes
-
-_BLOCKS = tuple(dict.fromkeys(block.TAG for block in get_args(Block)))
-_UNKNOWN = Tag()
-LOCATION = "{http://www.w3.org/2001/XMLSchema-instance}schemaLocation"
-"""Where an XML Schema is: any root element may have it by that standard; here it has no meaning.
-
-The schema does not say so: trang would declare it in the XSD, which Xerces then refuses.
-"""
-SCHEMA = Path(__file__).with_name("schema.rng")
-
-
-@cache
-def _validator() -> etree.RelaxNG:
-    with SCHEMA.open("rb") as file:
-        return etree.RelaxNG(etree.parse(file))
-
-
-def find_misfits(
-    root: etree._Element, new: tuple[etree._Element, Iterable[etree._Element]] | None = None
-) -> list[tuple[int, str]]:
-    """What in a document does not fit the schema.
-
-    Args:
-        root: The root element of a mission, robot or protocols file.
-        new: After an edit of a document that fitted: an excerpt (if it fits the schema, so does the whole),
-            and the elements that may not fit, by themselves or in what they hold.
-
-    Returns:
-        Lines and messages; empty where the document is valid.
-    """
-    name = etree.QName(root)
-    if name.namespace != NAMESPACE or name.localname not in {root.TAG for root in ROOTS}:
-        return [(_line(root), _no_root(name))]
-    root.attrib.pop(LOCATION, "")
-    validator = _validator()
-    excerpt, suspects = new or (root, root.iter())
-    if validator.validate(excerpt):
-        return []
-    misfits = list(_misfits(suspects))
-    if misfits:
-        return misfits
-    if new and validator.validate(root):
-        return []
-    lines = {entry.line for entry in validator.error_log} or {_line(root)}
-    return [(_line(e), _contents(e)) for e in root.iter() if _line(e) in lines][:1] or [
-        (min(lines), "does not fit the mission language")
-    ]
-
-
-def _line(element: etree._Element) -> int:
-    line = element.sourceline
-    return line if isinstance(line, int) else 1
-
-
-def _no_root(name: etree.QName) -> str:
-    """What is wrong with a root element that begins no file of a mission."""
-    if name.localname in {root.TAG for root in ROOTS}:
-        found = f"in the namespace {name.namespace}" if name.namespace else "without a namespace"
-        return f'found <{name.localname}> {found}, expected <{name.localname} xmlns="{NAMESPACE}" ...>'
-    return f"found the root element {name.text}, expected a mission file (namespace {NAMESPACE})"
-
-
-def _misfits(among: Iterable[etree._Element]) -> Iterator[tuple[int, str]]:
-    tags = language()
-    for element in among:
-        tag, line = etree.QName(element).localname, _line(element)
-        parent = element.getparent()
-        yield from _misplaced(element)
-        if parent is not None:
-            outer = etree.QName(parent).localname
-            allowed = tags[outer].children if outer in tags else (tag,)
-            if tag not in allowed or etree.QName(element).namespace != NAMESPACE:
-                expected = ", ".join(f"<{name}>" for name in sorted(allowed)) or "nothing"
-                yield line, f"found <{tag}> inside <{outer}>, expected {expected}{did_you_mean(tag, allowed)}"
-                continue
-        rule = tags.get(tag, _UNKNOWN)
-        for name, value in ((str(key), str(text)) for key, text in element.attrib.items()):
-            if name not in rule.attributes:
-                known = sorted(rule.attributes)
-                found = f"found the attribute {name} on <{tag}>, expected one of {', '.join(known)}"
-                yield line, f"{found}{did_you_mean(name, known)}"
-            elif not (datatype := rule.attributes[name].datatype).matches(value):
-                yield line, f"{name} of <{tag}> is {quoted(value)}, expected {datatype.expected}"
-        for name in sorted(rule.required - set(element.attrib)):
-            yield line, f"<{tag}> has no attribute {name}, which is required"
-
-
-def _misplaced(element: etree._Element) -> Iterator[tuple[int, str]]:
-    """What is allowed by itself, but not where or with what it stands."""
-    tag, line = etree.QName(element).localname, _line(element)
-    children = [etree.QName(child).localname for child in element]
-    for where, text in ((element, element.text), *((child, child.tail) for child in element)):
-        if text and text.strip():
-            yield _line(where), f"found the text {text.strip()[:40]!r} inside <{tag}>, expected elements only"
-    blocks = [child for child in children if child in _BLOCKS]
-    rule = language().get(tag, _UNKNOWN)
-    if rule.series:
-        first = children.index(blocks[0]) if blocks else len(children)
-        for child, name in zip(list(element)[first:], children[first:], strict=True):
-            if name not in _BLOCKS and name in rule.children:
-                yield (
-                    _line(child),
-                    f"found <{name}> after a block of <{tag}>, expected before its first block",
-                )
-    if not (rule.children.issuperset(children) and rule.attributes.keys() >= set(element.attrib)):
-        return  # an unknown name, which is reported already, may be a misspelling of what is missing
-    if rule.series and not blocks:
-        expected = ", ".join(f"<{name}>" for name in _BLOCKS if name in rule.children)
-        yield line, f"<{tag}> has no blocks, expected one of {expected} inside"
-    if tag == "objective" and bool(blocks) == ("activities" in element.attrib):
-        found = "both activities and blocks" if blocks else "neither activities nor blocks"
-        yield line, f"<objective> has {found}, expected activities (elementary) or blocks (recursive)"
-    if tag == "objective" and blocks:
-        of_both = {"activities", *(a.tag for a in form_of(Recursive).attributes)}
-        for name in (str(name) for name in element.attrib if name not in of_both):
-            yield line, f"<objective> has {name} and blocks, expected {name} on elementary objectives only"
-    if tag == "objective" and blocks and "sets" in children:
-        yield line, "<objective> has <sets> and blocks, expected <sets> in elementary objectives only"
-    if tag == "activity" and "consumes" in element.attrib and "alternative" in children:
-        yield line, "<activity> has both consumes and <alternative>, expected consumes on the alternatives"
-
-
-def _contents(element: etree._Element) -> str:
-    tag = etree.QName(element).localname
-    rule = language().get(tag, _UNKNOWN)
-    children = (
-        ", ".join(dict.fromkeys(f"<{etree.QName(child).localname}>" for child in element)) or "no children"
-    )
-    expected = ", ".join(f"<{name}>" for name in sorted(rule.children))
-    optional = ", ".join(sorted(rule.attributes.keys() - rule.required))
-    return (
-        f"<{tag}> with {', '.join(map(str, element.attrib)) or 'no attributes'} and {children} does not fit; "
-        f"expected children among {expected or 'none'}, or an attribute among {optional or 'none'}"
-    )
-
-
-# --- Reads mission files (namespace ``urn:mcpn:mission:1``); :mod:`mcpn.mission.writer` writes them -------
-#
-# Files are untrusted: see :mod:`mcpn.xmlio`; imports stay inside the directory of the main file, unless a
-# wider root is given. All problems of all files are collected and raised in one go.
 
 NOTHING: Mapping[Path, str] = {}
 MAX_FILE_BYTES = 16 << 20

@@ -10,7 +10,8 @@ from operator import mul
 
 from mcpn.nets.petri import Marking, PetriNet
 from mcpn.nets.programs import minimise
-from mcpn.nets.structure import LARGEST, SCALES, changes, place_bounds
+from mcpn.nets.repeatable import LARGEST, SCALES
+from mcpn.nets.structure import changes, place_bounds
 
 MAX_LISTED = 50_000
 """Markings that are listed to prove a bound."""

@@ -34,7 +34,7 @@ class What(StrEnum):
     REPAIRED = "repaired"
     """A hardware resource is ready again."""
     LOST = "lost"
-    """A hardware resource that is out of service is given up for good (:mod:`mcpn.drawing.mortal`)."""
+    """A hardware resource that is out of service is lost for good (:mod:`mcpn.drawing.permanent_loss`)."""
     EARLIER = "earlier"
     """A handler that happens once has happened before this part of the mission; in nets of parts alone."""
     DETECTED = "detected"

@@ -207,9 +207,6 @@ def classes(net: PetriNet) -> frozenset[str]:
     return frozenset(name for name, holds in held.items() if holds)
 
 
-# --- semiflows -----------------------------------------------------------------------------------------
-
-
 def p_semiflows(net: PetriNet, *, max_rows: int = MAX_ROWS) -> tuple[Sparse, ...]:
     """Every P-semiflow of minimal support: weights of places whose weighted sum of tokens never changes.
 

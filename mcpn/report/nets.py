@@ -9,7 +9,7 @@ from mcpn.logic.behaviour import NetCheck, Structure
 from mcpn.nets.game import TokenGame
 from mcpn.nets.petri import Arcs, Marking, PetriNet
 from mcpn.report.terminal import Terminal
-from mcpn.spaces.markings.counted import OMEGA
+from mcpn.spaces.markings.boundedness import OMEGA
 
 SHOWN = 20
 

@@ -10,7 +10,7 @@ from mcpn.answers.verdicts.mission import MissionCheck, Verdict
 from mcpn.controller.hierarchy import TableController
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import McpnError
-from mcpn.logic.questions import Answer
+from mcpn.logic.session import Answer
 from mcpn.mission.graph import ObjectivesGraph
 from mcpn.mission.model import Mission
 from mcpn.nets.petri import PetriNet

@@ -20,13 +20,13 @@ from mcpn.sentences import counted, shortened
 from mcpn.spaces.engine_names import LOCAL
 
 if TYPE_CHECKING:
-    from mcpn.answers.likeness import Likeness
-    from mcpn.answers.names import NamedWord, Vocabulary
     from mcpn.answers.safety import SafetyAnswer
+    from mcpn.answers.template_equivalence import Likeness
     from mcpn.answers.verdicts.mission import MissionCheck, Verdict
+    from mcpn.answers.vocabulary import NamedWord, Vocabulary
     from mcpn.composite.composite import CompositeSpace
     from mcpn.drawing.compose import MissionNet
-    from mcpn.logic.questions import Answer
+    from mcpn.logic.session import Answer
     from mcpn.logic.witness import Witness
     from mcpn.nets.events import Event
     from mcpn.nets.petri import PetriNet
@@ -253,7 +253,7 @@ _MEANT = {
 
 def print_vocabulary(words: Vocabulary) -> None:
     """Prints the words of a mission, by kind, each with what it stands for."""
-    from mcpn.answers.names import NamedActivity, NamedFact
+    from mcpn.answers.vocabulary import NamedActivity, NamedFact
 
     terminal = Terminal()
     terminal.print(f"words of the mission {words.mission}", style="bold")

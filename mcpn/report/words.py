@@ -15,7 +15,7 @@ from mcpn.spaces.run import Run
 if TYPE_CHECKING:
     from mcpn.answers.requirements import AskedRequirement
     from mcpn.answers.verdicts.mission import MissionCheck
-    from mcpn.answers.verdicts.never import Ignored
+    from mcpn.answers.verdicts.unreachable import Ignored
     from mcpn.drawing.compose import MissionNet
     from mcpn.runtime.tables import Inside
 

@@ -166,9 +166,6 @@ def fits(document: Any, shape: JsonShape, error: type[DamagedFile] = ControllerF
         raise error(str(wrong)) from None
 
 
-# --- how values must fit each other ---
-
-
 def _wrong(value: Any, where: str, expected: str) -> ControllerFileError:
     return ControllerFileError(f"{where}: found {repr(value)[:80]}, expected {expected}")
 

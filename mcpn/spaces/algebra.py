@@ -18,7 +18,7 @@ from typing import Any, Generic, NamedTuple, Protocol, Self, TypeAlias, TypeVar
 
 from mcpn._kernel import Zdd
 from mcpn.nets.petri import Marking, PetriNet
-from mcpn.spaces.images import ImageStore
+from mcpn.spaces.projections import ImageStore
 
 
 class States(Protocol):

@@ -16,8 +16,8 @@ from mcpn.nets.petri import Marking, PetriNet
 from mcpn.nets.structure import needs
 from mcpn.spaces.algebra import Edge, Guards
 from mcpn.spaces.by_steps import BySteps
-from mcpn.spaces.images import ImageStore
 from mcpn.spaces.markings.graph import Mask, StateGraph, rows
+from mcpn.spaces.projections import ImageStore
 from mcpn.spaces.stable.alternatives import AlternativesGraph
 
 AT_ONCE = 1 << 20

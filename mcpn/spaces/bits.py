@@ -14,8 +14,8 @@ from mcpn._kernel import Zdd
 from mcpn.nets.petri import Marking, PetriNet
 from mcpn.spaces.algebra import Edge, Guards
 from mcpn.spaces.by_steps import BySteps
-from mcpn.spaces.images import ImageStore
 from mcpn.spaces.memoized import ByKey, memoized
+from mcpn.spaces.projections import ImageStore
 
 Steps: TypeAlias = Sequence[int]
 """By state, those one edge away, a bit for each."""

@@ -36,7 +36,7 @@ def missions(shape: Shape | None = None, **bounds: int | bool) -> st.SearchStrat
 
     Returns:
         A strategy. Unless ``disjoint_branches`` is set, its missions may contend for resources;
-        :attr:`mcpn.mission.static.usage.Usage.contentions` says whether one does.
+        :attr:`mcpn.mission.static.resource_use.Usage.contentions` says whether one does.
     """
     fields = {key.removeprefix("max_").removeprefix("allow_"): value for key, value in bounds.items()}
     chosen = replace(shape or Shape(), **fields)  # type: ignore[arg-type]

@@ -8,7 +8,7 @@ from typing import TypedDict
 from hypothesis import strategies as st
 
 from mcpn.mission.robot import Activity, Alternative, Fault, Hardware, Software
-from mcpn.testing.data import WorldDrawing
+from mcpn.testing.drawn_facts import WorldDrawing
 from mcpn.testing.shape import REASONS, Shape
 
 

@@ -1,4 +1,4 @@
-"""What missions are drawn from: how large they are and what is in them; numbers, names, texts, parameters."""
+"""What missions are drawn from, their size and parts, and small missions to write down by hand."""
 
 from __future__ import annotations
 
@@ -161,9 +161,6 @@ def stacked_missions(draw: st.DrawFn) -> Mission:
     together = draw(st.sampled_from([("first",), ("first", "beside"), ("beside", "first")]))
     blocks = (Objective(name="one", activities=together), Objective(name="two", activities=("then",)))
     return Mission(name="mission", blocks=blocks, robots=(robot,))
-
-
-# --- Small missions to write down: activities by what their alternatives consume --------------------------
 
 
 def hw(*names: str, faulty: bool = True) -> tuple[Hardware, ...]:

@@ -5,18 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from mcpn.errors import Problem
-from mcpn.trees.controls import (
-    became,
-    fallback,
-    free,
-    in_parallel,
-    reactive_fallback,
-    reactive_sequence,
-    sequence,
-)
+from mcpn.trees.controls import became, fallback, free, in_parallel, sequence
 from mcpn.trees.ledger import Kind
 from mcpn.trees.nodes.node import TreeNode
 from mcpn.trees.pieces import Part, Result
+from mcpn.trees.reactive import reactive_fallback, reactive_sequence
 from mcpn.trees.translator import Context, Rule, Translator, called, parallel
 
 

@@ -20,7 +20,7 @@ from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.names import MissionNames
 from mcpn.answers.verdicts.modes import situation
 from mcpn.drawing.compose import MissionNet, compose
-from mcpn.drawing.mortal import mortal
+from mcpn.drawing.permanent_loss import mortal
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.syntax import parse

@@ -11,13 +11,13 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from mcpn.errors import Source
+from mcpn.logic.answering import answer_all
 from mcpn.logic.asking import Questions
 from mcpn.logic.behaviour import EXAMINATIONS
 from mcpn.logic.contest import Property
-from mcpn.logic.verdicts import answer_all
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.engine_names import Asked
-from mcpn.spaces.kept import Spaces
+from mcpn.spaces.registry import Spaces
 from tests.commands import mcpn, output
 from tests.draws import fewer
 from tests.logic.formulas import Edges, edges_of, formulas, read, satisfying
@@ -73,7 +73,7 @@ def test_all_are_answered_as_the_definitions_say_on_one_space(
 
         return counting
 
-    with patch("mcpn.spaces.kept.Spaces.space", counted(Spaces.space)):
+    with patch("mcpn.spaces.registry.Spaces.space", counted(Spaces.space)):
         answers = [
             (found.name, found.value) for found in answer_all(questions, asked, (*EXAMINATIONS, "OneSafe"))
         ]

@@ -13,12 +13,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import mcpn
-from mcpn.answers.found import FoundStates
+from mcpn.answers.state_sets import FoundStates
 from mcpn.answers.verdicts.modes import Situation, situation
 from mcpn.errors import InputError, LimitError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.nets.petri import NetBuilder
-from mcpn.spaces.diagrams.shown import EMPTY, END, Diagram
+from mcpn.spaces.diagrams.export import EMPTY, END, Diagram
 from mcpn.spaces.engine_names import Engine, On
 from mcpn.study import Study
 from mcpn.testing import missions

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from experiments.template_faults import FAULTS, HARMLESS, Faulty
-from mcpn.answers.likeness import Likeness, likeness, likeness_of
 from mcpn.answers.spaces import MissionSpaces
+from mcpn.answers.template_equivalence import Likeness, likeness, likeness_of
 from mcpn.answers.verdicts.modes import situation
 from mcpn.drawing.compose import compose
 from mcpn.drawing.templates import PaperTemplates

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import event, given
 
 import mcpn
-from mcpn.answers.drafts import mistakes
-from mcpn.answers.names import Vocabulary, vocabulary
+from mcpn.answers.formula_errors import mistakes
+from mcpn.answers.vocabulary import Vocabulary, vocabulary
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
 from mcpn.mission.model import Mission

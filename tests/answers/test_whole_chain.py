@@ -27,17 +27,10 @@ from scipy.linalg import expm
 
 from mcpn.answers.causes import whole_chain as uniformisation
 from mcpn.answers.causes.chain import decimal
+from mcpn.answers.causes.interval_bounds import bounds, poisson, slopes, slopes_of, within
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.causes.risk import risk
-from mcpn.answers.causes.whole_chain import (
-    WholeChain,
-    bounds,
-    poisson,
-    slopes,
-    slopes_of,
-    whole_chain,
-    within,
-)
+from mcpn.answers.causes.whole_chain import WholeChain, whole_chain
 from mcpn.answers.spaces import spaces_of
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError

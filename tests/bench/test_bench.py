@@ -16,10 +16,12 @@ from hypothesis import strategies as st
 
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.causes.risk import risk
-from mcpn.bench.against import Program, Statechart, compare
+from mcpn.bench.controller_places import ControllerPlace, Places
+from mcpn.bench.generated_code import Program, compare
 from mcpn.bench.runs import bench, interval, one_run
+from mcpn.bench.scxml_replay import Statechart
 from mcpn.bench.sequences import sequences
-from mcpn.bench.world import ControllerPlace, Places, World
+from mcpn.bench.world import World
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.targets import files

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from hypothesis import given
 
+from mcpn.bench.controller_places import Places
 from mcpn.bench.runs import edge_of
 from mcpn.bench.sequences import sequences
-from mcpn.bench.world import Places
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.drawing.compose import compose

@@ -20,7 +20,7 @@ from mcpn.spaces.engine_names import Engine
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.run import Completion
 from mcpn.spaces.stable.alternatives import by_reduction, direct
-from mcpn.spaces.stable.completion import fault_after
+from mcpn.spaces.stable.run_to_completion import fault_after
 from mcpn.testing import missions
 from mcpn.testing.elements import CRASHING
 from tests import small

@@ -13,7 +13,7 @@ from mcpn.composite import section_type as exploring
 from mcpn.composite.composing import composite_space
 from mcpn.composite.section_type import Explored, explore_and_prove, explore_local
 from mcpn.drawing.compose import MissionNet, compose
-from mcpn.drawing.mortal import mortal
+from mcpn.drawing.permanent_loss import mortal
 from mcpn.drawing.sections import SectionParts, many_apart
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.mission.model import Mission, Objective, Parallel, Recursive

@@ -13,13 +13,14 @@ import pytest
 from hypothesis import event, given, reject
 from hypothesis.strategies import booleans
 
-from mcpn.composite.composing import composite_space, sharing_pairs
+from mcpn.composite.composing import composite_space
 from mcpn.composite.composite import CompositeSpace
+from mcpn.composite.nonconfluent import sharing_pairs
 from mcpn.composite.section_type import SectionType
 from mcpn.composite.sections import NOWHERE
 from mcpn.controller.generate import generate
 from mcpn.drawing.compose import MissionNet, compose
-from mcpn.drawing.mortal import mortal
+from mcpn.drawing.permanent_loss import mortal
 from mcpn.drawing.sections import junction_part
 from mcpn.drawing.templates import Canvas, PaperTemplates
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, PremiseError

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from mcpn.controller.hierarchy import Move, SectionMachine
-from mcpn.drawing.mortal import Guard
+from mcpn.drawing.forgetful import Guard
 
 
 def is_bisimulation(machine: SectionMachine, classes: Sequence[int]) -> bool:

@@ -43,7 +43,7 @@ def qt_rows(path: Path, events: list[str]) -> list[tuple[list[str], list[str], l
 def python_statemachine(path: Path, events: list[str]) -> Answers:
     """The interpreter of python-statemachine."""
     pytest.importorskip("statemachine.io.scxml.processor", reason="needs python-statemachine")
-    from mcpn.bench.against import answer, interpreted
+    from mcpn.bench.scxml_replay import answer, interpreted
 
     processor = interpreted(path.read_text())
     found: Answers = []

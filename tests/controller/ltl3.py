@@ -10,7 +10,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from mcpn.answers.requirements import AskedRequirement
-from mcpn.controller.monitors import Watcher, on_one_path
+from mcpn.controller.monitors.watched import Watcher, on_one_path
 from mcpn.logic.syntax import parse
 from mcpn.mission.requirement import Requirement
 from mcpn.nets.events import Event

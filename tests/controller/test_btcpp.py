@@ -14,8 +14,8 @@ import pytest
 
 from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
-from mcpn.controller.monitors import files as monitor_files
-from mcpn.controller.monitors import monitors_of
+from mcpn.controller.monitors.writing import files as monitor_files
+from mcpn.controller.monitors.writing import monitors_of
 from mcpn.controller.targets import files
 from mcpn.drawing.compose import MissionNet
 from mcpn.runtime.tables import Tables

@@ -11,7 +11,7 @@ from hypothesis import event, given
 from mcpn.controller.document import document as document_of
 from mcpn.controller.generate import generate
 from mcpn.controller.machine import VERBS, Machine, PlannedAction, controller
-from mcpn.controller.run import Runner
+from mcpn.controller.run_to_completion import Runner
 from mcpn.controller.targets.json import write_json
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError

@@ -16,7 +16,7 @@ from mcpn.controller.hierarchy import Entry, Move, SectionMachine
 from mcpn.controller.machine import PlannedAction
 from mcpn.controller.minimise import minimise, partition, quotient
 from mcpn.drawing.compose import MissionNet, compose
-from mcpn.drawing.mortal import Guard
+from mcpn.drawing.forgetful import Guard
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.nets.events import Event

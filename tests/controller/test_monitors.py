@@ -13,7 +13,8 @@ import pytest
 from hypothesis import event, example, given
 from hypothesis import strategies as st
 
-from mcpn.controller.monitors import files, merged, monitors_of
+from mcpn.controller.monitors.merging import merged
+from mcpn.controller.monitors.writing import files, monitors_of
 from mcpn.runtime import Controller, ControllerFileError, Decision, Journal, Monitors, Refused
 from mcpn.runtime.__main__ import main
 from mcpn.runtime.file_schema import digest_of

@@ -17,7 +17,8 @@ from hypothesis import strategies as st
 
 from mcpn.answers.requirements import AskedRequirement
 from mcpn.controller import monitors as watched
-from mcpn.controller.monitors import Watcher, files, monitors_of
+from mcpn.controller.monitors.watched import Watcher
+from mcpn.controller.monitors.writing import files, monitors_of
 from mcpn.drawing.compose import compose
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.mission.model import Mission

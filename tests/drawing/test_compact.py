@@ -8,8 +8,8 @@ from dataclasses import replace
 import pytest
 from hypothesis import event, given
 
-from mcpn.answers.likeness import Likeness, likeness
 from mcpn.answers.spaces import MissionSpaces
+from mcpn.answers.template_equivalence import Likeness, likeness
 from mcpn.drawing.compose import compose
 from mcpn.drawing.templates import PaperTemplates
 from mcpn.drawing.templates.activities import MAX_TOGETHER

@@ -19,7 +19,7 @@ from mcpn.errors import ConfluenceError, DivergenceError, InputError, LimitError
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import Each, Mission, Objective, Parallel, Recursive, walk
 from mcpn.mission.robot import Activity, Hardware, Robot
-from mcpn.mission.static.usage import Usage
+from mcpn.mission.static.resource_use import Usage
 from mcpn.mission.xml import read_mission
 from mcpn.nets.events import Event
 from mcpn.nets.formats import read_net

@@ -22,7 +22,7 @@ from mcpn.errors import ConfluenceError, DivergenceError, UnsafeError
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.markings.explicit import KernelNet, explore
 from mcpn.spaces.stable.alternatives import by_reduction, direct
-from mcpn.spaces.stable.completion import Orders, settled
+from mcpn.spaces.stable.run_to_completion import Orders, settled
 from mcpn.testing.kit.corpus import MISSIONS
 from tests.drawing.seeding import Fault, Seed, single
 from tests.kernel.test_stubborn import judged_alike

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from mcpn.cli.robot.records import _begun
-from mcpn.cli.robot.run import MOST, ShownLines
+from mcpn.cli.robot.resuming import _begun
+from mcpn.cli.robot.signals import MOST, ShownLines
 from mcpn.drivers.topics import StopMessage, tell_to_stop
 from mcpn.errors import InputError
 from tests.commands import mcpn, output

@@ -17,7 +17,7 @@ from typing import Any, cast
 import pytest
 
 from mcpn import open as open_study
-from mcpn.cli.robot.records import _alone, _rows
+from mcpn.cli.robot.resuming import _alone, _rows
 from mcpn.controller.document import document
 from mcpn.drivers import warden
 from mcpn.drivers.inbox import LONGEST, Splitter

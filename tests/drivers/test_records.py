@@ -17,10 +17,10 @@ from typing import Any
 import pytest
 
 import mcpn.files as mcpn_files
-from mcpn.cli.play import events_of_file
+from mcpn.cli.play.event_files import events_of_file
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
-from mcpn.controller.monitors import files, monitors_of
+from mcpn.controller.monitors.writing import files, monitors_of
 from mcpn.controller.targets.json import write_json
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError

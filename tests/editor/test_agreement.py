@@ -11,14 +11,14 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from lxml import etree
 
-from mcpn.answers.names import NamedWord, vocabulary
 from mcpn.answers.requirements import asked_of
+from mcpn.answers.vocabulary import NamedWord, vocabulary
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError, Problem
 from mcpn.mission.flatten import flatten
 from mcpn.mission.language import references
 from mcpn.mission.model import Mission
-from mcpn.mission.static.usage import Usage
+from mcpn.mission.static.resource_use import Usage
 from mcpn.mission.static.warnings import static_warnings
 from mcpn.mission.xml import read_mission
 from mcpn.spaces.names import WORDS

@@ -10,7 +10,7 @@ from mcpn.editor.project import Project
 from mcpn.editor.scan import scan
 from mcpn.errors import InputError
 from mcpn.mission.flatten import flatten
-from mcpn.mission.static.usage import Usage
+from mcpn.mission.static.resource_use import Usage
 from mcpn.mission.static.warnings import static_warnings
 from mcpn.mission.xml import read_mission
 from tests.conftest import ROOT

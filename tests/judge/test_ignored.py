@@ -10,7 +10,7 @@ from hypothesis import event, given
 from hypothesis import strategies as st
 
 from mcpn.answers.verdicts.mission import check
-from mcpn.answers.verdicts.never import targets
+from mcpn.answers.verdicts.unreachable import targets
 from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Handler, Mission, Objective, Parallel, Protocol, Use

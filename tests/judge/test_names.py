@@ -11,10 +11,11 @@ import pytest
 from hypothesis import event, given
 
 from mcpn.answers.causes.find import find_causes
-from mcpn.answers.names import MissionNames, vocabulary
+from mcpn.answers.names import MissionNames
 from mcpn.answers.spaces import spaces_of
 from mcpn.answers.verdicts.mission import check
-from mcpn.controller.monitors import monitors_of
+from mcpn.answers.vocabulary import vocabulary
+from mcpn.controller.monitors.writing import monitors_of
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import InputError
 from mcpn.logic.asking import Questions

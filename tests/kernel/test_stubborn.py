@@ -20,7 +20,7 @@ from mcpn.mission.model import Mission
 from mcpn.nets.events import Event
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet
 from mcpn.spaces.markings.explicit import KernelNet
-from mcpn.spaces.stable.completion import Walk, settled
+from mcpn.spaces.stable.run_to_completion import Walk, settled
 from mcpn.testing import missions
 from tests.nets.nets import cascades, conflicting_nets, falls, nets, reachable
 from tests.shares import returns_early

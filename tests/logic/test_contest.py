@@ -18,15 +18,15 @@ from hypothesis import assume, event, given
 from hypothesis import strategies as st
 
 from mcpn.errors import InputError, LimitError, Source, UnboundedError
+from mcpn.logic.answering import _Answers, answer_all
 from mcpn.logic.asking import Questions
 from mcpn.logic.contest import Property, read_properties
 from mcpn.logic.evaluate import largest
-from mcpn.logic.verdicts import _Answers, answer_all
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.diagrams import symbolic
 from mcpn.spaces.diagrams.bounded import reach_markings
-from mcpn.spaces.diagrams.runners import OneByOne
+from mcpn.spaces.diagrams.race_entrants import OneByOne
 from mcpn.spaces.engine_names import Asked
 from mcpn.spaces.names import Names
 from mcpn.spaces.search.equation import Ceiling, Proof, Solution, StateEquation
@@ -313,8 +313,8 @@ def test_what_a_search_leaves_open_is_named_and_no_space_is_built() -> None:
             given[verdict.name.removeprefix("ring-12-")] = verdict.value
 
     with (
-        patch("mcpn.spaces.kept.Spaces.space", side_effect=AssertionError),
-        patch("mcpn.spaces.kept.Spaces.go_on", side_effect=AssertionError),
+        patch("mcpn.spaces.registry.Spaces.space", side_effect=AssertionError),
+        patch("mcpn.spaces.registry.Spaces.go_on", side_effect=AssertionError),
         pytest.raises(LimitError, match=r"engine search leaves open: ring-12-Liveness$"),
     ):
         search()
@@ -395,7 +395,9 @@ def test_examinations_that_imply_each_other_are_answered_as_by_the_space(net: Pe
         Property(t.name, read(("EF", ("enabled", t.name)), net), Source("fires")) for t in net.transitions
     ]
     expected = {v.name: v.value for v in answer_all(Questions(net, engine="explicit"), fires, examinations)}
-    with patch("mcpn.spaces.kept.Spaces.go_on", return_value=False):  # what is known without the space first
+    with patch(
+        "mcpn.spaces.registry.Spaces.go_on", return_value=False
+    ):  # what is known without the space first
         for asked in (examinations, examinations[:1], examinations[1:2]):
             searched = {v.name: v.value for v in answer_all(Questions(net), fires, asked)}
             assert searched.items() <= expected.items()

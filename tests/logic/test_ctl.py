@@ -17,12 +17,12 @@ from mcpn.answers.spaces import spaces_of
 from mcpn.composite.composing import composite_space
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, DivergenceError, InputError, LimitError
+from mcpn.logic.answering import answer_all
 from mcpn.logic.asking import Questions
 from mcpn.logic.contest import read_properties
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.formulas import Justice
 from mcpn.logic.syntax import parse
-from mcpn.logic.verdicts import answer_all
 from mcpn.logic.witness import explain
 from mcpn.mission.model import Mission
 from mcpn.nets.formats import read_net

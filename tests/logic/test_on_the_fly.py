@@ -13,7 +13,7 @@ from mcpn.logic.asking import Questions
 from mcpn.logic.formulas import EG, EU, EX
 from mcpn.logic.on_the_fly import LocalChecks, OnTheFlyCheck
 from mcpn.nets.petri import NetBuilder, PetriNet
-from mcpn.nets.reduction import reduce_for_branching
+from mcpn.nets.reduce.reduction import reduce_for_branching
 from mcpn.spaces.search.goal import TRUE, AtMost
 from mcpn.spaces.search.searches import Searches
 from mcpn.testing.nets import philosophers
@@ -159,7 +159,7 @@ def test_the_space_has_as_much_time_as_searches(monkeypatch: pytest.MonkeyPatch)
         turns.append(steps)
         return len(turns) == 3
 
-    monkeypatch.setattr("mcpn.logic.questions.time.process_time", lambda: clock)
+    monkeypatch.setattr("mcpn.logic.session.time.process_time", lambda: clock)
     monkeypatch.setattr(questions.spaces, "go_on", go_on)
     found = []
     for now in (100, 110, 119, 120, 130, 139, 140, 150):

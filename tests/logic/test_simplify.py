@@ -6,12 +6,12 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from mcpn.errors import Source
+from mcpn.logic.answering import answer_all
 from mcpn.logic.asking import Questions
 from mcpn.logic.contest import Property
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.formulas import EG, EU, EX
 from mcpn.logic.simplify import bounds_of, conditions, says_one_state, simplified, weaker
-from mcpn.logic.verdicts import answer_all
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet
 from mcpn.nets.structure import place_bounds
 from mcpn.spaces.arrays import ArraySpace

@@ -9,7 +9,8 @@ from mcpn.answers.names import MissionNames
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError, LimitError
 from mcpn.logic.formulas import EU
-from mcpn.logic.syntax import MAX_DEPTH, MAX_LENGTH, parse, show
+from mcpn.logic.syntax import MAX_DEPTH, MAX_LENGTH, parse
+from mcpn.logic.writing import show
 from mcpn.nets.petri import NetBuilder
 from mcpn.spaces.names import Names
 from mcpn.spaces.search.goal import And, AtMost, Fires, Formula, Not, Or, marked

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from mcpn.answers.spaces import MissionSpaces, spaces_of
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
+from mcpn.logic.answering import answer_typed
 from mcpn.logic.asking import Questions
-from mcpn.logic.questions import Answer
-from mcpn.logic.verdicts import answer_typed
+from mcpn.logic.session import Answer
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.nets.events import Event, What
@@ -184,11 +184,11 @@ def no_space(*_: object, **__: object) -> Any:
 def test_a_search_answers_without_the_space(formula: str, holds: bool) -> None:
     net = ring(40)
     needed = "EG" in formula  # a path that stays: no search finds one
-    with patch("mcpn.spaces.kept.Spaces.go_on", lambda *_: False):
+    with patch("mcpn.spaces.registry.Spaces.go_on", lambda *_: False):
         if needed:
             answer = Questions(net).answer(formula)
         else:
-            with patch("mcpn.spaces.kept.Spaces.space", no_space):
+            with patch("mcpn.spaces.registry.Spaces.space", no_space):
                 answer = Questions(net).answer(formula)
             assert isinstance(answer.choice, NoSpace)
     assert answer.holds is holds
@@ -200,8 +200,8 @@ def test_a_search_answers_without_the_space(formula: str, holds: bool) -> None:
 def test_formulas_of_one_call_share_a_search_and_keep_their_order() -> None:
     asked = ["EF (eat1 & eat5)", "EF deadlock", "think0 & EF deadlock", "EF deadlock"]
     with (
-        patch("mcpn.spaces.kept.Spaces.space", no_space),
-        patch("mcpn.spaces.kept.Spaces.go_on", lambda *_: False),
+        patch("mcpn.spaces.registry.Spaces.space", no_space),
+        patch("mcpn.spaces.registry.Spaces.go_on", lambda *_: False),
     ):
         found = answer_typed(Questions(ring(30)), asked)
     assert [answer.formula for answer in found] == asked
@@ -213,8 +213,8 @@ def test_where_no_space_can_be_had_an_answer_says_that_no_run_is_shown() -> None
         raise LimitError("too large")
 
     with (
-        patch("mcpn.spaces.kept.Spaces.space", none),
-        patch("mcpn.spaces.kept.Spaces.go_on", lambda *_: False),
+        patch("mcpn.spaces.registry.Spaces.space", none),
+        patch("mcpn.spaces.registry.Spaces.go_on", lambda *_: False),
     ):
         answer = Questions(ring(8)).answer("EG think0")
         assert answer.holds

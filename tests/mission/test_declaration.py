@@ -18,11 +18,12 @@ from lxml import etree
 from mcpn.errors import InputError
 from mcpn.mission.language.datatypes import NAME, Datatype, Interval
 from mcpn.mission.language.forms import NAMESPACE, Field, form_of, language
+from mcpn.mission.misfits import SCHEMA
 from mcpn.mission.model import FAIL, SUCCEED, Mission, Objective
 from mcpn.mission.robot import Described, Hardware
 from mcpn.mission.validate import find_errors
 from mcpn.mission.writer import write_mission, written
-from mcpn.mission.xml import SCHEMA, read_mission
+from mcpn.mission.xml import read_mission
 from mcpn.testing import missions
 from mcpn.testing.names import renamed
 from tests.conftest import ROOT

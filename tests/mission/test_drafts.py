@@ -11,9 +11,9 @@ from hypothesis import event, given
 from hypothesis import strategies as st
 
 from mcpn.errors import InputError
-from mcpn.mission.language import drafts
-from mcpn.mission.language.drafts import MissionDraft
+from mcpn.mission.language import incremental_reader as drafts
 from mcpn.mission.language.forms import form_of
+from mcpn.mission.language.incremental_reader import MissionDraft
 from mcpn.mission.model import Mission
 from mcpn.mission.robot import Described
 from mcpn.mission.writer import write_mission

@@ -25,7 +25,7 @@ from mcpn.mission.model import (
     Recursive,
     Use,
 )
-from mcpn.mission.static.usage import Usage
+from mcpn.mission.static.resource_use import Usage
 from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.validate import find_errors
 from mcpn.mission.writer import save_mission

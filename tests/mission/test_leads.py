@@ -8,7 +8,7 @@ from itertools import product
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from mcpn.mission.expansion.leads import Destination, by_facts
+from mcpn.mission.expansion.destinations import Destination, by_facts
 from mcpn.mission.expansion.routes import Condition, FactCase
 
 FACTS = {"door": ("open", "shut"), "light": ("on", "off", "dim")}

@@ -10,7 +10,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet
-from mcpn.nets.reduction import Reduction, reduce_for_deadlock, reduce_for_goal
+from mcpn.nets.reduce.reduction import Reduction, reduce_for_deadlock, reduce_for_goal
 from tests.nets.nets import nets, state_machines, token_nets
 
 EITHER, UP, DOWN = frozenset({1, -1}), frozenset({1}), frozenset({-1})

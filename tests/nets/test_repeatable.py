@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.nets.petri import NetBuilder, PetriNet
-from mcpn.nets.structure import repeatable
+from mcpn.nets.repeatable import repeatable
 from tests.nets.nets import counter, graph_of, nets, token_nets
 
 

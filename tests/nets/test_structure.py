@@ -11,13 +11,7 @@ from hypothesis import given
 
 from mcpn.nets.formats import read_net
 from mcpn.nets.petri import NetBuilder, PetriNet
-from mcpn.nets.structure import (
-    complements,
-    conflicts,
-    incidence,
-    invariants,
-    state_machine_units,
-)
+from mcpn.nets.structure import complements, conflicts, incidence, invariants, state_machine_units
 from tests.nets.nets import nets, pt_nets, state_machines
 
 

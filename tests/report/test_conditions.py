@@ -14,7 +14,7 @@ from mcpn.answers.verdicts.mission import check
 from mcpn.drawing.compose import compose
 from mcpn.findings import findings
 from mcpn.mission.xml import read_mission
-from mcpn.report.failures.terminal import condition, headlines, survived
+from mcpn.report.failures.sentences import condition, headlines, survived
 from mcpn.report.page import page
 from mcpn.spaces.engine_names import Engine
 from tests.logic.asked import ENGINES

@@ -28,12 +28,13 @@ from mcpn.nets.formats import save_net
 from mcpn.nets.petri import NetBuilder
 from mcpn.report.pictures import drawing as drawing_module
 from mcpn.report.pictures import graph as graphs
-from mcpn.report.pictures import graph as graphviz
+from mcpn.report.pictures import graphviz
 from mcpn.report.pictures.choice import KINDS, drawn
 from mcpn.report.pictures.graph import Arrow, Cluster, Graph, Node, Placed, lay_out
 from mcpn.report.pictures.machines import sections_of
-from mcpn.report.pictures.nets import interface, net_picture, units_picture
 from mcpn.report.pictures.objectives import MOST_SECTIONS, objectives_picture
+from mcpn.report.pictures.place_picture import net_picture
+from mcpn.report.pictures.unit_picture import interface, units_picture
 from mcpn.testing import missions
 from tests.commands import mcpn as command
 from tests.commands import output

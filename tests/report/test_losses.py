@@ -17,7 +17,7 @@ from mcpn.mission.model import (
     Parallel,
     Recursive,
 )
-from mcpn.mission.static.usage import Usage
+from mcpn.mission.static.resource_use import Usage
 from mcpn.report.failures.openpsa import Formula, Losses, structured
 from mcpn.spaces.stable.alternatives import direct
 from tests.draws import fewer

@@ -16,7 +16,7 @@ from mcpn.findings import Findings, findings
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.xml import read_mission
 from mcpn.report.page import EPOCH, digest_of, identity, page
-from mcpn.report.pages.live import nominal_run
+from mcpn.report.pages.nominal_run import nominal_run
 from mcpn.report.pages.preflight import preflight
 from mcpn.report.pages.story import headline, story, verdict_of_all
 from mcpn.report.pages.tables import fold_rows, tables

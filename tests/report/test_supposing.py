@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 
-from mcpn.editor.supposing import compared, supposed
+from mcpn.editor.what_if import compared, supposed
 from mcpn.errors import InputError
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from mcpn.composite.composing import composite_space
 from mcpn.drawing.compose import MissionNet
-from mcpn.drawing.mortal import mortal
+from mcpn.drawing.permanent_loss import mortal
 from mcpn.errors import ConfluenceError, SemanticsError
 from mcpn.logic.evaluate import largest
 from mcpn.mission.model import Mission
@@ -20,11 +20,12 @@ from mcpn.nets.petri import Marking, PetriNet
 from mcpn.spaces.algebra import Space, partition
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.bits import BitSpace
+from mcpn.spaces.custom_engine import OwnSpace
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import reach
-from mcpn.spaces.images import ImageStore
-from mcpn.spaces.markings.explicit import explore, mask_of
-from mcpn.spaces.own import OwnSpace
+from mcpn.spaces.markings.explicit import explore
+from mcpn.spaces.markings.masked import mask_of
+from mcpn.spaces.projections import ImageStore
 from mcpn.spaces.stable.alternatives import by_reduction
 from mcpn.spaces.stable.confluence import prove_confluent
 from mcpn.testing import missions

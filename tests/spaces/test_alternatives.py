@@ -16,7 +16,7 @@ from mcpn.nets.events import Event
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.markings.graph import StateGraph
-from mcpn.spaces.stable import completion
+from mcpn.spaces.stable import run_to_completion
 from mcpn.spaces.stable.alternatives import by_reduction, direct
 from tests.nets.nets import nets, reachable
 from tests.shares import returns_early
@@ -97,7 +97,7 @@ def test_premises_are_decided_as_by_plain_search(drawn: PetriNet) -> None:
         with pytest.raises(expected) as walked:
             direct(net)
         # As where too much is behind the event to be listed.
-        with pytest.raises(expected) as kept, mock.patch.object(completion, "MOST_LISTED", 0):
+        with pytest.raises(expected) as kept, mock.patch.object(run_to_completion, "MOST_LISTED", 0):
             direct(net)
         for caught in (reduced.value, walked.value, kept.value):
             if isinstance(caught, DivergenceError):

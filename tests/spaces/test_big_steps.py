@@ -26,7 +26,7 @@ from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY
 from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.stable import big_steps
 from mcpn.spaces.stable.big_steps import BigStepSpace, reach_in_big_steps
-from mcpn.spaces.stable.completion import settled
+from mcpn.spaces.stable.run_to_completion import settled
 from mcpn.testing import missions
 from mcpn.testing.shape import stacked_missions
 from tests.draws import composed, fewer

@@ -13,7 +13,8 @@ from mcpn.errors import LimitError, UnsafeError
 from mcpn.mission.model import Mission
 from mcpn.nets.formats import read_net
 from mcpn.nets.petri import NetBuilder, PetriNet, Place
-from mcpn.spaces.sizes import ENGINES, SpaceSummary, summarise
+from mcpn.spaces.sizes import summarise
+from mcpn.spaces.summary import ENGINES, SpaceSummary
 from mcpn.testing import missions
 from mcpn.testing.nets import queens
 from tests.draws import fewer

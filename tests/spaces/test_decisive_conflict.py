@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 from mcpn.errors import ConfluenceError, DivergenceError, SemanticsError, UnsafeError
 from mcpn.nets.events import Event
 from mcpn.nets.petri import NetBuilder, PetriNet
-from mcpn.spaces.stable import completion
+from mcpn.spaces.stable import run_to_completion
 from mcpn.spaces.stable.alternatives import direct
-from mcpn.spaces.stable.completion import fault_after, parting_runs
+from mcpn.spaces.stable.decisive_conflict import parting_runs
+from mcpn.spaces.stable.run_to_completion import fault_after
 from tests.spaces.runs import assert_parts, markings_of
 
 Graph = dict[int, dict[int, int]]
@@ -110,7 +111,7 @@ def machine(graph: Graph, behind: int, *, beside: bool, overfull: int | None) ->
     return builder.build()
 
 
-@pytest.mark.parametrize("listed", [completion.MOST_LISTED, 0])
+@pytest.mark.parametrize("listed", [run_to_completion.MOST_LISTED, 0])
 @given(graphs(), st.integers(0, 2), st.booleans(), st.none() | st.integers(0, 6))
 def test_every_interleaving_is_judged(
     listed: int, graph: Graph, behind: int, beside: bool, overfull: int | None
@@ -130,7 +131,7 @@ def test_every_interleaving_is_judged(
         if holds
     }
     event(f"{sorted(kind.__name__ for kind in possible)}")
-    with mock.patch.object(completion, "MOST_LISTED", listed):
+    with mock.patch.object(run_to_completion, "MOST_LISTED", listed):
         told: list[SemanticsError | None] = [fault_after(net, events)]
         try:
             direct(net)

@@ -18,25 +18,26 @@ from mcpn.answers.spaces import spaces_of
 from mcpn.composite.composing import composite_space
 from mcpn.controller.generate import generate
 from mcpn.drawing.compose import compose
-from mcpn.drawing.mortal import mortal
+from mcpn.drawing.permanent_loss import mortal
 from mcpn.drawing.sections import MOST_ALTERNATIVES, MOST_AT_ONCE, MOST_BRANCHES, MOST_HARDWARE
-from mcpn.drawing.templates import interrupting
+from mcpn.drawing.templates import interrupt_net as interrupting
 from mcpn.errors import LimitError, UnboundedError
 from mcpn.mission.model import SUCCEED, Handler, Mission, Objective, Parallel
 from mcpn.mission.xml import read_mission
 from mcpn.nets.events import Event
 from mcpn.nets.petri import EVENTS, NetBuilder, PetriNet
 from mcpn.nets.siphons import p_semiflows, siphons, t_semiflows, traps
-from mcpn.spaces import images
+from mcpn.spaces import projections as images
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.diagrams.bounded import reach_markings
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import reach
 from mcpn.spaces.engines import Choice
-from mcpn.spaces.images import ImageStore
-from mcpn.spaces.markings.counted import boundedness, count_tokens, explore_tokens
+from mcpn.spaces.markings.boundedness import boundedness
+from mcpn.spaces.markings.counted import count_tokens, explore_tokens
 from mcpn.spaces.markings.explicit import count, explore
+from mcpn.spaces.projections import ImageStore
 from mcpn.spaces.search.goal import FALSE, AtMost
 from mcpn.spaces.search.searches import Searches
 from mcpn.spaces.stable.alternatives import direct, direct_with_proof, written_out
@@ -196,8 +197,8 @@ def test_transient_markings(monkeypatch: pytest.MonkeyPatch) -> None:
     assert explore(net).states == 28
 
     def built(max_states: int) -> None:
-        monkeypatch.setattr("mcpn.spaces.stable.completion.TRANSIENT_OF_A_STATE", 0)
-        monkeypatch.setattr("mcpn.spaces.stable.completion.LEAST_TRANSIENT", max_states)
+        monkeypatch.setattr("mcpn.spaces.stable.run_to_completion.TRANSIENT_OF_A_STATE", 0)
+        monkeypatch.setattr("mcpn.spaces.stable.run_to_completion.LEAST_TRANSIENT", max_states)
         assert direct(net).states == 2
 
     assert_exact(built, 7, "more than {limit} transient markings")
@@ -405,7 +406,7 @@ def test_a_wide_section_is_refused_before_a_diagram_is_made(
 
     monkeypatch.setattr("mcpn.composite.composing._explored", begun)
     monkeypatch.setattr("mcpn.composite.composing.nearest_fault", lambda *_: None)
-    monkeypatch.setattr("mcpn.spaces.kept.reaching", begun)
+    monkeypatch.setattr("mcpn.spaces.registry.reaching", begun)
     spaces = spaces_of(compose(read_mission(wide(tmp_path, *refused))))
     with pytest.raises(LimitError, match=rf"wide\.xml:2: p has {found}"):
         spaces.space(Choice(engine), "alternatives")

@@ -19,8 +19,8 @@ from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.diagrams.encoding import Encoding
 from mcpn.spaces.diagrams.order import cuthill_mckee
 from mcpn.spaces.diagrams.race import FIRST_BUDGET, LEAST_BUDGET, SIDE_BY_SIDE, Race, Resting
+from mcpn.spaces.diagrams.race_entrants import ByOrder, OneByOne
 from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
-from mcpn.spaces.diagrams.runners import ByOrder, OneByOne
 from mcpn.spaces.diagrams.symbolic import reach, reaching
 from tests.nets.nets import nets
 

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from mcpn._kernel import Zdd
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.arrays import ArraySpace
+from mcpn.spaces.diagrams.greatest_fixpoint import _ByCycles
 from mcpn.spaces.diagrams.spaces import DiagramMarkings
-from mcpn.spaces.diagrams.staying import _ByCycles
 from mcpn.spaces.diagrams.symbolic import reach
 from mcpn.spaces.markings.explicit import explore
 from tests.nets.nets import nets, reachable

@@ -11,7 +11,8 @@ from mcpn.errors import LimitError, UnboundedError
 from mcpn.nets.events import Event
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.markings import counted
-from mcpn.spaces.markings.counted import OMEGA, boundedness, count_tokens, explore_tokens
+from mcpn.spaces.markings.boundedness import OMEGA, boundedness
+from mcpn.spaces.markings.counted import count_tokens, explore_tokens
 from mcpn.testing.nets import FAMILIES
 from tests.nets.nets import graph_of, nets, token_nets
 from tests.shares import returns_early

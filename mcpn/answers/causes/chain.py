@@ -1,4 +1,6 @@
-"""The rate of each edge of a chain: what solves the chain takes floats, what writes it exact fractions.
+"""A section of a mission, or the whole mission, as a continuous-time Markov chain with a rate for each edge.
+
+What solves the chain takes floats, what writes it exact fractions.
 
 The model is that of :mod:`mcpn.answers.causes.risk`.
 """
@@ -107,9 +109,7 @@ class EdgeRates:
         return failed
 
 
-# --- A section of a mission, or the whole mission taken as one, as a continuous-time Markov chain ---------
-#
-# The model is that of :mod:`mcpn.answers.causes.risk`. The chain starts in the first state of the section,
+# The chain starts in the first state of the section,
 # given the status of the hardware at its entry, and is absorbed at the exits. Probabilities of absorption are
 # those of the embedded jump chain (Kemeny, Snell, *Finite Markov Chains*, 1960, chapter 3), from one linear
 # system. What happens beside a section before it ends is a race of the chain with clocks: the same system

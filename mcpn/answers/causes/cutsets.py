@@ -1,10 +1,10 @@
 """Minimal cut sets: minimal sets of hardware that, lost for good, leave no way to succeed.
 
 A set is lost for good where it is out of service and never repaired, while other hardware may fail and
-recover as it likes. In the net whose hardware may die (:mod:`mcpn.drawing.mortal`) the sets that a goal
-survives are the image, on the places *dead*, of the states from which a run without a further death reaches
-it. The hardware is lost at one of the moments of :class:`Moment`; the sets that are not survived are read
-off a diagram, the minimal ones by their size, and no set is tried on its own.
+recover as it likes. In the net whose hardware may die (:mod:`mcpn.drawing.permanent_loss`) the sets that a
+goal survives are the image, on the places *dead*, of the states from which a run without a further death
+reaches it. The hardware is lost at one of the moments of :class:`Moment`; the sets that are not survived are
+read off a diagram, the minimal ones by their size, and no set is tried on its own.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from typing import NamedTuple
 from mcpn._kernel import Zdd
 from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.drawing.compose import MissionNet
-from mcpn.drawing.mortal import mortal
+from mcpn.drawing.permanent_loss import mortal
 from mcpn.mission.flatten import Section
 from mcpn.spaces.algebra import Alike, S, Space
-from mcpn.spaces.images import ImageStore
 from mcpn.spaces.memoized import memoized
+from mcpn.spaces.projections import ImageStore
 
 CutSet = tuple[str, ...]
 """Names of hardware, in alphabetical order."""
@@ -69,7 +69,7 @@ class CutSets(Prospects[S]):
 
     Args:
         mission_net: The mission's net.
-        space: The alternatives graph of :func:`mcpn.drawing.mortal.mortal` of it.
+        space: The alternatives graph of :func:`mcpn.drawing.permanent_loss.mortal` of it.
     """
 
     def __init__(self, mission_net: MissionNet, space: Space[S]) -> None:

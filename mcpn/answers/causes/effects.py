@@ -12,7 +12,7 @@ from mcpn.answers.verdicts.modes import Situation
 from mcpn.mission.expansion.faults import Crash
 from mcpn.mission.flatten import Branch, ElementarySection, ParallelSection
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
-from mcpn.mission.static.usage import Usage
+from mcpn.mission.static.resource_use import Usage
 
 
 class Severity(IntEnum):

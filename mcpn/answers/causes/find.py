@@ -14,7 +14,7 @@ from typing import Any
 from mcpn.answers.causes.cutsets import CutSet, CutSets, Moment, Nonmonotone
 from mcpn.answers.causes.prospects import CriticalEvent, Goal, Prospects
 from mcpn.answers.spaces import MissionSubject, spaces_of
-from mcpn.answers.verdicts.never import selected_and_entered
+from mcpn.answers.verdicts.unreachable import selected_and_entered
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError
 from mcpn.mission.flatten import Section

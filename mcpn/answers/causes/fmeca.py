@@ -23,7 +23,7 @@ from mcpn.mission.expansion.routes import GO_ON
 from mcpn.mission.flatten import Branch, ElementarySection, ParallelSection
 from mcpn.nets.events import What
 from mcpn.spaces.algebra import Alike, S, Space
-from mcpn.spaces.images import ImageStore
+from mcpn.spaces.projections import ImageStore
 from mcpn.steps import Doing, step
 
 Others: TypeAlias = tuple[str, ...]

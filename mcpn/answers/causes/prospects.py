@@ -28,8 +28,8 @@ from mcpn.mission.static.handover import entries
 from mcpn.nets.events import ENDING, Event, What
 from mcpn.nets.petri import Marking
 from mcpn.spaces.algebra import Alike, Edge, Piece, S, Space, Without, partition
-from mcpn.spaces.images import ImageStore
 from mcpn.spaces.memoized import memoized
+from mcpn.spaces.projections import ImageStore
 from mcpn.spaces.run import Completion, Run, transitions_of
 
 _PASSED = (What.START, What.SUCCESS)

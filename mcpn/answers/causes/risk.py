@@ -38,7 +38,7 @@ from mcpn.answers.spaces import spaces_of
 from mcpn.composite.composite import CompositeSpace
 from mcpn.composite.section_type import SectionType
 from mcpn.drawing.compose import MissionNet
-from mcpn.drawing.mortal import entered_otherwise
+from mcpn.drawing.permanent_loss import entered_otherwise
 from mcpn.drawing.sections import LocalPart
 from mcpn.drawing.status import Element
 from mcpn.errors import InputError, LimitError

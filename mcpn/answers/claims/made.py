@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, Generic, Literal
 from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.answers.claims.claim import Assumes, Claim
 from mcpn.answers.claims.kinds import KINDS
-from mcpn.answers.verdicts.never import targets
 from mcpn.answers.verdicts.nominal import meant_to_be_entered
+from mcpn.answers.verdicts.unreachable import targets
 from mcpn.nets.events import Event, What
 from mcpn.sentences import enumeration
 from mcpn.spaces.algebra import S, Space
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mcpn.answers.causes.fmeca import Row
     from mcpn.answers.requirements import RequirementAnswer
     from mcpn.answers.verdicts.mission import MissionCheck
-    from mcpn.answers.verdicts.never import Ignored
+    from mcpn.answers.verdicts.unreachable import Ignored
     from mcpn.drawing.compose import MissionNet
 
 VERDICTS = {

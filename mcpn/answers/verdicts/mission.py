@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.spaces import MissionSpaces, MissionSubject, spaces_of
 from mcpn.answers.verdicts.modes import Mode, functioning_modes
-from mcpn.answers.verdicts.never import Ignored, Never, changing_nothing, never_happens
 from mcpn.answers.verdicts.nominal import NominalRuns
+from mcpn.answers.verdicts.unreachable import Ignored, Never, changing_nothing, never_happens
 from mcpn.answers.verdicts.unsafe_abort import abort_by_failure, without_safe_end
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, Problem, SemanticsError, UnsafeError
@@ -33,8 +33,8 @@ from mcpn.spaces.run import Run, run_of_fewest_events, transitions_of
 from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
-    from mcpn.answers.late import LateLoss
     from mcpn.answers.requirements import AskedRequirement, RequirementAnswer
+    from mcpn.answers.undetected_losses import LateLoss
 
 _TRY = re.compile(r"_run[0-9]+(?=[._]|$)|_try[0-9]+(?=[.]|$)")
 
@@ -421,7 +421,7 @@ def _late(mission_net: MissionNet, alternatives: Space[Any] | None) -> tuple[Lat
     """What losses that are noticed late cost, where some are."""
     if alternatives is None or not mission_net.mission.late:
         return ()
-    from mcpn.answers.late import late_losses
+    from mcpn.answers.undetected_losses import late_losses
 
     return tuple(late_losses(mission_net, alternatives))
 

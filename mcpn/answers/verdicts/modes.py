@@ -14,7 +14,7 @@ from itertools import compress
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from mcpn._kernel import Zdd
-from mcpn.spaces.images import ImageStore
+from mcpn.spaces.projections import ImageStore
 
 if TYPE_CHECKING:
     from mcpn.drawing.compose import MissionNet

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence, Set
 from typing import Generic, NamedTuple
 
-from mcpn.answers.verdicts.never import objectives_run
+from mcpn.answers.verdicts.unreachable import objectives_run
 from mcpn.drawing.compose import MissionNet
 from mcpn.mission.expansion.copies import Copies, Written
 from mcpn.mission.graph import ElementarySection, ObjectivesGraph

@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mcpn.cli.robot.monitor import monitors_for
+from mcpn.cli.robot.watching import monitors_for
 from mcpn.cli.shared import EXIT_FAILED, FILE, FiniteRange, Question, emit_json, question
 from mcpn.errors import InputError, LimitError
 
 if TYPE_CHECKING:
     from mcpn.answers.causes.risk import Risk
-    from mcpn.bench.against import Difference, Generated
+    from mcpn.bench.generated_code import Difference, Generated
     from mcpn.bench.runs import Bench, BenchRun
     from mcpn.controller.modular import AnyController
     from mcpn.drawing.compose import MissionNet
     from mcpn.study import Study
-    from mcpn.trees.nodes.forest import Forest
+
 
 TARGETS = ("c", "python", "scxml")
 
@@ -64,9 +64,9 @@ def bench(
     (causes --rates), which stand beside: exit code 1 where one lies outside of its interval, or where
     generated code does anything else than the runtime.
     """
+    from mcpn.bench.fault_scripts import read_script
     from mcpn.bench.runs import bench as played
     from mcpn.bench.runs import nominal_run_of, one_run_of
-    from mcpn.bench.sequences import read_script
     from mcpn.bench.world import World
     from mcpn.controller.document import document
     from mcpn.files import write_folder
@@ -118,11 +118,11 @@ def bench(
         told["traces"] = [str(traces / name) for name in files]
     every = (one_run_of(world, seed, number, script) for number in range(runs))
     if watching:
-        from mcpn.bench.runs import watched
+        from mcpn.bench.monitored_runs import watched
 
         told["monitors"] = watched(monitors_for(study, question.max_states), every)
     if against is not None:
-        from mcpn.bench.against import compare
+        from mcpn.bench.generated_code import compare
 
         with tempfile.TemporaryDirectory() as folder:
             program = _generated(against, controller, mission_net, Path(folder))
@@ -141,13 +141,13 @@ def bench(
 
 def _generated(target: str, controller: AnyController, mission_net: MissionNet, folder: Path) -> Generated:
     if target == "scxml":
-        from mcpn.bench.against import Statechart
+        from mcpn.bench.scxml_replay import Statechart
         from mcpn.controller.modular import ModularController
 
         if isinstance(controller, ModularController):
             raise LimitError("--against scxml: the controller is modular, and SCXML has no such form")
         return Statechart(controller, mission_net)
-    from mcpn.bench.against import Program
+    from mcpn.bench.generated_code import Program
 
     return Program(controller, mission_net, target, folder)
 
@@ -250,103 +250,3 @@ def _print(told: dict[str, Any]) -> None:
             click.echo(f"  expected {figure['expected']}\n  found    {figure['found']}")
     for path in told["traces"]:
         click.echo(path)
-
-
-# --- Sequences of events that take every edge of a mission's controller, as tests -------------------------
-
-
-@click.command()
-@click.argument("mission", type=FILE)
-@click.option("-o", "--output", type=FILE, help="Directory to write the tests to.")
-@click.option(
-    "--btcpp",
-    type=FILE,
-    metavar="FILE",
-    help="Write runs to failure and minimal sets as substitution rules of BehaviorTree.CPP, with --tree.",
-)
-@click.option("--tree", type=FILE, help="With --btcpp: the behaviour tree that the mission was made of.")
-@click.option("--main", metavar="ID", help="With --btcpp: the tree to execute, as for init.")
-@click.option("--nodes", type=FILE, multiple=True, help="With --btcpp: a TreeNodesModel, as for init.")
-@click.option("--library", multiple=True, metavar="NAME=VERSION", help="With --btcpp: as for init.")
-@question()
-def tests(
-    question: Question,
-    mission: Path,
-    output: Path | None,
-    btcpp: Path | None,
-    tree: Path | None,
-    main: str | None,
-    nodes: tuple[Path, ...],
-    library: tuple[str, ...],
-) -> None:
-    """Write sequences of events that take every edge of the controller of MISSION.
-
-    They are for a robot's own code: test_controller.py for pytest, events.txt and expected.txt for a program
-    that reads lines, as the example of the C target does.
-
-    With --btcpp they are for the tree that a mission was made of (mcpn init --from): what its leaves answer
-    on a run on which nothing fails and on runs to failure, and leaves that always fail.
-    """
-    if (btcpp is None) != (tree is None) or (btcpp is None and (main is not None or nodes or library)):
-        raise click.UsageError("--btcpp and --tree need each other; --main, --nodes and --library need both")
-    if (output is None) == (btcpp is None):
-        raise click.UsageError("expected either -o or --btcpp")
-    if btcpp is not None and tree is not None:
-        from mcpn.trees.reading import read_forest
-
-        study = question.study(mission)
-        _mocks(study, btcpp, tree, read_forest(tree, nodes, main, library=library), question)
-        return
-    assert output is not None
-    from mcpn.bench.sequences import files, sequences
-    from mcpn.controller.document import document
-    from mcpn.controller.targets.json import FILE_NAME, write_json
-    from mcpn.files import write_folder
-    from mcpn.runtime.tables import Tables
-
-    study = question.study(mission)
-    controller = study.controller("hierarchical", max_states=question.max_states)
-    said = document(controller, study.mission_net)
-    found = sequences(Tables(said))
-    texts = dict(files(found, controller.mission)) | {FILE_NAME: write_json(said)}
-    write_folder(output, texts)
-    told = {
-        "mission": controller.mission,
-        "edges": found.edges,
-        "sequences": len(found.each),
-        "events": sum(map(len, found.each)),
-        "files": [str(output / name) for name in texts],
-    }
-    if question.as_json:
-        emit_json(told)
-        return
-    click.echo(
-        f"{told['sequences']:,} sequences of {told['events']:,} events take all {told['edges']:,} edges "
-        f"of the controller of {told['mission']}"
-    )
-    for path in texts:
-        click.echo(str(output / path))
-
-
-def _mocks(study: Study, output: Path, tree: Path, forest: Forest, question: Question) -> None:
-    """Writes tests of the tree that a mission was made of."""
-    import json
-
-    from mcpn.bench.mocks import document, mocks
-    from mcpn.files import write_atomically
-    from mcpn.trees.importing import translate
-
-    mission_net = study.mission_net
-    imported = translate(forest, mission_net.mission.name, tree.name)
-    checked = study.verdicts(max_states=question.max_states)
-    found = mocks(imported, mission_net, checked, study.causes(max_states=question.max_states))
-    written = document(found, mission_net.mission.name, tree.name)
-    write_atomically(output, json.dumps(written, indent=1) + "\n")
-    if question.as_json:
-        told = {key: written[key] for key in ("mission", "tree", "left_out")}
-        emit_json({**told, "scenarios": len(found.scenarios), "files": [str(output)]})
-        return
-    click.echo(f"{len(found.scenarios):,} tests of {tree.name}")
-    for name, why in found.left_out:
-        click.echo(f"  left out: {name}: {why}")
-    click.echo(str(output))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,9 +13,8 @@ from mcpn.cli.shared import EXIT_FAILED, FILE, Question, emit_json, question
 from mcpn.errors import InputError, Source
 
 if TYPE_CHECKING:
-    from mcpn.controller.monitors import MissionMonitors
-    from mcpn.runtime.monitors import Monitors
-    from mcpn.study import Study
+    pass
+from mcpn.cli.robot.watching import not_within
 
 
 @click.command()
@@ -44,7 +42,7 @@ def monitor(
         raise click.UsageError("-o or --log is needed")
     if btcpp and output is None:
         raise click.UsageError("--btcpp needs -o, the directory to write to")
-    from mcpn.controller.monitors import files, monitors_of
+    from mcpn.controller.monitors.writing import files, monitors_of
     from mcpn.files import write_folder
     from mcpn.runtime.journal import JournalError
     from mcpn.runtime.monitors import Monitors, told, watch
@@ -103,27 +101,3 @@ def _lines(log: Path) -> list[str]:
     except (OSError, UnicodeDecodeError) as error:
         why = getattr(error, "strerror", None) or "it is no text"
         raise InputError.at(Source(str(log)), f"cannot be read: {why}") from None
-
-
-# --- Monitors of a mission's requirements, for commands that play or run it -------------------------------
-
-
-def monitors_for(study: Study, max_states: int | None) -> Monitors:
-    """The monitors of a mission that its controller plays: its own continuations decide, where they can."""
-    from mcpn.controller.monitors import files, monitors_of
-    from mcpn.runtime.monitors import Monitors
-
-    monitors = monitors_of(study.mission_spaces("what it requires"), max_states, within=True)
-    for line in not_within(monitors):
-        click.echo(line, err=True)
-    return Monitors(json.loads(files(monitors)["monitors.json"]))
-
-
-def not_within(monitors: MissionMonitors) -> Iterator[str]:
-    """Which monitors are decided by any continuation though the mission's own were asked for, and why."""
-    from mcpn.controller.monitors import MAX_WITHIN
-
-    for each in monitors.monitors:
-        if not each.within:
-            why = f"within the mission it would have more than {MAX_WITHIN} states"
-            yield f"{each.name}: decided by any continuation, for {why}"

@@ -10,7 +10,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from mcpn.controller.targets.c import written
-from mcpn.controller.targets.names import c_string, comment, render
+from mcpn.controller.targets.names import c_string, comment
+from mcpn.controller.targets.render import render
 from mcpn.controller.targets.tables import MachineNumbers, RuleNumbers
 from mcpn.nets.events import START
 

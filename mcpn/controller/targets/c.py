@@ -12,15 +12,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from mcpn.controller.targets.names import (
-    C_PREFIX_RESERVED,
-    C_SIGNIFICANT,
-    c_string,
-    comment,
-    identifiers,
-    render,
-    rows,
-)
+from mcpn.controller.targets.names import C_PREFIX_RESERVED, C_SIGNIFICANT, c_string, comment, identifiers
+from mcpn.controller.targets.render import render, rows
 from mcpn.controller.targets.tables import MachineNumbers, RuleNumbers
 from mcpn.runtime.documents import FORMS
 

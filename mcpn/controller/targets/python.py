@@ -15,7 +15,8 @@ from typing import Any
 
 from mcpn.controller.targets.btcpp import held
 from mcpn.controller.targets.json import write_json
-from mcpn.controller.targets.names import PYTHON_KEYWORDS, comment, identifiers, render
+from mcpn.controller.targets.names import PYTHON_KEYWORDS, comment, identifiers
+from mcpn.controller.targets.render import render
 
 PACKAGE = "mcpn.runtime"
 

@@ -11,7 +11,7 @@ from mcpn.drawing.templates.names import names_of
 from mcpn.errors import Source
 from mcpn.mission.flatten import ObjectivesGraph, ParallelSection
 from mcpn.mission.robot import Activity, Alternative, Fact
-from mcpn.mission.static.usage import Usage
+from mcpn.mission.static.resource_use import Usage
 from mcpn.nets.events import ENDING, Event, What
 from mcpn.nets.petri import NetBuilder, Provenance
 
@@ -46,7 +46,7 @@ Role: TypeAlias = tuple[RoleName, str]
 ``("active", "localisation.gps_localisation")``: this alternative of this activity runs;
 ``("wait", …)``: it is selected and waits for answers;
 ``("want", …)``: it would be selected but for another activity, which has a resource that it needs: it waits
-for the release, and holds nothing (:meth:`~mcpn.mission.static.usage.Usage.waits_for_release`);
+for the release, and holds nothing (:meth:`~mcpn.mission.static.resource_use.Usage.waits_for_release`);
 ``("refused", "diving")``: no alternative of the activity is possible;
 ``("oos", "GPS_sensor")``: the hardware resource is out of service;
 ``("known", "camera")``: it is detected late, and known to be out of service;
@@ -62,7 +62,7 @@ for the release, and holds nothing (:meth:`~mcpn.mission.static.usage.Usage.wait
 ``("fact", "door=open")``: the fact has the value;
 ``("ready", "localise.by_scan")``: it has not crashed, and does not run (some places of what may crash);
 ``("alive", "GPS_sensor")``, ``("dead", "GPS_sensor")``: it may be repaired, or is lost for good (only in
-:mod:`mcpn.drawing.mortal`).
+:mod:`mcpn.drawing.permanent_loss`).
 """
 
 MAX_COMBINED = 6

@@ -7,8 +7,8 @@ from functools import partial
 from mcpn.drawing.templates.activities import running_place
 from mcpn.drawing.templates.canvas import Canvas, Pen
 from mcpn.drawing.templates.facts import draw_facts
-from mcpn.drawing.templates.interrupting import Interrupting
-from mcpn.drawing.templates.interruption import draw_once
+from mcpn.drawing.templates.interrupt_net import Interrupting
+from mcpn.drawing.templates.interrupt_positions import draw_once
 from mcpn.drawing.templates.leaving import Leaving
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.graph import TIMED_OUT

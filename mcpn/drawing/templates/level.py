@@ -7,7 +7,7 @@ from typing import Self
 
 from mcpn.drawing.templates.canvas import Canvas
 from mcpn.drawing.templates.facts import FactArcs, ways
-from mcpn.drawing.templates.interruption import Surroundings, events_of, may_halt
+from mcpn.drawing.templates.interrupt_positions import Surroundings, events_of, may_halt
 from mcpn.drawing.templates.leaving import Leaving
 from mcpn.mission.expansion.routes import GO_ON, FactCase
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section

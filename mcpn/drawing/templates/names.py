@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from weakref import WeakKeyDictionary
 
 from mcpn.mission.flatten import ParallelSection
-from mcpn.mission.static.usage import Usage
+from mcpn.mission.static.resource_use import Usage
 
 _PREFIXES = {"objective": "OBJ_", "parallel": "PAR_", "once": "ONCE_", "fact": "FACT_"}
 

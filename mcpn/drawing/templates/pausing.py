@@ -8,7 +8,7 @@ from functools import partial
 from mcpn.drawing.templates.canvas import Pen
 from mcpn.drawing.templates.facts import ways
 from mcpn.drawing.templates.halting import Halting
-from mcpn.drawing.templates.interruption import called
+from mcpn.drawing.templates.interrupt_positions import called
 from mcpn.mission.flatten import ElementarySection, ParallelSection
 
 

@@ -17,7 +17,7 @@ from collections.abc import Collection, Container, Iterable, Iterator, Mapping, 
 from dataclasses import dataclass, replace
 
 from mcpn.errors import Problem
-from mcpn.mission.near import Hints
+from mcpn.mission.did_you_mean import Hints
 from mcpn.mission.robot import Activity, Alternative, Fault, Hardware, Robot
 
 

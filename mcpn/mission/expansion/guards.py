@@ -14,13 +14,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
-from mcpn.errors import InputError, Problem, Source
+from mcpn.errors import Problem
 from mcpn.mission.conditions import resolved
-from mcpn.mission.expansion.leads import Destination, by_facts
+from mcpn.mission.expansion.destinations import Destination, by_facts
 from mcpn.mission.expansion.recovery import helping
-from mcpn.mission.graph import ObjectivesGraph, Section
 from mcpn.mission.language.references import cycles
-from mcpn.mission.model import Block, Mission, Parallel
+from mcpn.mission.model import Block, Parallel
 from mcpn.mission.robot import Fact
 
 
@@ -75,48 +74,3 @@ def of_branches(block: Parallel) -> Iterator[Problem]:
         for guard in child.guards[:1]:
             message = f"{child.name} has a guard (enter), though it is a child of a parallel block"
             yield Problem(guard.source, f"{message}: guards stand on {block.name}")
-
-
-# --- Left when facts become so ---------------------------------------------------------------------------
-
-
-def left_by_facts(block: Block) -> bool:
-    """Whether a block is left when facts become so."""
-    return any(handler.when for handler in block.handlers)
-
-
-def becoming_problems(block: Block) -> Iterator[Problem]:
-    """What else a block cannot have that is left when facts become so."""
-    handler = next((handler for handler in block.handlers if handler.when), None)
-    if handler is None:
-        return
-    if block.recover is not None:
-        yield _alone(block, handler.source, f"recovers by {block.recover}")
-    if block.timeout_goto is not None and (block.retries or block.repeat):
-        yield _alone(block, handler.source, "has copies, each with a timeout_goto")
-
-
-def _alone(block: Block, source: Source | None, though: str) -> Problem:
-    message = f"{block.name} is left when facts become so (on when), though it {though}"
-    return Problem(source, f"{message}: put it into an objective of its own, and <on when> there")
-
-
-def of_missions(mission: Mission) -> Iterator[Problem]:
-    """Facts by which a whole mission would be left."""
-    for handler in mission.handlers:
-        if handler.when:
-            message = f"{mission.name} is left when facts become so (on when), though it is the mission"
-            yield Problem(handler.source, f"{message}: put its blocks into an objective, and <on when> there")
-
-
-def refuse_paused(section: Section) -> None:
-    """Refuses what pauses as a whole, on an event, if facts may leave it or something in it.
-
-    Raises:
-        InputError: It does, with the line of the condition.
-    """
-    for inner in ObjectivesGraph((section,), section.name).all_sections():
-        for each in inner.becomes:
-            message = f"{inner.name} is left when facts become so (on when), and an event pauses it"
-            reason = "changes of facts in the meantime would be lost: use goto, and a route back"
-            raise InputError.at(each.source, f"{message}: {reason}")

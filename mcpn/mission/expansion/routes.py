@@ -1,8 +1,8 @@
 """How sections of the objectives graph are left: by their ends, by events that interrupt them, by facts.
 
 How routes are chosen by facts is in :mod:`mcpn.mission.flatten` (``deciding``) and
-:mod:`mcpn.mission.expansion.leads`; facts and ``<route>`` are declared in :mod:`mcpn.mission.robot` and
-:mod:`mcpn.mission.model`.
+:mod:`mcpn.mission.expansion.destinations`; facts and ``<route>`` are declared in :mod:`mcpn.mission.robot`
+and :mod:`mcpn.mission.model`.
 """
 
 from __future__ import annotations

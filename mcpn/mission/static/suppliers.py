@@ -9,7 +9,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from itertools import combinations
 
-from mcpn.mission.conditions import FACTS, FactUsage
+from mcpn.mission.conditions import FACTS
+from mcpn.mission.fact_usage import FactUsage
 from mcpn.mission.flatten import ObjectivesGraph, ParallelSection
 from mcpn.mission.model import Mission
 from mcpn.mission.robot import Activity, Hardware

@@ -7,11 +7,11 @@ from functools import cache
 
 from mcpn.errors import Problem
 from mcpn.mission.expansion.copies import grouped
-from mcpn.mission.fact_errors import fact_warnings
+from mcpn.mission.fact_warnings import fact_warnings
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, flatten
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Holder, Mission, Use, walk
 from mcpn.mission.static.contention import contention_warnings
-from mcpn.mission.static.usage import Usage
+from mcpn.mission.static.resource_use import Usage
 
 
 def find_warnings(subject: Mission | Usage) -> list[Problem]:

@@ -101,7 +101,7 @@ def save_net(net: PetriNet, path: Path | str) -> str | None:
     if net.complements:
         warning = f"{path}: inhibitor arcs are written as arcs of {len(net.complements)} complement places"
     if suffix == ".pnml":
-        from mcpn.nets.formats.pnml import write_pnml
+        from mcpn.nets.formats.pnml_writer import write_pnml
 
         write_atomically(path, write_pnml(net))
         if net.priorities:

@@ -11,13 +11,13 @@ from mcpn.answers.causes.find import Causes, GoalCauses, Survival
 from mcpn.answers.causes.prospects import CriticalEvent
 from mcpn.answers.claims import claims_of_losses
 from mcpn.nets.events import Event
-from mcpn.report.failures.terminal import condition, safe
+from mcpn.report.failures.sentences import condition, safe
 from mcpn.spaces.run import Run
 
 if TYPE_CHECKING:
     from mcpn.answers.causes.fmeca import Row
+    from mcpn.answers.causes.interval_bounds import Within
     from mcpn.answers.causes.risk import Risk
-    from mcpn.answers.causes.whole_chain import Within
 
 
 def causes_object(causes: Causes, *, runs: bool = True, rows: Sequence[Row] = ()) -> dict[str, Any]:

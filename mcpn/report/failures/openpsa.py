@@ -33,11 +33,11 @@ from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, Par
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Hardware
 from mcpn.mission.static.intervals import at_their_means
-from mcpn.mission.static.usage import Usage
+from mcpn.mission.static.resource_use import Usage
 from mcpn.report.terminal import plain
 from mcpn.sentences import enumeration, shortened
-from mcpn.spaces.images import ImageStore
 from mcpn.spaces.memoized import memoized
+from mcpn.spaces.projections import ImageStore
 
 Reference: TypeAlias = tuple[Literal["gate", "basic-event"], str]
 Formula: TypeAlias = Reference | tuple[Literal["and", "or"], Sequence["Formula"]]

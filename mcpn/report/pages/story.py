@@ -11,8 +11,8 @@ from mcpn.answers.causes.cutsets import CutSet, Moment
 from mcpn.answers.claims.claim import Claim, told
 from mcpn.answers.verdicts.mission import NOMINAL
 from mcpn.nets.events import Event
-from mcpn.report.failures.terminal import without_a_rate
-from mcpn.report.pages.live import nominal_run, strip
+from mcpn.report.failures.sentences import without_a_rate
+from mcpn.report.pages.nominal_run import nominal_run, strip
 from mcpn.report.pages.preflight import single_losses
 from mcpn.report.text import SENTENCES, sentence_of
 from mcpn.report.words import (

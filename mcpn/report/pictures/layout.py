@@ -282,9 +282,6 @@ class _Layout:
                 self.picture.lines.append(Line(into, kind, True, f"{label} leads to {target}"))
 
 
-# --- routes --------------------------------------------------------------------------------------------
-
-
 def _next(box: Box, index: int) -> str:
     return box.children[index + 1].name if index + 1 < len(box.children) else SUCCEED
 
@@ -357,9 +354,6 @@ def _lanes(box: Box) -> _Lanes:
     lanes = list(dict.fromkeys([*every, *_own_events(box)]))
     left = tuple(lane for lane in lanes if lane[0] == "failure")
     return _Lanes(left, tuple(lane for lane in lanes if lane[0] != "failure"))
-
-
-# --- the robot -----------------------------------------------------------------------------------------
 
 
 _Data: TypeAlias = tuple[tuple[str, str], ...]

@@ -15,7 +15,7 @@ from mcpn.answers.verdicts.modes import Situation, situation
 from mcpn.controller.hierarchy import SectionMachine, TableController, section_machine
 from mcpn.controller.machine import PlannedAction
 from mcpn.drawing.compose import MissionNet
-from mcpn.drawing.mortal import forgetful
+from mcpn.drawing.forgetful import forgetful
 from mcpn.drawing.sections import part_of
 from mcpn.errors import LimitError
 from mcpn.findings import LocalGraph
@@ -172,9 +172,6 @@ def states_within(
         end: int | str = exits[target] if target in exits else new[target]
         passages.append(DrawnEvent(new.get(source), end, graph.event(edge)))
     return [said[n] for n in numbers], passages
-
-
-# --- the picture of some states ------------------------------------------------------------------------
 
 
 def _runs(state: Situation) -> Hashable:

@@ -12,9 +12,9 @@ from mcpn.spaces.algebra import Edge, Guards
 from mcpn.spaces.by_steps import BySteps
 from mcpn.spaces.diagrams.closing import elements
 from mcpn.spaces.diagrams.encoding import distinct
+from mcpn.spaces.diagrams.greatest_fixpoint import Staying
 from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
-from mcpn.spaces.diagrams.staying import Staying
-from mcpn.spaces.images import ImageStore
+from mcpn.spaces.projections import ImageStore
 
 CLOSURE_FACTOR = 4
 """By how many times the budget of a closure grows from turn to turn."""
@@ -220,7 +220,7 @@ class Diagrams(BySteps[Zdd]):
         """States from which some maximal run stays in a set; see :meth:`mcpn.spaces.algebra.Space.staying`.
 
         What was left off because its time was spent goes on where it was; see
-        :mod:`mcpn.spaces.diagrams.staying`.
+        :mod:`mcpn.spaces.diagrams.greatest_fixpoint`.
         """
         if transitions is not None:
             ends, left = along - self.enabling(transitions), along

@@ -12,7 +12,7 @@ from mcpn.errors import LimitError
 from mcpn.nets.petri import PetriNet
 from mcpn.nets.structure import complements
 from mcpn.spaces.diagrams.order import Order
-from mcpn.spaces.images import Bit
+from mcpn.spaces.projections import Bit
 
 MOST_WEIGHT = 2**105
 """What a level may add to a sum of tokens; the kernel's sums over all levels are exact."""

@@ -16,8 +16,9 @@ from typing import TypeAlias, TypeVar
 
 from mcpn.errors import LimitError
 from mcpn.nets.petri import Marking, PetriNet
+from mcpn.nets.repeatable import repeatable
 from mcpn.nets.siphons import classes, commoner
-from mcpn.nets.structure import incidence, needs, repeatable
+from mcpn.nets.structure import incidence, needs
 from mcpn.spaces.search import HOME, INITIAL_STATE, RANDOM_WALK, STATE_EQUATION, STRUCTURE, TRAPS
 from mcpn.spaces.search.equation import Ceiling, StateEquation
 from mcpn.spaces.search.goal import AtMost, Fires, Formula, Goal, as_goal, asks_dead, fireable, holds, marked

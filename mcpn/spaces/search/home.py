@@ -26,7 +26,8 @@ from math import inf
 
 from mcpn.nets.petri import Marking, PetriNet
 from mcpn.nets.programs import minimise
-from mcpn.nets.structure import SCALES, Sparse, changes, needs
+from mcpn.nets.repeatable import SCALES
+from mcpn.nets.structure import Sparse, changes, needs
 from mcpn.spaces.search.equation import Proof, StateEquation
 from mcpn.spaces.search.goal import And, AtMost, Goal, Or, marked
 from mcpn.spaces.search.searches import Searches

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from mcpn.nets.petri import PetriNet
-from mcpn.nets.reduction import Reduction, reduce_for_deadlock, reduce_for_goal
+from mcpn.nets.reduce.reduction import Reduction, reduce_for_deadlock, reduce_for_goal
 from mcpn.spaces.search import (
     EXPLICIT,
     INITIAL_STATE,

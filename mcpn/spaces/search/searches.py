@@ -16,7 +16,7 @@ from mcpn._kernel import TokenNet
 from mcpn.errors import UnsafeError
 from mcpn.nets.petri import PetriNet
 from mcpn.nets.structure import changes, needs
-from mcpn.spaces.markings.explicit import unsafe_at_start
+from mcpn.spaces.markings.masked import unsafe_at_start
 from mcpn.spaces.search.goal import Goal, encode, holds
 
 Run: TypeAlias = tuple[int, ...]

@@ -8,14 +8,15 @@ Which module is which step of the argument (``papers/mcpn.md``, section 3):
    event, one marking for all that evolve alike.
 3. :mod:`~mcpn.spaces.stable.confluence` is the symbolic proof: 1, then 2, on the diagram of all reachable
    markings.
-4. :mod:`~mcpn.spaces.stable.completion` runs events to completion without that diagram, in enough orders of
+4. :mod:`~mcpn.spaces.stable.run_to_completion` runs events to completion without that diagram, in
+   enough orders of
    internal transitions to prove each outcome (stubborn sets, Proposition 3).
    :mod:`~mcpn.spaces.stable.alternatives` builds the alternatives graph so, or by reduction of the markings
    graph; :mod:`~mcpn.spaces.stable.big_steps` does it for many stable states at once (Propositions 4, 5).
    :mod:`~mcpn.spaces.stable.alternatives` lists the states of any engine as such a graph.
 
 Where the proof fails, :mod:`~mcpn.spaces.stable.falsification` looks for the nearest counterexample,
-:mod:`~mcpn.spaces.stable.completion` finds the two firings that decide the outcome, and
+:mod:`~mcpn.spaces.stable.run_to_completion` finds the two firings that decide the outcome, and
 :mod:`~mcpn.composite.clash` finds which elements of the mission want the same
 (:mod:`~mcpn.composite.clash` says it).
 """

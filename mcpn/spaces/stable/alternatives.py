@@ -22,7 +22,8 @@ from mcpn.nets.petri import PetriNet
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.markings.graph import Ints, Mask, StateGraph, pack
-from mcpn.spaces.stable.completion import (
+from mcpn.spaces.stable.falsification import proved
+from mcpn.spaces.stable.run_to_completion import (
     MAX_STABLE_STATES,
     PROOF_BY_MARKINGS,
     confluence_error,
@@ -30,7 +31,6 @@ from mcpn.spaces.stable.completion import (
     judged,
     settled,
 )
-from mcpn.spaces.stable.falsification import proved
 from mcpn.steps import tell
 
 State = TypeVar("State", bound=Hashable)

@@ -4,7 +4,7 @@ A big step applies to every stable marking that marks certain places and leaves 
 computed from one such marking, by running the event to completion; the places that were read on the way are
 its condition, and all markings that agree on them behave alike. So few big steps cover many states, and no
 transient marking is kept. Each is tried in enough orders of internal transitions to prove that the event has
-one outcome in all of these markings (:mod:`mcpn.spaces.stable.completion`).
+one outcome in all of these markings (:mod:`mcpn.spaces.stable.run_to_completion`).
 
 An event that concerns all branches of a mission has a product of big steps. It is run to completion from
 whole sets of states, and what it makes of them is one function (``kernel/src/markings/set_evolution.cpp``).

@@ -14,8 +14,9 @@ from mcpn._kernel import Exploration
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsError, UnsafeError
 from mcpn.nets.events import What
 from mcpn.nets.petri import PetriNet
-from mcpn.spaces.markings.explicit import KernelNet, MaskedNet, mask_of, unsafe_after
-from mcpn.spaces.stable.completion import LEAST_TRANSIENT, Walk, judged, settled
+from mcpn.spaces.markings.explicit import KernelNet
+from mcpn.spaces.markings.masked import MaskedNet, mask_of, unsafe_after
+from mcpn.spaces.stable.run_to_completion import LEAST_TRANSIENT, Walk, judged, settled
 
 FIRINGS = 50_000
 """Firings, and markings behind events, after which the search gives up; about a second."""

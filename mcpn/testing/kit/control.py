@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import invariant, precondition, rule
 
 from mcpn.nets.events import START, Event, What
-from mcpn.testing.kit.contract import CHOICE, TemplateMachine, told
+from mcpn.testing.kit.alone import CHOICE, TemplateMachine, told
 
 
 class ControlMachine(TemplateMachine):

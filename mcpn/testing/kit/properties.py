@@ -16,8 +16,8 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from mcpn.answers.likeness import likeness_of
 from mcpn.answers.spaces import MissionSpaces
+from mcpn.answers.template_equivalence import likeness_of
 from mcpn.drawing.compose import compose
 from mcpn.drawing.templates import TemplateSet
 from mcpn.errors import ConfluenceError, DivergenceError, SemanticsError, UnsafeError

@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from hypothesis.stateful import invariant, precondition, rule
 
 from mcpn.nets.events import What
-from mcpn.testing.kit.contract import CHOICE, TemplateMachine, states_of, told
+from mcpn.testing.kit.alone import CHOICE, TemplateMachine, told
+from mcpn.testing.kit.contract import states_of
 
 
 class ResourceMachine(TemplateMachine):

@@ -14,9 +14,11 @@ from hypothesis import strategies as st
 
 from mcpn.errors import LimitError
 from mcpn.logic.ltl import automaton
-from mcpn.logic.ltl.automaton import classes, is_stutter_insensitive, translated, write_hoa
+from mcpn.logic.ltl.automaton import translated
 from mcpn.logic.ltl.formulas import Happens, Next, Until, always, eventually, normal
-from mcpn.logic.syntax import parse_open, show
+from mcpn.logic.ltl.hoa import classes, is_stutter_insensitive, write_hoa
+from mcpn.logic.syntax import parse_open
+from mcpn.logic.writing import show
 from mcpn.nets.petri import NetBuilder
 from mcpn.spaces.components import strongly_connected
 from mcpn.spaces.names import Names

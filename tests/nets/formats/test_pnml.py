@@ -13,7 +13,8 @@ from lxml import etree
 
 from mcpn.errors import InputError
 from mcpn.nets.formats import read_net, save_net
-from mcpn.nets.formats.pnml import NAMESPACE, write_pnml
+from mcpn.nets.formats.pnml import NAMESPACE
+from mcpn.nets.formats.pnml_writer import write_pnml
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.steps import WorkStep, heard_by
 from tests.nets.nets import odd_nets

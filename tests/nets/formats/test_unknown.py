@@ -21,7 +21,7 @@ from mcpn.nets.formats import read_net
 from mcpn.nets.formats.json import KNOWN as OF_JSON
 from mcpn.nets.formats.json import write_json
 from mcpn.nets.formats.pnml import KNOWN as OF_PNML
-from mcpn.nets.formats.pnml import write_pnml
+from mcpn.nets.formats.pnml_writer import write_pnml
 from mcpn.nets.formats.tina import write_tina
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.names import Names

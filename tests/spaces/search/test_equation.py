@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from mcpn.nets.formats import read_net
 from mcpn.nets.petri import NetBuilder, PetriNet
-from mcpn.nets.reduction import reduce_for_deadlock
+from mcpn.nets.reduce.reduction import reduce_for_deadlock
 from mcpn.spaces.search.equation import Proof, StateEquation
 from mcpn.spaces.search.goal import DEADLOCK, And, AtMost, Goal, marked
 from mcpn.spaces.search.searches import Searches

@@ -1,0 +1,1 @@
+"""Missions and nets played at a prompt or from a file of events."""

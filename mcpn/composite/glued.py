@@ -1,0 +1,334 @@
+"""Sections glued at their interface: sets of states of the composite, steps and closures.
+
+A state of the whole is a section, a state of its local net, and the status of the hardware beside it; before
+and after the mission there is the status of the hardware alone. What one section hands to the next is its
+exit and the status of all hardware.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
+from heapq import heappop, heappush
+from itertools import chain
+from typing import TypeAlias
+
+from mcpn._kernel import Zdd
+from mcpn.composite.layout import Layout
+from mcpn.composite.section_type import ALL, Allowed
+from mcpn.composite.sections import BEGIN, Stage, WholeNet, ends_of, outside
+from mcpn.spaces.algebra import Guards, Without
+from mcpn.spaces.components import strongly_connected
+from mcpn.spaces.memoized import ByKey, memoized
+
+Filter: TypeAlias = Callable[[str], Allowed]
+"""By section, what its edges may carry."""
+
+Member = tuple[str, tuple[int, ...]]
+"""A state: its section, and its marked levels with the section's own slots unmarked."""
+
+
+class SectionSets(dict[str, Zdd]):
+    """A set of states in the making: by section, a diagram that is not empty."""
+
+    def add(self, name: str, part: Zdd) -> bool:
+        """Adds states of a section; whether some are new."""
+        known = self.get(name)
+        wider = part if known is None else known | part
+        if not wider or wider == known:
+            return False
+        self[name] = wider
+        return True
+
+
+class CompositeSet:
+    """A set of states of a composite.
+
+    Args:
+        space: The composite.
+        parts: By section, a diagram with the section's own slots open; those that are empty are left out.
+    """
+
+    __slots__ = ("parts", "space")
+
+    def __init__(self, space: Glued, parts: Mapping[str, Zdd]) -> None:
+        self.space = space
+        self.parts = {name: part for name, part in parts.items() if part}
+
+    def __and__(self, other: CompositeSet) -> CompositeSet:
+        few, many = sorted((self.parts, other.parts), key=len)
+        return CompositeSet(self.space, {n: part & many[n] for n, part in few.items() if n in many})
+
+    def __or__(self, other: CompositeSet) -> CompositeSet:
+        few, many = sorted((self.parts, other.parts), key=len)
+        return CompositeSet(self.space, many | {n: p | many[n] if n in many else p for n, p in few.items()})
+
+    def __sub__(self, other: CompositeSet) -> CompositeSet:
+        theirs = other.parts
+        rest = {n: part - theirs[n] if n in theirs else part for n, part in self.parts.items()}
+        return CompositeSet(self.space, rest)
+
+    def __bool__(self) -> bool:
+        return bool(self.parts)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, CompositeSet) and self.parts == other.parts
+
+    def __hash__(self) -> int:
+        return hash(frozenset(self.parts.items()))
+
+    def of(self, name: str) -> Zdd:
+        """The states of one section."""
+        return self.parts.get(name, self.space.empty)
+
+    def count(self) -> int:
+        """How many states the set has."""
+        return sum(self.space.stages[name].closed(part).count() for name, part in self.parts.items())
+
+    def pick(self) -> Member | None:
+        """A state of the first section in the mission's order, with little hardware out of service."""
+        if not self.parts:
+            return None
+        name = min(self.parts, key=self.space.order.__getitem__)
+        return name, tuple(self.space.stages[name].closed(self.parts[name]).pick() or ())
+
+
+class Glued:
+    """The sections of a mission, glued.
+
+    Args:
+        whole: The net of the whole mission; it is not explored.
+        layout: The diagram store.
+        sections: Every section with its type, in document order.
+    """
+
+    def __init__(self, whole: WholeNet, layout: Layout, sections: Sequence[Stage]) -> None:
+        self.whole = whole
+        self.mission_net = whole.mission_net
+        self.net = self.mission_net.net
+        self.layout = layout
+        self.sections = {stage.name: stage for stage in sections}
+        around = (BEGIN, *ends_of(self.mission_net))
+        begin, *ends = (outside(name, self.mission_net, layout) for name in around)
+        self.stages: dict[str, Stage] = {s.name: s for s in (begin, *sections, *ends)}
+        self.empty = layout.store.empty()
+        self.nothing = CompositeSet(self, {})
+        self.order = {name: i for i, name in enumerate(self.stages)}
+        self.into: dict[str, dict[str, None]] = {name: {} for name in self.stages}  # whose routes lead there
+        for stage in self.stages.values():
+            for route in stage.routes.values():
+                self.into[route][stage.name] = None
+
+    @cached_property
+    def initial(self) -> CompositeSet:
+        """The state before the mission: all hardware is in service that is so at the start."""
+        true = chain.from_iterable(status.values[status.initial] for status in self.mission_net.statuses)
+        slots = self.layout.slots_of(true)
+        return CompositeSet(self, {BEGIN: self.stages[BEGIN].entered(self.layout.store.singleton(slots))})
+
+    @cached_property
+    def everything(self) -> CompositeSet:
+        """All reachable states."""
+        local = {name: stage.type.inside for name, stage in self.stages.items()}
+        return self.reached(self.initial, CompositeSet(self, local))
+
+    @cached_property
+    def stable(self) -> CompositeSet:
+        """All states: each is stable."""
+        return self.everything
+
+    def filtered(self, transitions: Collection[int] | None, guards: Guards[CompositeSet] = None) -> Filter:
+        """What edges may carry, as each section sees it; guards are of sections' events."""
+        if transitions is None and not guards:
+            return lambda name: ALL
+        many, few = transitions, frozenset[int]()
+        if isinstance(transitions, Without):
+            many, few = transitions.many, transitions.few
+        wanted, limits = None if many is None else frozenset(many), guards or {}
+        beside = None if wanted is None else self._beside(wanted).difference(few)
+
+        def of(name: str) -> Allowed:
+            own = self.stages[name].transitions
+            local = None if wanted is None else self._local(wanted, name)
+            if few and local is not None:
+                local = local.difference(i for i, t in enumerate(own) if t in few)
+            guarded = ((i, limits[t].of(name)) for i, t in enumerate(own) if t in limits) if limits else ()
+            return Allowed(local, beside, tuple(guarded))
+
+        return ByKey(of).__getitem__
+
+    @memoized
+    def _beside(self, wanted: frozenset[int]) -> frozenset[int]:
+        """Those of some transitions that are of hardware beside sections."""
+        return wanted.intersection(self.layout.toggles)
+
+    @memoized
+    def _local(self, wanted: frozenset[int], name: str) -> frozenset[int]:
+        """Those of some transitions that a section has, in its local net: one set for all that are alike."""
+        own = self.stages[name].transitions
+        return self._once(frozenset([i for i, t in enumerate(own) if t in wanted]))
+
+    @memoized
+    def _once(self, local: frozenset[int]) -> frozenset[int]:
+        """One object for equal sets (interning)."""
+        return local
+
+    # --- one step ---
+
+    def ends_into(self, stage: Stage, parts: Mapping[str, Zdd]) -> Zdd:
+        """States after the exits of a section from which a set is entered."""
+        routes = (route for route in stage.routes.values() if route in parts)
+        return stage.ends({route: self.stages[route].entries(parts[route]) for route in routes})
+
+    def leaving(self, into: Mapping[str, Zdd], within: CompositeSet, allowed: Filter) -> SectionSets:
+        """States of a set with an event that leads out of their section, into another set."""
+        sources = SectionSets()
+        if len(within.parts) == 1:  # a region of one section, which is most of them
+            names = [n for n in within.parts if not into.keys().isdisjoint(self.stages[n].routes.values())]
+        else:
+            names = [n for n in dict.fromkeys(s for r in into for s in self.into[r]) if n in within.parts]
+        for name in names:
+            stage = self.stages[name]
+            if stage.type.may_end(allowed(name).local):
+                ends = self.ends_into(stage, into)
+                sources.add(name, stage.type.before_step(ends, allowed(name)) & within.of(name))
+        return sources
+
+    def entering(self, states: Mapping[str, Zdd], within: CompositeSet, allowed: Filter) -> SectionSets:
+        """States of a set just after an event that leads into their section, out of another set."""
+        targets = SectionSets()
+        for name, part in states.items():
+            for route, hardware in self.stages[name].leave(part, allowed(name)):
+                if route in within.parts:
+                    targets.add(route, self.stages[route].entered(hardware) & within.of(route))
+        return targets
+
+    def before(
+        self,
+        states: CompositeSet,
+        transitions: Collection[int] | None = None,
+        guards: Guards[CompositeSet] = None,
+        among: CompositeSet | None = None,
+    ) -> CompositeSet:
+        """States with an edge into some states."""
+        allowed = self.filtered(transitions, guards)
+        within = self.everything if among is None else among
+        sources = self.leaving(states.parts, within, allowed)
+        for name, part in states.parts.items():
+            if name in within.parts:
+                sources.add(name, self.stages[name].back(part, allowed(name), within.of(name)))
+        return CompositeSet(self, sources)
+
+    def after(
+        self,
+        states: CompositeSet,
+        transitions: Collection[int] | None = None,
+        guards: Guards[CompositeSet] = None,
+    ) -> CompositeSet:
+        """States that an edge leads to from some states."""
+        allowed = self.filtered(transitions, guards)
+        targets = self.entering(states.parts, self.everything, allowed)
+        for name, part in states.parts.items():
+            targets.add(name, self.stages[name].forth(part, allowed(name)))
+        return CompositeSet(self, targets)
+
+    @cached_property
+    def dead(self) -> CompositeSet:
+        """States in which neither the section nor hardware beside it can do anything."""
+        parts = ((self.stages[name], part) for name, part in self.everything.parts.items())
+        stuck = {s.name: (part & s.type.graph.dead).without(s.conditions()) for s, part in parts}
+        return CompositeSet(self, stuck)
+
+    def _stuck(self, states: Mapping[str, Zdd], allowed: Filter) -> CompositeSet:
+        """Those of some states in which nothing happens that edges may carry."""
+        parts = ((self.stages[name], part, allowed(name)) for name, part in states.items())
+        idle = ((s, part - s.type.graph.enabling(own.local or ()), own) for s, part, own in parts)
+        return CompositeSet(self, {s.name: part.without(s.conditions(own)) for s, part, own in idle})
+
+    # --- closures ---
+
+    def worked(
+        self, names: Iterable[str], work: Callable[[str], Iterable[str]], *, back: bool = False
+    ) -> None:
+        """A worklist of sections, in their order or against it; work on a section names those to do again."""
+        queued = set(names)
+        heap = sorted((-self.order[name] if back else self.order[name], name) for name in queued)
+        while heap:
+            _, name = heappop(heap)
+            queued.discard(name)
+            for changed in work(name):
+                if changed not in queued:
+                    queued.add(changed)
+                    heappush(heap, (-self.order[changed] if back else self.order[changed], changed))
+
+    def reaching(
+        self,
+        goal: CompositeSet,
+        along: CompositeSet | None = None,
+        transitions: Collection[int] | None = None,
+        guards: Guards[CompositeSet] = None,
+    ) -> CompositeSet:
+        """States from which some run through ``along`` leads into a goal, the goal's own included."""
+        within = self.everything if along is None else along
+        allowed, sources = self.filtered(transitions, guards), SectionSets(goal.parts)
+
+        def work(name: str) -> Iterator[str]:
+            sources[name] = self.stages[name].type.reaching(sources[name], within.of(name), allowed(name))
+            leaving = self.leaving({name: sources[name]}, within, allowed)
+            return (before for before, states in leaving.items() if sources.add(before, states))
+
+        self.worked(sources, work, back=True)
+        return CompositeSet(self, sources)
+
+    def reached(
+        self,
+        begin: CompositeSet,
+        along: CompositeSet | None = None,
+        transitions: Collection[int] | None = None,
+        guards: Guards[CompositeSet] = None,
+    ) -> CompositeSet:
+        """States of ``along`` to which some run through it leads, those it begins from included."""
+        within = self.everything if along is None else along
+        allowed, targets = self.filtered(transitions, guards), SectionSets((begin & within).parts)
+
+        def work(name: str) -> Iterator[str]:
+            targets[name] = self.stages[name].type.reached(targets[name], within.of(name), allowed(name))
+            entering = self.entering({name: targets[name]}, within, allowed)
+            return (route for route, states in entering.items() if targets.add(route, states))
+
+        self.worked(targets, work)
+        return CompositeSet(self, targets)
+
+    def staying(
+        self,
+        along: CompositeSet,
+        asked: CompositeSet | None = None,
+        transitions: Collection[int] | None = None,
+    ) -> CompositeSet:
+        """States from which a maximal run stays in a set; see :meth:`mcpn.spaces.algebra.Space.staying`."""
+        remaining, allowed = dict((along & self.everything).parts), self.filtered(transitions)
+        ends = self.dead if transitions is None else self._stuck(remaining, allowed)
+
+        def work(name: str) -> Iterator[str]:
+            stage, part, before, own = self.stages[name], remaining[name], None, allowed(name)
+            onward = ends.of(name) | stage.type.before_step(self.ends_into(stage, remaining), own)
+            while before != part:
+                before = part
+                part = stage.back(part, own, part) | (part & onward)
+            if part != remaining[name]:
+                remaining[name] = part
+                yield from (earlier for earlier in self.into[name] if earlier in remaining)
+
+        self.worked(remaining, work, back=True)
+        return CompositeSet(self, remaining)
+
+    @cached_property
+    def regions(self) -> Sequence[CompositeSet]:
+        """Sections that lead to each other, and each other section alone: no cycle leaves a region."""
+        parts = self.everything.parts
+        names = list(parts)
+        number = {name: i for i, name in enumerate(names)}
+        routes = [[number[r] for r in self.stages[n].routes.values() if r in parts] for n in names]
+        regions = ([names[i] for i in region] for region in strongly_connected(routes))
+        ordered = (sorted(region, key=self.order.__getitem__) for region in regions)
+        return [CompositeSet(self, {name: parts[name] for name in region}) for region in ordered]

@@ -1,0 +1,1 @@
+"""Monitors of requirements: their states, what they say after each event, and their files."""

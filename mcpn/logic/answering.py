@@ -1,0 +1,596 @@
+"""Answers to formulas, typed or in files, and to examinations of the contest, with how they were had.
+
+Formulas are simplified, by invariants and by the initial marking; what asks for one reachable marking goes to
+a search, once where several formulas ask for the same; others are asked of few markings, as they are needed
+(:mod:`mcpn.logic.on_the_fly`). What is left is asked of the space, built once. All questions share it:
+cheap ones first, each with a time slice that grows round by round, so that one hard question does not cost
+the easy ones. A typed formula comes with a run that shows its value, so that a technique without runs decides
+it only where no single run would show it, or where there is no space.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import chain, count
+from math import inf
+from typing import TYPE_CHECKING, TypeAlias
+
+from mcpn.errors import InputError, LimitError, McpnError
+from mcpn.logic.evaluate import largest
+from mcpn.logic.formulas import EG, EU, EX, OPERATORS, on_one_path, says_paths
+from mcpn.logic.session import Answer, Session
+from mcpn.logic.simplify import at_first, bounds_of, conditions, parts_at_first
+from mcpn.logic.without_space import SOME_DEADLOCK, Known
+from mcpn.logic.witness import NoRun, Witness, explain
+from mcpn.nets.petri import PetriNet
+from mcpn.spaces import engine_names
+from mcpn.spaces.diagrams.slices import within_seconds
+from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
+from mcpn.spaces.engine_names import Asked
+from mcpn.spaces.engines import Choice, NoSpace
+from mcpn.spaces.search import EXPLICIT, HOME, INITIAL_STATE, RANDOM_WALK, STATE_EQUATION
+from mcpn.spaces.search.goal import FALSE, TRUE, And, AtMost, Fires, Formula
+from mcpn.steps import Doing, step
+
+if TYPE_CHECKING:
+    from mcpn.logic.contest import Property
+    from mcpn.logic.ltl.parts import PathParts
+    from mcpn.logic.on_the_fly import LocalChecks
+    from mcpn.spaces.search.facts import Facts
+    from mcpn.spaces.search.portfolio import Round
+    from mcpn.spaces.search.searches import Searches
+
+# What searches is loaded when something is searched.
+
+DIAGRAMS, REWRITING, COMPOSITION = "DECISION_DIAGRAMS", "QUERY_REDUCTION", "COMPOSITION"
+FIRST_SLICE, FIRST_ROUND, SLICE_FACTOR = 0.4, 1.0, 3.0
+WALK_STEPS = 50_000
+Meaning: TypeAlias = Formula | tuple[int, ...] | str
+"""A formula; places, where the most tokens that they hold together is asked; or an examination's name."""
+
+ONE_SAFE, QUASI_LIVE, LIVE = "OneSafe", "QuasiLiveness", "Liveness"
+_FOLLOWS: tuple[tuple[Meaning, bool, Meaning, bool], ...] = (
+    (SOME_DEADLOCK, True, LIVE, False),
+    ("ReachabilityDeadlock", True, LIVE, False),
+    (LIVE, True, QUASI_LIVE, True),
+)
+IMPLICATIONS: tuple[tuple[tuple[Meaning, bool], tuple[Meaning, bool]], ...] = tuple(
+    pair
+    for what, holds, then, follows in _FOLLOWS
+    for pair in (((what, holds), (then, follows)), ((then, not follows), (what, not holds)))
+)
+"""What an answer implies, of nets that have transitions; each stands here with its contraposition."""
+EFFORT_OF_LIVENESS = 30
+"""The number of operators of a formula that takes about as long: closures forward and backward."""
+LOCAL_STEPS = (20_000, 200_000, 1_000_000, 5_000_000, 25_000_000, 125_000_000)
+"""For each part of a formula, in rounds."""
+PACED, FEWEST_STEPS = 1_000, 2_000
+"""Places and transitions of a net up to which steps are not made fewer, and the fewest of each round."""
+QUICK = 200_000
+"""States of a space that are listed up to which it is asked before searches."""
+BESIDE = 4
+"""How many of these rounds take turns with the race for the space; others stand between rounds of slices."""
+
+
+@dataclass(frozen=True)
+class ContestAnswer:
+    """An answer to a question of the contest.
+
+    Args:
+        name: The question's.
+        value: ``TRUE``, ``FALSE`` or a number.
+        techniques: How it was had, in the contest's words.
+    """
+
+    name: str
+    value: str
+    techniques: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return f"FORMULA {self.name} {self.value} TECHNIQUES {' '.join(self.techniques)}"
+
+
+def answer_all(
+    questions: Session, properties: Iterable[Property] = (), examinations: Iterable[str] = ()
+) -> Iterator[ContestAnswer]:
+    """Answers properties, of one file or several, and examinations, on one space.
+
+    Args:
+        questions: About the net.
+        properties: What is asked.
+        examinations: Names of :data:`mcpn.logic.behaviour.EXAMINATIONS`.
+
+    Returns:
+        The answers in the order in which they are found. Taking them raises UnboundedError, UnsafeError (of
+        nets with priorities) or LimitError where what is left needs the space.
+
+    Raises:
+        InputError: Two properties have one name; this is found before anything is answered.
+    """
+    meant: dict[str, Meaning] = {}
+    for name in examinations:
+        searched = name == "ReachabilityDeadlock" and questions.searchable
+        meaning: Meaning = SOME_DEADLOCK if searched else name
+        if name == ONE_SAFE and questions.net.complements:
+            meaning = _safe_beside(questions.net)
+        meant[examination(questions, name)] = meaning
+    for asked in properties:
+        if asked.name in meant:
+            raise InputError.at(asked.source, f"found {asked.name} a second time, expected a name of its own")
+        meant[asked.name] = asked.meaning
+    return _Answers(questions, meant).all()
+
+
+def _safe_beside(net: PetriNet) -> Formula:
+    """That no place holds two tokens but those that stand for inhibitor arcs."""
+    own = (place for place in range(len(net.places)) if place not in net.complements)
+    return OPERATORS["AG"](And(*(AtMost(((place, 1),), 1) for place in own)))
+
+
+def examination(questions: Session, name: str) -> str:
+    """What the answer to an examination of a net is called."""
+    return f"{questions.net.name}-{name}"
+
+
+def answer_typed(questions: Session, texts: Sequence[str]) -> list[Answer]:
+    """Answers formulas as people type them, each with a run that shows why.
+
+    Args:
+        questions: About the net or the mission.
+        texts: The formulas.
+
+    Returns:
+        The answers, in the order of the formulas.
+
+    Raises:
+        InputError: A text is no formula; this is found before anything is answered.
+        SemanticsError: The space that is needed does not exist.
+        LimitError: A limit was hit.
+    """
+    formulas = questions.formulas(texts)
+    answers, given = _Answers(questions, dict(formulas), typed=True), dict[str, Answer]()
+    for verdict in answers.all():
+        holds = verdict.value == str(True).upper()
+        witness, choice = answers.shown(formulas[verdict.name], holds, verdict.techniques)
+        given[verdict.name] = Answer(verdict.name, holds, witness, choice, verdict.techniques)
+    return [given[text] for text in texts]
+
+
+class _Answers:
+    """Gives answers: each technique removes the questions that it decides from those that wait.
+
+    Args:
+        questions: About the net.
+        waiting: What is asked, by name; of a formula, what is left to ask in the initial marking.
+        typed: Whether a run is to show each answer.
+    """
+
+    def __init__(self, questions: Session, waiting: dict[str, Meaning], *, typed: bool = False) -> None:
+        self.questions, self.net, self.waiting = questions, questions.net, waiting
+        self.typed, self.asked = typed, dict(waiting)
+        self.ways: dict[str, dict[str, None]] = {name: {} for name in waiting}  # that decided parts of it
+        self.known = Known(self.net, settled=questions.on == "alternatives")
+        self.local: LocalChecks | None = None
+        self.paths: PathParts | None = None
+        self.facts: Facts | None = None
+        self._weighed: set[Formula] = set()
+        self.bounding: dict[Formula, list[tuple[Formula, bool]]] = {}
+        self.nested: set[Formula] = set()  # parts inside others that have one value everywhere
+        self.rounds = self.path_rounds = 0
+
+    def all(self) -> Iterator[ContestAnswer]:
+        """Asks one way after the other; where there is a space, in turns with markings as they are needed."""
+        questions, store = self.questions, None
+        yield from self.one_safe_at_sight()
+        if questions.searchable:
+            yield from self.rewritten()
+            if not self.typed:
+                yield from self.bounds_by_space() if questions.brief() else self.by_equation()
+            yield from self.by_need(LOCAL_STEPS[0], searched=False)
+            if not self.typed:
+                yield from self.by_paths(LOCAL_STEPS[0])
+            # The space of a mission is not far, once a search has found nothing; in a small one it has the
+            # shortest runs.
+            if not (questions.small or self.there) or questions.engine == "search":
+                yield from self.by_search(short=self.net.priorities)
+            for steps in LOCAL_STEPS[1 : 2 if self.typed else BESIDE]:
+                if self.there or (steps > LOCAL_STEPS[1] and questions.made):
+                    break
+                yield from self.by_need(steps, searched=steps > LOCAL_STEPS[1])
+                if not self.typed:
+                    yield from self.by_paths(steps, enrich=True)
+        try:
+            yield from self.one_safe()
+            if self.waiting and isinstance(questions.space, DiagramMarkings | DiagramAlternatives):
+                store = questions.space.encoding.store
+        except McpnError as error:
+            if isinstance(error, LimitError) and questions.searchable and self.net.priorities:
+                yield from self.by_search()
+            for steps in LOCAL_STEPS[2 if self.typed else BESIDE :] if questions.searchable else ():
+                yield from self.by_need(steps, runs=True)
+            for steps in LOCAL_STEPS[2:4] if self.typed else ():
+                yield from self.by_paths(steps, enrich=True)
+            if self.waiting and questions.engine == "search":
+                raise LimitError(f"engine search leaves open: {', '.join(self.waiting)}") from error
+            if self.waiting:
+                raise
+        tried: Counter[str] = Counter()
+        for number in count():
+            begun = time.process_time()
+            for name in sorted(self.waiting, key=lambda name: (tried[name], _effort(self.waiting[name]))):
+                if name not in self.waiting:  # what was answered before it has implied its answer
+                    continue
+                if store and time.process_time() - begun > FIRST_ROUND * SLICE_FACTOR**number:
+                    break
+                value = None
+                tried[name] += 1
+                with within_seconds(store, FIRST_SLICE * SLICE_FACTOR ** (tried[name] - 1)):
+                    value = self.by_space(name)
+                if value is not None:
+                    yield from self.answer(name, value, _technique(questions.choice.engine))
+            if not self.waiting:
+                return
+            # Those whose slice has not done are asked of markings for about as long, all once of searches.
+            if number == 0 and self.there and questions.searchable:
+                yield from self.by_search()
+            steps, now = LOCAL_STEPS[min(1 + number, len(LOCAL_STEPS) - 1)], time.process_time()
+            until = now + (now - begun)
+            yield from self.by_need(steps, among=tried, until=until)
+            yield from self.by_paths(steps, enrich=True, among=tried, until=until)
+
+    def shown(self, formula: Formula, holds: bool, ways: Sequence[str]) -> tuple[Witness, Choice | NoSpace]:
+        """The run that shows the value of a formula, and who has answered."""
+        questions = self.questions
+        parts = parts_at_first(self.known.simple(formula)) if self.known.paths else []
+        if not questions.made or any(part in self.known.paths for part in parts):
+            listed = ", ".join(way.lower().replace("_", " ") for way in ways)
+            choice = NoSpace(f"no space was needed ({listed})")
+            try:
+                return self.known.explain(formula, holds, questions.names), choice
+            except NoRun:
+                pass
+            try:
+                _ = questions.space
+            except McpnError as error:
+                witness = self.known.beginning(questions.names)
+                witness.shown.append(f"no run is shown, since it needs the space: {error}")
+                return witness, choice
+        return explain(questions.evaluation, formula, questions.names), questions.choice
+
+    @cached_property
+    def searches(self) -> Searches:
+        """Walks and searches on the net, which all ways share."""
+        from mcpn.spaces.search.searches import Searches
+
+        return Searches(self.net)
+
+    @property
+    def there(self) -> bool:
+        """Whether the space is there, needs no run to show its answers, and is quick or can be broken off."""
+        if self.typed or not self.questions.made:
+            return False
+        space = self.questions.space
+        if isinstance(space, DiagramMarkings | DiagramAlternatives):
+            return True
+        from mcpn.spaces.arrays import ArraySpace
+
+        return not isinstance(space, ArraySpace) or space.graph.states <= QUICK
+
+    # --- what waits ---
+
+    def answer(self, name: str, value: int, *ways: str) -> Iterator[ContestAnswer]:
+        """Answers a question, which no longer waits, with the techniques of its parts; and what follows."""
+        del self.waiting[name]
+        told = tuple({**self.ways[name], **dict.fromkeys(ways)})
+        yield ContestAnswer(name, str(value).upper(), told)
+        for other, follows in self.implied(self.asked[name], value):
+            yield from self.learn(other, follows, *told)
+
+    def implied(self, asked: Meaning, value: int) -> list[tuple[Meaning, bool]]:
+        """What an answer says of examinations, and of formulas that ask whether a transition fires."""
+        if isinstance(asked, tuple):
+            return [(ONE_SAFE, False)] if value > len(asked) else []
+        if not self.net.transitions or self.net.priorities:
+            return []
+        then = [follows for (what, holds), follows in IMPLICATIONS if (what, holds) == (asked, bool(value))]
+        if not value and _asks_firing(asked):
+            then += [(QUASI_LIVE, False), (LIVE, False)]
+        elif value and asked in (QUASI_LIVE, LIVE):
+            then += [(part, True) for part in self.parts() if _asks_firing(part)]
+        return then
+
+    def raced(self) -> Callable[[], bool]:
+        """What to ask between searches: whether the space, where it was not there yet, has come meanwhile."""
+        waits = self.questions.searchable and not (self.typed or self.questions.made)
+        return self.questions.brief if waits else lambda: False
+
+    def paced(self, steps: int) -> int:
+        """Fewer steps where each takes longer, since the net is large."""
+        size = len(self.net.places) + len(self.net.transitions)
+        return max(FEWEST_STEPS, steps * PACED // max(size, PACED))
+
+    def parts(self, among: Container[str] | None = None) -> list[Formula]:
+        """The parts whose initial values are asked for, of all or of some questions, cheap ones first."""
+        names = self.waiting if among is None else [name for name in self.waiting if name in among]
+        formulas = (asked for name in names if isinstance(asked := self.waiting[name], Formula))
+        return sorted(dict.fromkeys(chain.from_iterable(map(parts_at_first, formulas))), key=_effort)
+
+    def learn(self, part: Meaning, value: int, *ways: str) -> Iterator[ContestAnswer]:
+        """Puts a value where it is asked for, and yields what that answers."""
+        if isinstance(part, Formula):
+            self.known.values[part] = bool(value)
+            for other, follows in self.implied(part, value):
+                yield from self.learn(other, follows, *ways)
+            for bounded, when in self.bounding.pop(part, ()):
+                if value == when and bounded not in self.known.values:
+                    yield from self.learn(bounded, value, *ways)
+            if part in self.nested:
+                self.nested.remove(part)
+                self.known.forget()
+                yield from self.rewritten(*ways, HOME)
+        for name, asked in list(self.waiting.items()):
+            if name not in self.waiting:
+                continue
+            if asked == part:
+                yield from self.answer(name, value, *ways)
+            elif isinstance(asked, Formula) and part in parts_at_first(asked):
+                self.ways[name].update(dict.fromkeys(ways))
+                yield from self.left(
+                    name, at_first(asked, lambda atom: bool(value) if atom == part else None)
+                )
+
+    def left(self, name: str, rest: Formula, *ways: str) -> Iterator[ContestAnswer]:
+        """Keeps what is left to ask of a formula, or yields the answer if nothing is."""
+        self.waiting[name] = rest
+        if rest in (TRUE, FALSE):
+            yield from self.answer(name, rest == TRUE, *ways)
+
+    # --- ways ---
+
+    def one_safe_at_sight(self) -> Iterator[ContestAnswer]:
+        """Answers whether the net is 1-safe, where the initial marking or a walk shows that it is not."""
+        if ONE_SAFE not in self.waiting.values():
+            return
+        searches = self.searches
+        if max(self.net.initial, default=0) > 1:
+            yield from self.learn(ONE_SAFE, False, INITIAL_STATE)
+        elif self.questions.engine == "auto" and searches.fits and searches.walk_unsafe(steps=WALK_STEPS):
+            yield from self.learn(ONE_SAFE, False, RANDOM_WALK)
+
+    def one_safe(self) -> Iterator[ContestAnswer]:
+        """Answers whether the net is 1-safe; if it is, the space is then there for all that is asked."""
+        if ONE_SAFE in self.waiting.values():
+            safe = self.questions.one_safe()
+            engine = self.questions.choice.engine if safe else self.questions.engine
+            yield from self.learn(ONE_SAFE, safe, _technique(engine))
+
+    def rewritten(self, *by: str) -> Iterator[ContestAnswer]:
+        """Answers what rewriting and the initial marking decide; of others keeps what is left to ask.
+
+        Args:
+            by: How what is put into formulas was had; by default they are read for the first time.
+        """
+        for name, formula in list(self.waiting.items()):
+            if isinstance(formula, Formula) and name in self.waiting:
+                how = (
+                    (by or (REWRITING,)) if self.known.simple(formula) in (TRUE, FALSE) else (INITIAL_STATE,)
+                )
+                rest = self.known.rest(formula)
+                if rest != formula:
+                    self.ways[name].update(dict.fromkeys(by))
+                yield from self.left(name, rest, *how)
+
+    def bounds_by_space(self) -> Iterator[ContestAnswer]:
+        """Answers bounds and examinations where the space is there at once, each within a short slice."""
+        yield from self.one_safe()
+        space = self.questions.space
+        store = space.encoding.store if isinstance(space, DiagramMarkings) else None
+        for name, asked in list(self.waiting.items()):
+            if name in self.waiting and not isinstance(asked, Formula) and asked != ONE_SAFE:
+                value = None
+                with within_seconds(store, FIRST_SLICE):
+                    value = self.by_space(name)
+                if value is not None:
+                    yield from self.answer(name, value, _technique(self.questions.choice.engine))
+
+    def bounded(self) -> Iterator[ContestAnswer]:
+        """Finds weaker and stronger parts that speak of one operator: what is not so weakly is not so."""
+        for part in [] if self.typed or self.net.priorities else self.parts():
+            if self.known.goal(part) is None and part not in self._weighed and not says_paths(part):
+                self._weighed.add(part)
+                for bound, when in zip(bounds_of(part), (False, True), strict=True):
+                    simple = self.known.rest(bound)
+                    if simple in (TRUE, FALSE):
+                        if (simple == TRUE) == when:
+                            yield from self.learn(part, when, REWRITING)
+                            break
+                    elif isinstance(simple, EU | EG | EX) and simple != part:
+                        self.bounding.setdefault(simple, []).append((part, when))
+        formulas = [asked for asked in self.waiting.values() if isinstance(asked, Formula)]
+        inside = list(chain.from_iterable(map(self.known.nested, formulas)))
+        for part in inside:
+            if part not in self.known.values:
+                self.nested.add(part)
+                self.bounding.setdefault(part, [])
+        if any(part in self.known.values for part in inside):
+            self.known.forget()
+            yield from self.rewritten(HOME)
+
+    def by_equation(self) -> Iterator[ContestAnswer]:
+        """Answers bounds and examinations by the state equation and by walks that come to what it allows."""
+        if self.net.priorities or not self.waiting:
+            return
+        from mcpn.spaces.search.facts import Facts
+
+        facts = self.facts = Facts(self.net, self.known.bounds, self.searches)
+        sums = [asked for asked in dict.fromkeys(self.waiting.values()) if isinstance(asked, tuple)]
+        for places, bound, ways in facts.sums(sums):
+            yield from self.learn(places, bound, *ways)
+        came = self.raced()
+        for name, decide in facts.examinations.items():
+            if came():
+                yield from self.bounds_by_space()
+                return
+            if name in self.waiting.values():
+                value, ways = decide()
+                if value is not None:
+                    yield from self.learn(name, value, *ways)
+        formulas = [asked for asked in self.waiting.values() if isinstance(asked, Formula)]
+        facts.know(chain.from_iterable(map(conditions, map(self.known.simple, formulas))))
+        if LIVE in self.waiting.values() or any(self.known.goal(part) is None for part in self.parts()):
+            self.known.home = facts.home
+        self.known.believe(facts)
+        if home := self.known.home:
+            dead = not self.net.enabled(home.marking)
+            yield from self.learn(SOME_DEADLOCK, dead, HOME, STATE_EQUATION)
+        yield from self.rewritten(STATE_EQUATION)
+
+    def by_search(self, *, short: bool = False) -> Iterator[ContestAnswer]:
+        """Answers what asks for reachable markings by search, until it turns out that the space is small.
+
+        Args:
+            short: Whether there is no more than one search, for a short run.
+        """
+        tried: set[Formula] = set()
+        brief = self.questions.brief
+        while True:  # what one search decides may bring up parts for another
+            yield from self.bounded()
+            parts = [part for part in (*self.parts(), *self.bounding) if part not in tried]
+            goals = {part: goal for part in parts if (goal := self.known.goal(part)) is not None}
+            if not goals or (tried and not self.nested & goals.keys()):
+                return
+            from mcpn.spaces.search.portfolio import ROUNDS, SHORT, Portfolio
+
+            tried |= goals.keys()
+            budgets = [self.limited(budget) for budget in ([SHORT] if short else ROUNDS)]
+            searched = list(goals)
+            for index, found in Portfolio(self.net, self.searches).decide(
+                list(goals.values()), budgets, go_on=lambda: not brief()
+            ):
+                if found.run is not None:
+                    self.known.runs[searched[index]] = found.run
+                yield from self.learn(searched[index], found.reachable, *found.techniques)
+
+    def limited(self, budget: Round) -> Round:
+        """A budget within the user's limit on markings that are listed."""
+        most = self.questions.max_states
+        return budget if most is None else replace(budget, states=min(budget.states, most))
+
+    def by_need(
+        self,
+        steps: int,
+        *,
+        searched: bool = True,
+        runs: bool = False,
+        among: Container[str] | None = None,
+        until: float = inf,
+    ) -> Iterator[ContestAnswer]:
+        """Asks markings as they are needed, so many steps for each part.
+
+        Args:
+            steps: How many.
+            searched: Whether parts are asked that a search may decide.
+            runs: Whether a part that holds is answered although no run is known that shows it.
+            among: Names of the questions whose parts are asked; by default all.
+            until: Seconds of CPU time of this process after which no other part is asked.
+        """
+        asked = [part for part in (*self.parts(), *self.nested) if not says_paths(part)]
+        counted = {*self.parts(among), *self.nested}
+        parts = [part for part in asked if part in counted and (searched or self.known.goal(part) is None)]
+        if not parts or self.net.priorities:  # whose atoms are no conditions on tokens alone
+            return
+        if not self.searches.fits:
+            return
+        if self.local is None:
+            from mcpn.logic.on_the_fly import LocalChecks
+
+            self.local = LocalChecks(self.net, self.searches)
+        self.local.ask(asked)
+        came = self.raced()
+        for part in parts:
+            if came() or time.process_time() > until:
+                return
+            value = self.local.decide(part, self.paced(steps), seed=self.rounds)
+            # EX is shown by one step; other parts that hold need a run, which is not known.
+            if value is False or (value and (runs or not self.typed or isinstance(part, EX))):
+                yield from self.learn(part, value, EXPLICIT)
+        self.rounds += 1
+
+    def by_paths(
+        self,
+        steps: int,
+        *,
+        enrich: bool = False,
+        among: Container[str] | None = None,
+        until: float = inf,
+    ) -> Iterator[ContestAnswer]:
+        """Looks for paths that parts ask for, marking by marking, so many steps for each part.
+
+        Args:
+            steps: How many.
+            enrich: Whether to ask first what holds always, or never.
+            among: Names of the questions whose parts are asked; by default all.
+            until: Seconds of CPU time of this process after which no other part is asked.
+        """
+        yield from self.bounded()
+        # Others are asked marking by marking as well, and the space is quicker, once it is there.
+        every = enrich and steps <= LOCAL_STEPS[1] and not (self.typed or self.questions.made)
+        parts = [part for part in self.parts(among) if every or says_paths(part)]
+        parts += () if self.questions.made else self.bounding
+        parts = [part for part in parts if self.known.goal(part) is None]
+        if not parts or not self.questions.searchable or self.net.priorities:
+            return
+        if self.paths is None:
+            from mcpn.logic.ltl.parts import PathParts
+
+            self.paths = PathParts(self.net, self.searches)
+        self.path_rounds += 1
+        came = self.raced()
+        for part in parts:
+            if came() or time.process_time() > until:
+                return
+            path = on_one_path(part, self.net)
+            if path is None:
+                continue
+            found = self.paths.decide(path, self.paced(steps), self.path_rounds, enrich=enrich)
+            if found is None or found.outcome not in ("found", "none"):
+                continue
+            if found.outcome == "found":
+                self.known.paths[part] = found
+            yield from self.learn(part, found.outcome == "found", EXPLICIT)
+
+    def by_space(self, name: str) -> int:
+        """The answer by the space: a truth value or a number."""
+        # A typed formula is asked as it was written: so is the run that shows it.
+        meaning, questions = (self.asked if self.typed else self.waiting)[name], self.questions
+        if self.typed:
+            step(Doing.ANSWERING, question=name)
+        if isinstance(meaning, tuple):
+            return largest(questions.space, Counter(meaning))
+        if isinstance(meaning, str):
+            from mcpn.logic.behaviour import EXAMINATIONS, Behaviour
+
+            return EXAMINATIONS[meaning](Behaviour(questions.space))
+        return questions.evaluation.holds(meaning)
+
+
+def _asks_firing(asked: Meaning) -> bool:
+    """Whether it is asked if some of one or more transitions ever fire."""
+    match asked:
+        case EU((And(()), Fires(transitions))):
+            return bool(transitions)
+    return False
+
+
+def _technique(engine: Asked) -> str:
+    return {engine_names.EXPLICIT: EXPLICIT, engine_names.LOCAL: COMPOSITION}.get(engine, DIAGRAMS)
+
+
+def _effort(meaning: Meaning) -> int:
+    if isinstance(meaning, Formula):
+        return sum(1 for _ in meaning.walk())
+    return EFFORT_OF_LIVENESS if meaning == "Liveness" else 0

@@ -1,0 +1,212 @@
+"""Questions about a net or a mission in temporal logic, answered by any engine on any of its graphs."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from mcpn.errors import InputError, LimitError, Problem, UnboundedError, UnsafeError
+from mcpn.logic.evaluate import Evaluation
+from mcpn.logic.formulas import Justice
+from mcpn.logic.syntax import parse
+from mcpn.notebook import Told
+from mcpn.sentences import quoted
+from mcpn.spaces.algebra import Space
+from mcpn.spaces.diagrams.base import Diagrams
+from mcpn.spaces.diagrams.spaces import DiagramMarkings
+from mcpn.spaces.engine_names import EXPLICIT, SYMBOLIC, Asked, On
+from mcpn.spaces.engines import Choice, NoSpace, answered, refuse_unknown
+from mcpn.spaces.names import PROGRESS
+from mcpn.spaces.registry import Subject, spaces_of
+from mcpn.spaces.search.goal import Formula
+
+if TYPE_CHECKING:
+    from mcpn.logic.witness import Witness
+
+FIRST_STEPS, STEPS_FACTOR = 150_000, 2
+"""Of the race for the space, of which rounds are taken between searches."""
+
+
+@dataclass(frozen=True)
+class Answer(Told):
+    """The answer to a formula.
+
+    Args:
+        formula: As it was written.
+        holds: Whether the initial state satisfies it.
+        witness: A run that shows why.
+        choice: The engine that answered.
+        techniques: How, in words of the Model Checking Contest.
+    """
+
+    formula: str
+    holds: bool
+    witness: Witness
+    choice: Choice | NoSpace
+    techniques: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"<{self.formula} {'holds' if self.holds else 'fails'}>"
+
+
+class Session:
+    """What questions about one net share: how they are meant, and the space, built when it is first needed.
+
+    Args:
+        subject: The spaces of a mission or of a net, or what they are to be built of.
+        on: The graph that formulas speak of; by default a mission's stable states, or a net's markings.
+        fair: ``progress`` or formulas that hold again and again on the infinite paths that count.
+        engine: Who makes the space: arrays, diagrams, composition, or ``auto``, see
+            :mod:`mcpn.spaces.engines`, with a search before it where one may do; ``search``: nobody.
+        max_states: Limit on states that are listed one by one.
+
+    Raises:
+        InputError: A constraint is no formula, or the words do not fit the net.
+    """
+
+    def __init__(
+        self,
+        subject: Subject,
+        *,
+        on: On | None = None,
+        fair: Sequence[str] = (),
+        engine: Asked = "auto",
+        max_states: int | None = None,
+    ) -> None:
+        refuse_unknown(engine, on)
+        self.spaces = spaces_of(subject)
+        self.net = net = self.spaces.net
+        on = on or self.spaces.asked_on
+        if on == "alternatives" and not net.priorities:
+            raise InputError.at(None, "the alternatives graph is of missions: this net has no priorities")
+        self.on: On = on
+        self.engine = engine
+        self.max_states = max_states
+        self._steps = FIRST_STEPS
+        self._begun = self._for_space = 0.0
+        self.names = self.spaces.names()
+        self.fair: tuple[Justice, ...] = ()  # a constraint speaks of all paths itself
+        self.fair = tuple(
+            constraint
+            for text in fair
+            for constraint in (
+                [Justice(*each) for each in self.spaces.progress()]
+                if text == PROGRESS
+                else [Justice(self.formula(text))]
+            )
+        )
+
+    def formula(self, text: str) -> Formula:
+        """The formula of a text; it raises what :func:`mcpn.logic.syntax.parse` does."""
+        return parse(text, self.names, fair=bool(self.fair))
+
+    def formulas(self, texts: Sequence[str]) -> dict[str, Formula]:
+        """The formulas of several texts; errors of all of them say which they are about.
+
+        Raises:
+            InputError: As :meth:`formula`, of one of several with its number and text.
+            LimitError: As :meth:`formula`.
+        """
+        if len(texts) == 1:
+            return {texts[0]: self.formula(texts[0])}
+        read, problems = dict[str, Formula](), list[Problem]()
+        for number, text in enumerate(texts, 1):
+            which = f"formula {number}, {quoted(text, 40)}"
+            try:
+                read[text] = self.formula(text)
+            except InputError as error:
+                for source, message in error.problems:
+                    problems.append(Problem(source, f"{which}: {re.sub('^formula[:,] ', '', message)}"))
+            except LimitError as error:
+                raise LimitError(f"{which}: {error}") from error
+        if problems:
+            raise InputError(problems)
+        return read
+
+    @property
+    def searchable(self) -> bool:
+        """Whether reachability of a state may be asked of a search: no engine by name, all paths count.
+
+        A run from one stable state to the next is one of the alternatives graph where each event has one
+        outcome. Where activities contend, that is for the space to prove.
+        """
+        exact = self.on == "markings" or self.spaces.one_outcome
+        return self.engine in ("auto", "search") and not self.fair and exact
+
+    @property
+    def small(self) -> bool:
+        """Whether the space is of a mission and soon listed."""
+        return self.spaces.few(self.max_states)
+
+    @property
+    def made(self) -> bool:
+        """Whether the space has been built."""
+        return "_chosen" in self.__dict__
+
+    @property
+    def space(self) -> Space[Any]:
+        """The space that formulas speak of; it raises what :meth:`mcpn.spaces.registry.Spaces.space` does."""
+        return self._chosen[0]
+
+    @property
+    def choice(self) -> Choice:
+        """Who has made the space."""
+        return self._chosen[1]
+
+    @cached_property
+    def _chosen(self) -> tuple[Space[Any], Choice]:
+        return self._made()
+
+    def _made(self, *, tokens: bool = True) -> tuple[Space[Any], Choice]:
+        def by(choice: Choice) -> Space[Any]:
+            return self.spaces.space(choice, self.on, tokens=tokens)
+
+        space, choice = answered(by, self.spaces.choices(self.engine, self.on, self.max_states))
+        if choice.engine == SYMBOLIC and not isinstance(space, Diagrams):
+            choice = Choice(EXPLICIT, "its markings were listed before a diagram held them")
+        return space, choice
+
+    def brief(self) -> bool:
+        """Gives the space of a net that is searched meanwhile its turn: as much time as searches have had.
+
+        Returns:
+            Whether the space is there.
+        """
+        if self.made or self.net.priorities or self.engine == "search":
+            return self.made
+        now = time.process_time()
+        if self._steps == FIRST_STEPS or self._for_space <= now - self._begun - self._for_space:
+            self._begun = self._begun or now
+            self._steps *= STEPS_FACTOR
+            if self.spaces.go_on(self._steps):
+                _ = self._chosen
+            self._for_space += time.process_time() - now
+        return self.made
+
+    def one_safe(self) -> bool:
+        """Whether no place ever holds two tokens; where none does, the space has then been built.
+
+        Raises:
+            LimitError: A limit was hit.
+        """
+        try:
+            if not (self.made or self._steps > FIRST_STEPS):
+                self._chosen = self._made(tokens=False)
+                return True
+            space = self.space
+        except (UnsafeError, UnboundedError):
+            return False
+        if isinstance(space, DiagramMarkings):
+            return space.space.max_tokens_in_place <= 1
+        # The space of a net with priorities is there only if it is 1-safe.
+        places = () if self.net.priorities else range(len(self.net.places))
+        return not any(space.everything - space.at_most({place: 1}, 1) for place in places)
+
+    @cached_property
+    def evaluation(self) -> Evaluation[Any]:
+        """Evaluates formulas on the space, under the constraints."""
+        return Evaluation(self.space, self.fair)

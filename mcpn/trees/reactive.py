@@ -1,0 +1,154 @@
+"""Reactive control nodes: earlier children are asked again at each tick.
+
+What an earlier child answers then is free, and it is an event that interrupts: ``door_is_open_fails``. A
+child that answers at once can only go on or end the node; one that may run halts the later one and begins
+again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from mcpn.mission.model import FAIL, SUCCEED, Block, Handler, Recursive
+from mcpn.mission.robot import FactChange
+from mcpn.trees.controls import (
+    became,
+    branching,
+    ended,
+    fallback,
+    if_then_else,
+    parallel_all,
+    parallel_node,
+    sequence,
+    series,
+    skipped_condition,
+    switch,
+    try_catch,
+    with_memory,
+)
+from mcpn.trees.ledger import Kind
+from mcpn.trees.nodes.node import TreeNode
+from mcpn.trees.pieces import Part, Result, handled
+from mcpn.trees.translator import TURNS, Context, Rule, Translator, called
+
+
+def reactive_sequence(at: Translator, node: TreeNode, context: Context) -> Result:
+    """Later children run only as long as earlier ones succeed."""
+    return _reactive(at, node, context, stops=False)
+
+
+def reactive_fallback(at: Translator, node: TreeNode, context: Context) -> Result:
+    """Later children run only as long as earlier ones fail."""
+    return _reactive(at, node, context, stops=True)
+
+
+def _reactive(at: Translator, node: TreeNode, context: Context, *, stops: bool) -> Result:
+    name = at.names.fresh(called(node))
+    slow = [not at.at_once(child) for child in node.children]
+    last = max((place for place, runs in enumerate(slow) if runs), default=-1)
+    results: list[Result] = []
+    behind: list[Block] = []
+    for place, child in enumerate(node.children):
+        guarded = place > 0 and slow[place]
+        again = context.again or place < last or (guarded and sum(slow) > 1)
+        told = at.forest.rule(child) in TURNS and not context.halted
+        halted = context.halted or (guarded and not told)
+        result = at.piece(child, replace(context, again=again, halted=halted))
+        if guarded and isinstance(result, Part):
+            result, resets = _guarded(at, context, results, slow, stops, result)
+            behind += resets
+        results.append(result)
+        if result is stops:
+            break
+    result = series(at, name, results, context, stops=stops)
+    if behind and isinstance(result, Part) and isinstance(result.block, Recursive):
+        result = replace(result, block=replace(result.block, blocks=(*ended(result.block.blocks), *behind)))
+    kind, why = Kind.EXACT, "an earlier child that runs again halts a later one" if sum(slow) > 1 else ""
+    earlier = (child for place, child in enumerate(node.children) if slow[place] and place < last)
+    if any(at.remembers(child) for child in earlier):
+        kind = Kind.LEFT_OUT
+        why = "what an earlier child remembers when it is asked again, and answers at once, is not modelled"
+    at.note(node, became(result), kind, why)
+    return result
+
+
+def _guarded(
+    at: Translator, context: Context, before: list[Result], slow: list[bool], stops: bool, piece: Part
+) -> tuple[Part, list[Block]]:
+    """A child that runs, with what earlier ones may answer meanwhile, and blocks that halts lead to."""
+    out, behind = SUCCEED if stops else FAIL, list[Block]()
+    memory = at.memories.get(piece.block.name)
+    handlers: list[Handler] = []
+    for place, earlier in enumerate(before):
+        if not isinstance(earlier, Part):
+            continue
+        named = earlier.block.name
+        if slow[place]:
+            event, goto = f"{named}_again", named
+            why = f"{named} is ticked again and runs, while {piece.block.name} does"
+        elif earlier.good is earlier.bad:
+            continue  # it answers the same whatever its block ends with: it never ends the node
+        else:
+            leaf = earlier.good is stops  # which end of the block it is that counts
+            what = "succeeds" if leaf else "fails"
+            event, goto, why = f"{named}_{what}", out, f"{named} {what} while {piece.block.name} runs"
+        if memory is not None:
+            change = FactChange(fact=memory[0], to=memory[1])
+            reset = at.setting(f"{piece.block.name}_halted", context, change, goto)
+            behind.append(reset)
+            goto = reset.name
+        told = at.event(event, why)
+        handlers.append(Handler(event=told, goto=goto))
+        if not slow[place]:
+            at.heard[told] = (named, event.endswith("succeeds"))
+    return replace(piece, block=handled(piece.block, handlers, at.instants)), behind
+
+
+def while_do_else(at: Translator, node: TreeNode, context: Context) -> Result:
+    """A condition that is asked at each tick, and what runs while it holds or does not."""
+    name = at.names.fresh(called(node))
+    inside = replace(context, again=True, halted=True)
+    asked = at.piece(node.children[0], inside)
+    then, *others = (at.piece(child, inside) for child in node.children[1:])
+    other: Result = others[0] if others else False
+    if isinstance(asked, bool):
+        result = then if asked else other
+        at.note(node, became(result), Kind.EXACT)
+        return result
+    branches: list[Result] = []
+    for place, (each, beside) in enumerate(((then, other), (other, then))):
+        if isinstance(each, Part) and not at.at_once(node.children[1 + place]):
+            what = "succeeds" if asked.good is (place == 1) else "fails"
+            why = f"{asked.block.name} {what} while {each.block.name} runs"
+            event = at.event(f"{asked.block.name}_{what}", why)
+            at.heard[event] = (asked.block.name, what == "succeeds")
+            goto = beside.block.name if isinstance(beside, Part) else SUCCEED if beside else FAIL
+            each = replace(each, block=handled(each.block, [Handler(event=event, goto=goto)], at.instants))
+        branches.append(each)
+    made = branching(name, asked, *branches)
+    if asked.skips:
+        at.note(node, name, *skipped_condition(asked))
+    elif at.at_once(node.children[0]):
+        at.note(node, name, Kind.EXACT)
+    else:
+        at.note(node, name, Kind.LEFT_OUT, "that its condition runs again in parallel is not modelled")
+    return made
+
+
+CONTROLS: dict[str, Rule] = {
+    "sequence": sequence,
+    "fallback": fallback,
+    "async_sequence": sequence,
+    "async_fallback": fallback,
+    "with_memory": with_memory,
+    "with_memory_unhalted": with_memory,
+    "if_then_else": if_then_else,
+    "try_catch": try_catch,
+    "parallel": parallel_node,
+    "parallel_all": parallel_all,
+    "switch": switch,
+    "reactive_sequence": reactive_sequence,
+    "reactive_fallback": reactive_fallback,
+    "while_do_else": while_do_else,
+}
+"""How control nodes are translated, by the rule that the table of nodes names."""
