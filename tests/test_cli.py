@@ -36,6 +36,7 @@ def test_check_passes_on_ulysse() -> None:
         "requirements",
         "verdicts",
         "undecided",
+        "claims",
         "warnings",
         "witnesses",
         "ignored",

@@ -23,6 +23,7 @@ from mcpn.errors import (
     UnsafeError,
     WorkersError,
 )
+from mcpn.files import OutsideError
 from mcpn.mission.xml import InvalidMission
 
 
@@ -34,6 +35,7 @@ def kinds(kind: type[McpnError]) -> set[type[McpnError]]:
 ERRORS = [
     InvalidMission([Problem(Source("m.xml", 3), "no such activity")], None),
     InputError([Problem(Source("m.xml", 3), "no such activity"), Problem(None, "no robot")]),
+    OutsideError([Problem(None, "other.xml is in another directory")]),
     LimitError("more than 5 states"),
     WorkersError("the last worker is gone"),
     UnsafeError("p", "t", ["q", "r"], ["u", "v"]),

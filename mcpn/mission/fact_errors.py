@@ -221,6 +221,7 @@ class _FactChecks:
 
     def both(self, source: Source | None, who: str, texts: Iterable[str]) -> Iterator[Problem]:
         """Words of a condition that contradict each other."""
+        texts = tuple(texts)
         asked = dict[str, str]()
         if any(text.lower() in _JOINING for text in texts):
             return  # it is said what is wrong with these

@@ -117,6 +117,8 @@ def confirm(asked: Asked) -> None:
     begin = play.marks("MISSION_begin")
     forced = play.forced()
     success = play.marks("MISSION_success")
+    # A mission that has ended loses nothing more.
+    ends = [play.marks(f"MISSION_{end}") for end in found.ends]
     subsets = play.subsets()
 
     def check(computed: list[CutSet], lost: list[frozenset[str]]) -> None:
@@ -147,7 +149,7 @@ def confirm(asked: Asked) -> None:
             if any(
                 d == play.out(m) and not play.mission_survives(m, d)
                 for m in forced
-                if not begin(m) and not success(m)
+                if not begin(m) and not any(ended(m) for ended in ends)
             )
         ],
     )

@@ -25,7 +25,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from mcpn.answers.causes import whole_chain as uniformisation
+from mcpn.answers.causes import interval_bounds as uniformisation
 from mcpn.answers.causes.chain import decimal
 from mcpn.answers.causes.interval_bounds import bounds, poisson, slopes, slopes_of, within
 from mcpn.answers.causes.prospects import Prospects

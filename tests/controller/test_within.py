@@ -16,7 +16,7 @@ from hypothesis import event, given, reject
 from hypothesis import strategies as st
 
 from mcpn.answers.requirements import AskedRequirement
-from mcpn.controller import monitors as watched
+from mcpn.controller.monitors import watched
 from mcpn.controller.monitors.watched import Watcher
 from mcpn.controller.monitors.writing import files, monitors_of
 from mcpn.drawing.compose import compose

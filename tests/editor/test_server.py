@@ -221,7 +221,7 @@ def test_what_states_say_comes_after_a_save(client: Client, folder: Path) -> Non
     protocols = folder / "protocols.xml"
     client.open(protocols)
     for _ in range(200):
-        if "Fails if lost: thruster_actuator." in (hovered(client, protocols) or ""):
+        if "Can no longer succeed after the loss of thruster_actuator." in (hovered(client, protocols) or ""):
             return
         time.sleep(0.2)
     pytest.fail("the states say nothing")

@@ -10,7 +10,7 @@ from hypothesis import event, given
 from mcpn.errors import LimitError, UnboundedError
 from mcpn.nets.events import Event
 from mcpn.nets.petri import NetBuilder, PetriNet
-from mcpn.spaces.markings import counted
+from mcpn.spaces.markings import boundedness as walks
 from mcpn.spaces.markings.boundedness import OMEGA, boundedness
 from mcpn.spaces.markings.counted import count_tokens, explore_tokens
 from mcpn.testing.nets import FAMILIES
@@ -110,7 +110,7 @@ def test_bounds_are_those_of_exploration(net: PetriNet) -> None:
 @given(token_nets() | nets(max_weight=2, max_places=4, max_transitions=4, events=False))
 def test_walks_that_have_their_turn_at_once_tell_the_same(net: PetriNet) -> None:
     """They find what can be repeated, and nothing where every marking has been listed."""
-    with patch.object(counted, "TURN", 1):
+    with patch.object(walks, "TURN", 1):
         try:
             found = boundedness(net, max_states=2_000)
         except LimitError as error:
