@@ -28,6 +28,7 @@ Formulas as text, which :func:`mcpn.logic.syntax.parse` reads.
 >>> builder = NetBuilder("lamp")
 >>> places = builder.place("off", initial=1), builder.place("on")
 >>> names = Names(builder.build())
+>>> from mcpn.logic.writing import show
 >>> show(parse("F G (off | X on)", names), names)
 'A F G (off | X on)'
 """

@@ -34,6 +34,7 @@ def show(formula: Formula, names: Names, around: int = 0) -> str:
     Examples:
         >>> from mcpn.testing.nets import philosophers
         >>> names = Names(philosophers(2))
+        >>> from mcpn.logic.syntax import parse
         >>> show(parse("!EF (deadlock and think1)", names), names)
         'AG !(deadlock & think1)'
     """

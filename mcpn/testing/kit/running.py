@@ -1,4 +1,9 @@
-"""Runs properties on drawn missions; what breaks one is shrunk to the smallest mission that does."""
+"""Runs properties on drawn missions; what breaks one is shrunk to the smallest mission that does.
+
+>>> from mcpn.drawing.templates import PaperTemplates
+>>> broken(PaperTemplates(), profile="dev", properties={"one_safe": one_safe}) is None
+True
+"""
 
 from __future__ import annotations
 

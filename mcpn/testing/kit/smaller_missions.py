@@ -2,12 +2,6 @@
 
 Hypothesis shrinks what was drawn, in the order in which it was drawn; what nothing refers to any more may be
 left over. Here elements are taken out of the mission itself, and attributes are set back to their defaults.
-
-Runs properties on drawn missions; what breaks one is shrunk to the smallest mission that does.
-
->>> from mcpn.drawing.templates import PaperTemplates
->>> broken(PaperTemplates(), profile="dev", properties={"one_safe": one_safe}) is None
-True
 """
 
 from __future__ import annotations
