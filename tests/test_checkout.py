@@ -21,7 +21,9 @@ ASKED = "import mcpn; print(mcpn.__file__, mcpn.open('experiments/ulysse/mission
 def clone(tmp_path: Path) -> Path:
     """The package's sources without what is built, beside the missions."""
     clone = tmp_path / "clone"
-    shutil.copytree(INSTALLED, clone / "mcpn", ignore=shutil.ignore_patterns("_kernel.*.so", "__pycache__"))
+    shutil.copytree(
+        ROOT / "mcpn", clone / "mcpn", ignore=shutil.ignore_patterns("_kernel.*.so", "__pycache__")
+    )
     (clone / "experiments").symlink_to(ROOT / "experiments")
     return clone
 
