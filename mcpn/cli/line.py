@@ -168,7 +168,8 @@ def _answer(arguments: list[str]) -> int:
     except OSError:
         raise
     except Exception as error:
-        if isinstance(error, ImportError) and _NO_ROOM in str(error):  # of the loader of libraries
+        # Of the loader of libraries; hashlib keeps to itself why it could not load one.
+        if isinstance(error, ImportError) and (_NO_ROOM in str(error) or error.name == "hashlib"):
             _tell(f"out of memory: a library cannot be loaded: {str(error).splitlines()[-1]}")
             return EXIT_BAD_INPUT
         if os.environ.get(TRACEBACK):

@@ -235,7 +235,7 @@ def _without_mission(document: bytes) -> bytes:
     root = etree.fromstring(document)
     for tree in root.iter("define-fault-tree"):
         for gate in tree.findall("define-gate"):
-            if gate.get("name") in ("mission-lost", "robot-lost"):
+            if gate.get("name", "").startswith(("mission-lost", "robot-lost")):  # and the gates within
                 tree.remove(gate)
     return etree.tostring(root)
 
