@@ -220,7 +220,7 @@ class _Made(Generic[S]):
         transitions = enumerate(self.space.net.transitions)
         helping = frozenset(t for t, each in transitions if each.event and each.event.what in HELP)
         for kind, goal, words in goals:
-            for hardware in prospects.hardware:
+            for hardware in filter(self._can_fail, prospects.hardware):
                 aided = self._loss(kind, goal, words, hardware, frozenset())
                 if helping:
                     alone = self._loss(kind, goal, words, hardware, helping)
@@ -229,6 +229,10 @@ class _Made(Generic[S]):
                     )
                     yield replace(alone, refers_to=helpers)
                 yield aided
+
+    def _can_fail(self, hardware: str) -> bool:
+        """Whether some event takes it out of service: a crash of what nothing starts has none."""
+        return bool(self.prospects.carrying(What.OUT_OF_SERVICE, hardware))
 
     def _loss(self, kind: str, goal: Goal[S], words: str, hardware: str, helping: frozenset[int]) -> Claim:
         space, prospects = self.space, self.prospects
@@ -303,6 +307,8 @@ class _Made(Generic[S]):
             if safety is not None:
                 kind, lost = "failure_loses_robot", row.severity is Severity.ROBOT_LOST
             known = safety is None or not safety.ends_from
+            if not self._can_fail(row.hardware):
+                continue
             formula = KINDS[kind].formula.format(row.hardware, row.objective, sound=self._sound())
             yield Claim(kind, (row.hardware, row.objective), lost, formula=formula if known else "")
 
