@@ -51,6 +51,8 @@ if TYPE_CHECKING:
     from mcpn.spaces.markings.graph import StateGraph
     from mcpn.spaces.registry import Spaces
     from mcpn.spaces.summary import SpaceSummary
+    from mcpn.trees.importing import Imported
+    from mcpn.trees.ledger import Ledger
 
 
 # Methods import the modules that they need, so that each question loads no more than it needs.
@@ -67,6 +69,8 @@ class Study:
         subject: The mission, its net where it has been composed already, or a net of no mission.
         templates: The templates to compose with, or that the net was composed with; the paper's by default.
         file: Where it has been read from; errors say so. An attribute, too.
+        ledger: What each node became of the behaviour tree that the mission was read from; ``None`` of what
+            was read from no tree. An attribute, too.
 
     Examples:
         >>> from mcpn.mission.xml import read_mission
@@ -81,10 +85,12 @@ class Study:
         *,
         templates: TemplateSet | None = None,
         file: Path | None = None,
+        ledger: Ledger | None = None,
     ) -> None:
         self._subject = subject
         self._templates = templates
         self.file = file
+        self.ledger = ledger
         self._questions: dict[object, Questions] = {}
 
     def __repr__(self) -> str:
@@ -526,33 +532,34 @@ def open_study(
     """
     file = Path(subject) if isinstance(subject, (str, Path)) else None
     root = None if import_root is None else Path(import_root)
-    found = _read(Path(subject), root) if isinstance(subject, (str, Path)) else subject
+    found, ledger = _read(Path(subject), root) if isinstance(subject, (str, Path)) else (subject, None)
     if isinstance(found, PetriNet) and templates is not None:
         source = None if file is None else Source(str(file))
         raise InputError.at(source, "found a net, expected a mission: templates draw missions")
-    return Study(found, templates=templates, file=file)
+    return Study(found, templates=templates, file=file, ledger=ledger)
 
 
-def _read(file: Path, root: Path | None) -> Mission | PetriNet:
+def _read(file: Path, root: Path | None) -> tuple[Mission | PetriNet, Ledger | None]:
+    """What a file holds; of a tree its mission, and what each node became."""
     from mcpn.nets.formats import READABLE, read_net, refuse_foreign
 
     if file.suffix.lower() in READABLE:
-        return read_net(file)
+        return read_net(file), None
     refuse_foreign(file)
     from mcpn.mission.xml import read_mission
 
     try:
-        return read_mission(file, import_root=root)
+        return read_mission(file, import_root=root), None
     except InputError as error:
-        if (tree := _mission_of_tree(file, root)) is not None:
-            return tree
+        if (tree := _tree(file, root)) is not None:
+            return tree.mission, tree.ledger
         from mcpn.answers.formula_errors import with_formulas
 
         raise with_formulas(error) from None
 
 
-def _mission_of_tree(file: Path, root: Path | None) -> Mission | None:
-    """The mission that a behaviour tree becomes; ``None`` where a file is none.
+def _tree(file: Path, root: Path | None) -> Imported | None:
+    """A behaviour tree as a mission; ``None`` where a file is none.
 
     Raises:
         InputError: It is a behaviour tree, and something is wrong with it.
@@ -561,6 +568,6 @@ def _mission_of_tree(file: Path, root: Path | None) -> Mission | None:
 
     if not is_tree(file):
         return None
-    from mcpn.trees.importing import mission_of
+    from mcpn.trees.importing import imported_of
 
-    return mission_of(file, root)
+    return imported_of(file, root)

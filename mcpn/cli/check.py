@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     type=click.Choice(["text", "sarif", "github"]),
     default="text",
     show_default=True,
-    help="Of a mission: places in its files, as a log of SARIF or as annotations of GitHub.",
+    help="Of a mission or a tree: places in its files, as a log of SARIF or as annotations of GitHub.",
 )
 @question(workers=True)
 def check(
@@ -89,19 +89,24 @@ def check(
 def _annotate(
     question: Question, file: Path, structure: bool, engine: Asked, strict: bool, form: AnnotationForm
 ) -> NoReturn:
-    """Prints what is wrong with a mission by its places, and ends the command."""
-    from mcpn.report.annotations import annotated, of_problems, written
+    """Prints what is wrong with a mission or a tree by its places, and ends the command."""
+    from mcpn.report.annotations import annotated, of_ledger, of_problems, written
 
     if structure or question.as_json:
-        raise click.UsageError(f"--format {form} is of a mission's check, and stands alone")
+        raise click.UsageError(f"--format {form} is of the check of a mission or a tree, and stands alone")
     whole, code = Source(str(file), 1), 0
     try:
         with question.work():
             study = question.study(file)
             if study.is_net:
-                raise InputError.at(whole, f"expected a mission: --format {form} names places in its files")
+                raise InputError.at(
+                    whole,
+                    f"expected a mission or a tree: --format {form} names places in it",
+                )
             found = study.verdicts(engine=engine, max_states=question.max_states)
         said = [*annotated(found, str(file))]
+        if study.ledger is not None:
+            said += of_ledger(found, study.ledger, whole)
         code = 0 if found.passed and not (strict and found.warnings) else EXIT_FAILED
     except InputError as error:
         said, code = [*of_problems(error.problems, "error", whole)], EXIT_BAD_INPUT

@@ -15,8 +15,9 @@ from mcpn.report.words import in_words
 if TYPE_CHECKING:
     from mcpn.answers.verdicts.mission import MissionCheck
     from mcpn.spaces.run import Run
+    from mcpn.trees.ledger import Ledger
 
-Level: TypeAlias = Literal["error", "warning"]
+Level: TypeAlias = Literal["error", "warning", "note"]
 AnnotationForm: TypeAlias = Literal["sarif", "github"]
 
 SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
@@ -26,8 +27,8 @@ class Annotation(NamedTuple):
     """Something that a check says of a place in a file.
 
     Args:
-        level: An error fails the check.
-        rule: What was asked: a verdict's name, ``requirement``, ``warning`` or ``input``.
+        level: An error fails the check; a note says how an answer is to be taken.
+        rule: What was asked: a verdict's name, ``requirement``, ``warning``, ``tree`` or ``input``.
         message: What was found.
         source: Where.
     """
@@ -62,6 +63,33 @@ def annotated(check: MissionCheck, path: str) -> Iterator[Annotation]:
             level: Level = "error" if answer.required else "warning"
             yield Annotation(level, "requirement", _with_run(check, said, *runs), place)
     yield from of_problems(check.warnings, "warning", whole)
+
+
+def of_ledger(check: MissionCheck, ledger: Ledger, whole: Source) -> Iterator[Annotation]:
+    """What a ledger says of a behaviour tree that was checked as a mission.
+
+    Args:
+        check: The check.
+        ledger: What each node became.
+        whole: The tree's file.
+
+    Yields:
+        What libraries read otherwise, which answers hold of the tree, each node that is not exact.
+    """
+    from mcpn.trees.ledger import WORDS, of_translated
+
+    yield from of_problems(ledger.warnings, "warning", whole)
+    if not ledger.inexact:
+        return
+    mission = check.mission_net.mission
+    for translated in mission.translated:
+        made, survives = of_translated(translated)
+        said = f"{made[0].upper()}{made[1:]}. {survives}"
+        yield Annotation("note", "tree", said, mission.source or whole)
+    for entry in ledger.inexact:
+        why = f": {entry.why}" if entry.why else ""
+        said = f"{entry.node.title} is {WORDS[entry.kind]}{why}"
+        yield Annotation("note", "tree", said, entry.node.source)
 
 
 def of_problems(problems: Iterable[Problem], level: Level, whole: Source) -> Iterator[Annotation]:
@@ -133,6 +161,7 @@ def sarif(found: Iterable[Annotation]) -> dict[str, Any]:
 _RULES = {
     "requirement": "A requirement of the mission.",
     "warning": "What is suspicious in a mission, though it can be verified.",
+    "tree": "What of a behaviour tree the mission that was verified does not say exactly.",
     "input": "A file that cannot be read as what it is to be.",
 }
 
@@ -143,10 +172,10 @@ def _location(source: Source) -> dict[str, Any]:
 
 
 def _command(each: Annotation) -> str:
-    """One workflow command; what ends a property or a line in it is escaped."""
+    """One workflow command, where a note is a notice; what ends a property or a line in it is escaped."""
     properties = {"file": each.source.file, "line": str(each.source.line or 1), "title": f"mcpn {each.rule}"}
     said = ",".join(f"{key}={_escaped(text, ':,')}" for key, text in properties.items())
-    return f"::{each.level} {said}::{_escaped(each.message)}"
+    return f"::{'notice' if each.level == 'note' else each.level} {said}::{_escaped(each.message)}"
 
 
 def _escaped(text: str, also: str = "") -> str:

@@ -22,7 +22,7 @@ from mcpn.mission.robot import Activity, Alternative, Robot
 from mcpn.mission.validate import valid
 from mcpn.mission.writer import element_of
 from mcpn.trees.decorators import DECORATING, unknown
-from mcpn.trees.ledger import Kind, Ledger, in_order, in_words
+from mcpn.trees.ledger import Ledger, in_order, in_words
 from mcpn.trees.nav2 import NAV2
 from mcpn.trees.nodes.forest import Forest
 from mcpn.trees.py_trees import PY_TREES_RULES
@@ -93,6 +93,7 @@ def translate(forest: Forest, name: str, file: str, *, faulty: bool = False) -> 
     ledger = Ledger(file, in_order(at.entries), str(forest.choice), forest.warnings)
     mission = Mission(
         name=name,
+        source=forest.main.source,
         translated=(_translated(ledger),),
         robots=(robot,),
         protocols=tuple(_used(at)),
@@ -101,8 +102,8 @@ def translate(forest: Forest, name: str, file: str, *, faulty: bool = False) -> 
     return Imported(valid(mission), ledger, forest, at.origins, at.heard, frozenset(at.silent))
 
 
-def mission_of(file: Path, root: Path | None = None) -> Mission:
-    """The mission that the tree of a file becomes.
+def imported_of(file: Path, root: Path | None = None) -> Imported:
+    """The mission that the tree of a file becomes, called after the file.
 
     Args:
         file: The file.
@@ -113,12 +114,12 @@ def mission_of(file: Path, root: Path | None = None) -> Mission:
     """
     from mcpn.trees.reading import read_forest
 
-    return translate(read_forest(file, root=root), TreeNames().fresh(file.stem), file.name).mission
+    return translate(read_forest(file, root=root), TreeNames().fresh(file.stem), file.name)
 
 
 def _translated(ledger: Ledger) -> Translated:
     """The ledger as the mission's file has it: what is not exact, in one entry for each node."""
-    less = [entry for entry in ledger.entries if entry.kind is not Kind.EXACT]
+    less = ledger.inexact
     return Translated(
         tree=ledger.file,
         library=ledger.read_as or None,

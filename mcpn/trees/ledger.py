@@ -74,6 +74,11 @@ class Ledger:
         return {kind: found[kind] for kind in Kind}
 
     @property
+    def inexact(self) -> tuple[LedgerEntry, ...]:
+        """The nodes of which the mission says something else, or less."""
+        return tuple(entry for entry in self.entries if entry.kind is not Kind.EXACT)
+
+    @property
     def kind(self) -> Kind:
         """The weakest kind of all nodes."""
         return max((entry.kind for entry in self.entries), key=list(Kind).index, default=Kind.EXACT)

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
+from mcpn.errors import Source
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Handler, Objective, Parallel, Recursive
 from mcpn.mission.robot import FactChange
 
@@ -39,6 +40,15 @@ class Part:
 
 Result = Part | bool
 """What a node becomes: a piece, or what it always returns at once."""
+
+
+def sourced(block: Block, source: Source) -> Block:
+    """A block that a node became: what of it has no place in the file yet has that of the node."""
+    if block.source is not None:
+        return block
+    if isinstance(block, Recursive | Parallel):
+        block = replace(block, blocks=tuple(sourced(inner, source) for inner in block.blocks))
+    return replace(block, source=source)
 
 
 def placed(piece: Part, good: str, bad: str, skip: str = ABORT) -> Block:

@@ -31,7 +31,7 @@ from mcpn.trees.nodes.forest import Forest, tree_of
 from mcpn.trees.nodes.node import PRECONDITIONS, Tree, TreeNode
 from mcpn.trees.nodes.row import NodeRow
 from mcpn.trees.nodes.versions import told
-from mcpn.trees.pieces import Part, Result, placed, tidied
+from mcpn.trees.pieces import Part, Result, placed, sourced, tidied
 from mcpn.trees.tree_names import Lane, TreeNames, readable
 
 TURNS = frozenset({"round_robin", "round_robin_wraps_or_not"})
@@ -136,10 +136,10 @@ class Translator:
                     self.parameters.setdefault(used.id, set()).update(node.ports)
 
     def piece(self, node: TreeNode, context: Context) -> Result:
-        """What a node becomes, with its preconditions."""
-        if not any(rule in node.rules for rule in PRECONDITIONS):
-            return self.ticked(node, context)
-        return self.conditional(node, context)
+        """What a node becomes, with its preconditions; blocks have the place of their node."""
+        free = any(rule in node.rules for rule in PRECONDITIONS)
+        made = self.conditional(node, context) if free else self.ticked(node, context)
+        return made if isinstance(made, bool) else replace(made, block=sourced(made.block, node.source))
 
     def ticked(self, node: TreeNode, context: Context) -> Result:
         """What a node becomes once it is ticked."""

@@ -104,3 +104,63 @@ def test_a_mission_without_a_fault_says_nothing(mission: Path) -> None:
 @pytest.mark.parametrize("option", ["--json", "--structure"])
 def test_it_stands_alone(mission: Path, option: str) -> None:
     assert mcpn("check", mission, "--format", "sarif", option).returncode == 2
+
+
+TREE = """<?xml version="1.0"?>
+<root BTCPP_format="4">
+  <include path="parts/take.xml"/>
+  <BehaviorTree ID="Main">
+    <Sequence>
+      <Go _odd="no"/>
+      <SubTree ID="Take"/>
+      <Inverter>
+        <Lost/>
+      </Inverter>
+    </Sequence>
+  </BehaviorTree>
+</root>
+"""
+TAKE = """<root BTCPP_format="4">
+  <BehaviorTree ID="Take">
+
+    <Patient><Grasp/></Patient>
+  </BehaviorTree>
+</root>
+"""
+
+
+def test_a_tree_is_annotated_where_its_nodes_stand(mission: Path) -> None:
+    Path("parts").mkdir()
+    Path("parts", "take.xml").write_text(TAKE)
+    Path("tree.xml").write_text(TREE)
+    run = mcpn("check", "tree.xml", "--format", "github")
+    assert run.returncode == 1
+    found = commands(run.stdout)
+    places = {(level, p["title"], p["file"], int(p["line"])): said for level, p, said in found}
+    assert "Grasp succeeds" in places.pop(("error", "mcpn nominal_success", "tree.xml", 4))
+    assert places.pop(("warning", "mcpn warning", "tree.xml", 6)) == "Go: attribute _odd means nothing"
+    assert "Lost leads only to failure by its success" in places.pop(
+        ("warning", "mcpn warning", "tree.xml", 9)
+    )
+    patient = places.pop(("notice", "mcpn tree", "parts/take.xml", 4))
+    assert patient == "Patient is more runs: what Patient does with its child is not known"
+    assert "7 nodes: exact 6, more runs 1" in places.pop(("notice", "mcpn tree", "tree.xml", 4))
+    assert places == {}
+    log = results(mcpn("check", "tree.xml", "--format", "sarif").stdout)
+    levels = [(each["level"], each["ruleId"]) for each in log]
+    assert sorted(levels) == sorted(
+        (level.replace("notice", "note"), p["title"].removeprefix("mcpn ")) for level, p, _ in found
+    )
+
+
+def test_an_exact_tree_has_no_notes_and_a_wrong_one_is_an_annotation(mission: Path) -> None:
+    path = Path("tree.xml")
+    path.write_text(TREE)
+    run = mcpn("check", path, "--format", "github")
+    assert run.returncode == 2
+    ((level, properties, message),) = commands(run.stdout)
+    assert (level, properties["title"], properties["line"]) == ("error", "mcpn input", "3")
+    assert "parts/take.xml" in message
+    path.write_text('<root><BehaviorTree ID="A"><Sequence><a/><b/></Sequence></BehaviorTree></root>')
+    run = mcpn("check", path, "--format", "github")
+    assert (run.returncode, run.stdout) == (0, "")
