@@ -511,6 +511,7 @@ def open_study(
     *,
     import_root: str | Path | None = None,
     templates: TemplateSet | None = None,
+    library: Sequence[str] = (),
 ) -> Study:
     """Opens a mission or a net to ask questions about it; ``mcpn.open`` is its name for users.
 
@@ -519,9 +520,11 @@ def open_study(
             what is read already.
         import_root: The directory that imports of a mission must stay in; by default the mission's own.
         templates: What draws the net of a mission; the paper's by default.
+        library: Versions of libraries that a behaviour tree is for: ``["nav2=1.5"]``.
 
     Raises:
-        InputError: No valid mission, or no net, with every problem and its line; or templates for a net.
+        InputError: No valid mission, or no net, with every problem and its line; or templates for a net, or
+            versions for what is no tree.
 
     Examples:
         >>> study = open_study("experiments/ulysse/mission.xml")
@@ -532,14 +535,20 @@ def open_study(
     """
     file = Path(subject) if isinstance(subject, (str, Path)) else None
     root = None if import_root is None else Path(import_root)
-    found, ledger = _read(Path(subject), root) if isinstance(subject, (str, Path)) else (subject, None)
+    found, ledger = (
+        _read(Path(subject), root, library) if isinstance(subject, (str, Path)) else (subject, None)
+    )
     if isinstance(found, PetriNet) and templates is not None:
         source = None if file is None else Source(str(file))
         raise InputError.at(source, "found a net, expected a mission: templates draw missions")
+    if library and ledger is None:
+        source = None if file is None else Source(str(file))
+        what = "net" if isinstance(found, PetriNet) else "mission"
+        raise InputError.at(source, f"found a {what}, expected a behaviour tree: libraries are of trees")
     return Study(found, templates=templates, file=file, ledger=ledger)
 
 
-def _read(file: Path, root: Path | None) -> tuple[Mission | PetriNet, Ledger | None]:
+def _read(file: Path, root: Path | None, library: Sequence[str]) -> tuple[Mission | PetriNet, Ledger | None]:
     """What a file holds; of a tree its mission, and what each node became."""
     from mcpn.nets.formats import READABLE, read_net, refuse_foreign
 
@@ -551,14 +560,14 @@ def _read(file: Path, root: Path | None) -> tuple[Mission | PetriNet, Ledger | N
     try:
         return read_mission(file, import_root=root), None
     except InputError as error:
-        if (tree := _tree(file, root)) is not None:
+        if (tree := _tree(file, root, library)) is not None:
             return tree.mission, tree.ledger
         from mcpn.answers.formula_errors import with_formulas
 
         raise with_formulas(error) from None
 
 
-def _tree(file: Path, root: Path | None) -> Imported | None:
+def _tree(file: Path, root: Path | None, library: Sequence[str]) -> Imported | None:
     """A behaviour tree as a mission; ``None`` where a file is none.
 
     Raises:
@@ -570,4 +579,4 @@ def _tree(file: Path, root: Path | None) -> Imported | None:
         return None
     from mcpn.trees.importing import imported_of
 
-    return imported_of(file, root)
+    return imported_of(file, root, library)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, BinaryIO, cast
 
 import click
 
-from mcpn.cli.shared import FILE, emit_json, json_option
+from mcpn.cli.shared import FILE, LIBRARIES, emit_json, json_option
 from mcpn.errors import InputError, LimitError, Source
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ LANGUAGE = "mission"
     "--library",
     multiple=True,
     metavar="NAME=VERSION",
-    help="With --from: what the tree is for: nav2=1.5, btcpp=4.8, plansys2=2.0, py_trees; may be repeated.",
+    help=f"With --from: what the tree is for: {LIBRARIES}.",
 )
 @click.option("--import-root", type=FILE, help="With --from: the folder that includes must stay in.")
 @click.option("--main", metavar="ID", help="With --from: the tree to execute.")

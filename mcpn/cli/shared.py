@@ -72,6 +72,16 @@ _import = click.option(
 )
 
 
+LIBRARIES = "nav2=1.5, btcpp=4.8, plansys2=2.0, py_trees; may be repeated"
+_library = click.option(
+    "--library",
+    "libraries",
+    multiple=True,
+    metavar="NAME=VERSION",
+    help=f"Of a behaviour tree: what it is for: {LIBRARIES}.",
+)
+
+
 def templates_of(_ctx: click.Context, _option: click.Parameter, name: str | None) -> TemplateSet | None:
     """The set of templates that is named; none where it is the paper's."""
     if name is None:
@@ -120,6 +130,7 @@ class Question:
     Args:
         max_states: States that are listed at most; ``None`` for the limit of each engine.
         import_root: Where imports must stay; ``None`` for the directory of the mission.
+        libraries: Versions of libraries that a behaviour tree is for.
         templates: What draws the net of a mission; ``None`` for the paper's.
         as_json: Whether to answer in JSON.
         jobs: Processes that build local graphs.
@@ -128,6 +139,7 @@ class Question:
 
     max_states: int | None = None
     import_root: Path | None = None
+    libraries: tuple[str, ...] = ()
     templates: TemplateSet | None = None
     as_json: bool = False
     jobs: int = 1
@@ -137,7 +149,9 @@ class Question:
         """The study of a file, which is read as the options say."""
         from mcpn.study import open_study
 
-        return open_study(file, import_root=self.import_root, templates=self.templates)
+        return open_study(
+            file, import_root=self.import_root, templates=self.templates, library=self.libraries
+        )
 
     def progress(self) -> AbstractContextManager[None]:
         """Shows how far the work is, unless the answer is JSON."""
@@ -161,17 +175,19 @@ class Question:
 
 
 def question(
-    *, workers: bool = False, templates: bool = True, as_json: bool = True
+    *, workers: bool = False, templates: bool = True, library: bool = False, as_json: bool = True
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Gives a command the options that questions share, and their values as its first argument.
 
     Args:
         workers: Whether processes may share the work.
-        templates: Whether the command knows ``--templates``.
+        templates: Whether the command knows ``--templates``,
+        library: and ``--library``, for trees.
         as_json: Whether it knows ``--json``.
     """
     options = [*([_jobs, _scheduler] if workers else ()), _limit, _import]
-    options += [*([_templates] if templates else ()), *([json_option] if as_json else ())]
+    options += [*([_library] if library else ()), *([_templates] if templates else ())]
+    options += [json_option] if as_json else []
     shared = [field.name for field in fields(Question)]
 
     def given_options(command: Callable[..., None]) -> Callable[..., None]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -102,19 +102,20 @@ def translate(forest: Forest, name: str, file: str, *, faulty: bool = False) -> 
     return Imported(valid(mission), ledger, forest, at.origins, at.heard, frozenset(at.silent))
 
 
-def imported_of(file: Path, root: Path | None = None) -> Imported:
+def imported_of(file: Path, root: Path | None = None, library: Iterable[str] = ()) -> Imported:
     """The mission that the tree of a file becomes, called after the file.
 
     Args:
         file: The file.
         root: The folder that includes stay inside; by default that of the file.
+        library: Versions of libraries that the tree is for: ``nav2=1.5``.
 
     Raises:
         InputError: Everything that is wrong with the tree, by file and line.
     """
     from mcpn.trees.reading import read_forest
 
-    return translate(read_forest(file, root=root), TreeNames().fresh(file.stem), file.name)
+    return translate(read_forest(file, root=root, library=library), TreeNames().fresh(file.stem), file.name)
 
 
 def _translated(ledger: Ledger) -> Translated:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+import mcpn
 from mcpn.cli.line import run
 from mcpn.errors import InputError
 from mcpn.mission.xml import read_mission
@@ -220,6 +221,42 @@ def test_a_tree_is_checked_and_asked_as_it_is(tmp_path: Path, capsys: pytest.Cap
     path.write_text('<root BTCPP_format="4"><BehaviorTree ID="A">\n<Odd><a/><b/></Odd></BehaviorTree></root>')
     assert run(["check", str(path)]) == 2
     assert f"{path}:2: Odd has 2 children" in capsys.readouterr().err
+
+
+def test_versions_are_said_of_a_tree_that_is_checked_and_asked(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "turns.xml"
+    path.write_text(
+        '<root BTCPP_format="4"><BehaviorTree ID="A">\n'
+        "<RoundRobin><Inverter><Spin/></Inverter><BackUp/></RoundRobin></BehaviorTree></root>"
+    )
+    # Until Nav2 1.4 the success of the last child is one of RoundRobin.
+    succeeds = "A G (objective(BackUp) -> E F success)"
+    for version, code in (("1.4", 0), ("1.5", 1)):
+        library = ["--library", f"nav2={version}"]
+        assert run(["ask", str(path), succeeds, *library]) == code
+        run(["check", str(path), "--json", *library])
+        (translated,) = json.loads(capsys.readouterr().out.splitlines()[-1])["translated"]
+        assert f"Nav2 {version}" in translated["library"]
+        assert translated["approximations"] == []
+    assert len(mcpn.open(path, library=["nav2=1.5"]).ledger.inexact) == 0  # type: ignore[union-attr]
+    assert run(["check", str(path)]) in (0, 1)
+    assert "depends on the version" in capsys.readouterr().out
+    assert run(["check", str(path), "--library", "nav2=7"]) == 2
+    assert "no version '7' of Nav2" in capsys.readouterr().err
+
+
+def test_versions_of_what_is_no_tree_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "mission.xml"
+    path.write_text(
+        '<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r"><activity name="a"/></robot>'
+        '<objective name="o" activities="a"/></mission>'
+    )
+    for command in (["check"], ["ask"]):
+        assert run([*command, str(path), "--library", "nav2=1.5"]) == 2
+        said = f"{path}: found a mission, expected a behaviour tree"
+        assert said in capsys.readouterr().err
 
 
 def test_a_file_that_is_no_tree_is_refused_as_a_mission(
