@@ -6,13 +6,14 @@ program that one starts.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor, Future
+    from multiprocessing.process import BaseProcess
 
 # Both kinds are loaded when they are asked for.
 
@@ -72,18 +73,38 @@ def executor_of(jobs: int = 1, scheduler: str | None = None) -> Iterator[Executo
 
         before = set(active_children())
         pool = _pool(jobs)
-        done = False
         try:
             yield pool
-            done = True
-        finally:  # else leaving the pool waits for unneeded work, or for ever if the pool is broken
-            for process in set(active_children()) - before:
-                process.kill()
-            if not done and (calls := getattr(pool, "_call_queue", None)) is not None:
-                calls.cancel_join_thread()  # which waits for ever where work that nobody reads fills a pipe
-            pool.shutdown(wait=done, cancel_futures=True)
+        finally:
+            with _signals_wait():
+                _end(pool, set(active_children()) - before)
     else:
         yield None
+
+
+_SECONDS = 5.0
+"""For the thread that manages a pool to end, which takes milliseconds."""
+
+
+def _end(pool: Executor, processes: Iterable[BaseProcess]) -> None:
+    """Ends a pool whose work is done or needed no more; leaving it would wait for all that it was given.
+
+    Its manager is awaited: it closes a pipe which multiprocessing closes, too, as the program ends, and of
+    two at once the second prints a traceback.
+    """
+    calls, results, manager = (
+        getattr(pool, name, None) for name in ("_call_queue", "_result_queue", "_executor_manager_thread")
+    )
+    for process in processes:
+        process.kill()
+    # The manager would wait for ever where work that nobody reads fills a pipe, and for the rest of a result.
+    if calls is not None:
+        calls.cancel_join_thread()
+    if results is not None:
+        results._writer.close()
+    pool.shutdown(wait=False, cancel_futures=True)
+    if manager is not None:
+        manager.join(_SECONDS)
 
 
 def _pool(jobs: int) -> Executor:
@@ -112,8 +133,9 @@ def _signals_wait() -> Iterator[None]:
         yield
         return
     ending = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT}
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, ending)
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ())
     try:
+        signal.pthread_sigmask(signal.SIG_BLOCK, ending)  # which may still raise what came before
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)

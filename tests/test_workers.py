@@ -8,7 +8,8 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import process
 from contextlib import suppress
 from multiprocessing import active_children
 from pathlib import Path
@@ -23,7 +24,7 @@ from mcpn.errors import InputError, WorkersError
 from mcpn.workers import executor_of, using
 from tests.commands import mcpn, output
 from tests.conftest import ROOT, interruptible
-from tests.dying import die
+from tests.dying import begin_result, die, wait
 
 ULYSSE = ROOT / "experiments" / "ulysse" / "mission.xml"
 COMMANDS = (
@@ -154,6 +155,55 @@ def test_a_killed_process_is_an_error_that_says_so(ulysse_net: MissionNet) -> No
             child.kill()
         with using(executor), pytest.raises(WorkersError, match="a process that explored sections ended"):
             composite_space(ulysse_net)
+
+
+def _left_by(work: Callable[[Path], object], begun: Path) -> list[threading.Thread]:
+    """Leaves a pool while its work is under way; the threads that are still there then."""
+    before = set(threading.enumerate())
+    with suppress(ZeroDivisionError), executor_of(2) as executor:
+        assert executor is not None
+        executor.submit(work, begun)
+        while not begun.exists():
+            time.sleep(0.01)
+        raise ZeroDivisionError
+    return [each for each in threading.enumerate() if each not in before and "Manager" in type(each).__name__]
+
+
+def test_a_pool_that_is_left_has_closed_what_it_opened(tmp_path: Path) -> None:
+    """Else its manager and the end of the program close one pipe at once: threading prints a traceback."""
+    manager: Any = process._ExecutorManagerThread
+    ended = manager.terminate_broken
+
+    def late(self: object, *cause: object) -> None:
+        time.sleep(0.5)
+        ended(self, *cause)
+
+    with patch.object(manager, "terminate_broken", late):
+        assert _left_by(wait, tmp_path / "begun") == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
+def test_a_signal_that_comes_as_signals_are_blocked_leaves_none_blocked(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    mask = signal.pthread_sigmask
+
+    def interrupted(how: int, which: set[signal.Signals]) -> object:
+        before = mask(how, which)
+        if how == signal.SIG_BLOCK and which:
+            raise KeyboardInterrupt
+        return before
+
+    before = mask(signal.SIG_BLOCK, ())
+    monkeypatch.setattr(signal, "pthread_sigmask", interrupted)
+    with pytest.raises(KeyboardInterrupt), executor_of(2):
+        raise AssertionError("there is no pool yet")
+    assert mask(signal.SIG_SETMASK, before) == before
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="writes to a pipe of POSIX")
+def test_a_process_that_is_killed_in_the_middle_of_a_result_is_not_awaited(tmp_path: Path) -> None:
+    assert _left_by(begin_result, tmp_path / "begun") == []
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
