@@ -70,7 +70,7 @@ def stream_xml(
 
     Yields:
         ``start`` or ``end``, and the element, which has all that stands in it at its end alone. Who takes the
-        end of an element may clear it.
+        end of an element may clear it, but for its tail, to which the parser may still add.
 
     Raises:
         InputError: As :func:`parse_xml`, when the place is reached.

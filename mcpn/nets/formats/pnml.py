@@ -403,9 +403,8 @@ def read_pnml(path: Path) -> PetriNet:
 
 def _let_go(element: etree._Element) -> None:
     """Forgets what stands in an element that has ended, and its siblings before it."""
-    tail = element.tail  # which is looked at as the next element begins
-    element.clear()
-    element.tail = tail
+    # The parser may still be adding to the text behind the element, so that must stay the object that it is.
+    element.clear(keep_tail=True)  # type: ignore[call-arg]
     parent = element.getparent()
     while parent is not None and element.getprevious() is not None:
         del parent[0]

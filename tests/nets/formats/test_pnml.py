@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +15,7 @@ from lxml import etree
 
 from mcpn.errors import InputError
 from mcpn.nets.formats import read_net, save_net
-from mcpn.nets.formats.pnml import NAMESPACE
+from mcpn.nets.formats.pnml import NAMESPACE, NET_TYPE
 from mcpn.nets.formats.pnml_writer import write_pnml
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.steps import WorkStep, heard_by
@@ -266,6 +268,21 @@ def test_what_cannot_be_said_is_told_and_nothing_written(tmp_path: Path) -> None
     with pytest.raises(InputError, match="at most 18 digits"):
         save_net(builder.build(), tmp_path / "n.pnml")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("ends", ["\n", "\r\n"], ids=["lf", "crlf"])
+def test_white_space_between_nodes_may_be_long(ends: str, tmp_path: Path) -> None:
+    """The parser gives it in parts, between which the reader takes the node before it."""
+    path = tmp_path / "n.pnml"
+    places = ('<place id="p"/>', '<place id="q"/>', "")
+    text = ("\n" * 100_000).join(places)
+    net = f'<pnml xmlns="{NAMESPACE}"><net id="n" type="{NET_TYPE}"><page id="g">{text}</page></net></pnml>'
+    path.write_text(net, newline=ends)
+    program = "import sys, mcpn; print(len(mcpn.open(sys.argv[1]).net.places))"
+    run = subprocess.run(
+        [sys.executable, "-c", program, str(path)], capture_output=True, text=True, check=False
+    )
+    assert (run.returncode, run.stdout, run.stderr) == (0, "2\n", "")
 
 
 def test_large_nets_are_read_quickly(mcc: Path) -> None:
