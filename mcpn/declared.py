@@ -20,6 +20,7 @@ from lxml import etree
 
 from mcpn.errors import InputError, Source
 from mcpn.sentences import quoted
+from mcpn.xmlio import line_of
 
 _OF_XML = (
     "{http://www.w3.org/XML/1998/namespace}",
@@ -175,8 +176,7 @@ def refuse(file: str, element: etree._Element, message: str) -> NoReturn:
 
 def source_of(file: str, element: etree._Element) -> Source:
     """Where an element begins."""
-    line = element.sourceline
-    return Source(file, line if isinstance(line, int) else None)
+    return Source(file, line_of(element))
 
 
 def _no_text(file: str, element: etree._Element, text: str | None) -> None:

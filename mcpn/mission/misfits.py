@@ -6,6 +6,7 @@ of why a document fails, so elements and attributes are compared with the langua
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
@@ -17,6 +18,7 @@ from mcpn.mission.did_you_mean import did_you_mean
 from mcpn.mission.language.forms import NAMESPACE, ROOTS, Tag, form_of, language
 from mcpn.mission.model import Block, Recursive
 from mcpn.sentences import quoted
+from mcpn.xmlio import line_of
 
 _BLOCKS = tuple(dict.fromkeys(block.TAG for block in get_args(Block)))
 _UNKNOWN = Tag()
@@ -49,7 +51,7 @@ def find_misfits(
     """
     name = etree.QName(root)
     if name.namespace != NAMESPACE or name.localname not in {root.TAG for root in ROOTS}:
-        return [(_line(root), _no_root(name))]
+        return [(line_of(root), _no_root(name))]
     root.attrib.pop(LOCATION, "")
     validator = _validator()
     excerpt, suspects = new or (root, root.iter())
@@ -60,15 +62,18 @@ def find_misfits(
         return misfits
     if new and validator.validate(root):
         return []
-    lines = {entry.line for entry in validator.error_log} or {_line(root)}
-    return [(_line(e), _contents(e)) for e in root.iter() if _line(e) in lines][:1] or [
-        (min(lines), "does not fit the mission language")
+    return [(line_of(element), _contents(element)) for element in _blamed(root, validator)[:1]] or [
+        (line_of(root), "does not fit the mission language")
     ]
 
 
-def _line(element: etree._Element) -> int:
-    line = element.sourceline
-    return line if isinstance(line, int) else 1
+def _blamed(root: etree._Element, validator: etree.RelaxNG) -> list[etree._Element]:
+    """The elements of a document at which libxml2 says that it does not fit, in document order."""
+    # Its path to an element has names as they are written, and * where a name has no prefix but a namespace.
+    paths = (re.sub(r"(?<=/)[^/*\[]+", r'*[name()="\g<0>"]', e.path) for e in validator.error_log if e.path)
+    found = root.getroottree().xpath(" | ".join(dict.fromkeys(paths)) or "/*")
+    assert isinstance(found, list), "an expression of elements"
+    return [element for element in found if isinstance(element, etree._Element)]
 
 
 def _no_root(name: etree.QName) -> str:
@@ -82,7 +87,7 @@ def _no_root(name: etree.QName) -> str:
 def _misfits(among: Iterable[etree._Element]) -> Iterator[tuple[int, str]]:
     tags = language()
     for element in among:
-        tag, line = etree.QName(element).localname, _line(element)
+        tag, line = etree.QName(element).localname, line_of(element)
         parent = element.getparent()
         yield from _misplaced(element)
         if parent is not None:
@@ -106,11 +111,12 @@ def _misfits(among: Iterable[etree._Element]) -> Iterator[tuple[int, str]]:
 
 def _misplaced(element: etree._Element) -> Iterator[tuple[int, str]]:
     """What is allowed by itself, but not where or with what it stands."""
-    tag, line = etree.QName(element).localname, _line(element)
+    tag, line = etree.QName(element).localname, line_of(element)
     children = [etree.QName(child).localname for child in element]
     for where, text in ((element, element.text), *((child, child.tail) for child in element)):
         if text and text.strip():
-            yield _line(where), f"found the text {text.strip()[:40]!r} inside <{tag}>, expected elements only"
+            found = f"found the text {text.strip()[:40]!r} inside <{tag}>"
+            yield line_of(where), f"{found}, expected elements only"
     blocks = [child for child in children if child in _BLOCKS]
     rule = language().get(tag, _UNKNOWN)
     if rule.series:
@@ -118,7 +124,7 @@ def _misplaced(element: etree._Element) -> Iterator[tuple[int, str]]:
         for child, name in zip(list(element)[first:], children[first:], strict=True):
             if name not in _BLOCKS and name in rule.children:
                 yield (
-                    _line(child),
+                    line_of(child),
                     f"found <{name}> after a block of <{tag}>, expected before its first block",
                 )
     if not (rule.children.issuperset(children) and rule.attributes.keys() >= set(element.attrib)):

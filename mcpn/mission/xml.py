@@ -22,7 +22,7 @@ from mcpn.mission.misfits import find_misfits
 from mcpn.mission.model import Import, Mission, Parallel, Protocol
 from mcpn.mission.robot import Robot
 from mcpn.mission.validate import find_errors
-from mcpn.xmlio import parse_bytes
+from mcpn.xmlio import line_of, parse_bytes
 
 NOTHING: Mapping[Path, str] = {}
 MAX_FILE_BYTES = 16 << 20
@@ -259,8 +259,7 @@ class _MissionReader:
         self.problems.append(Problem(source, message))
 
     def source(self, element: etree._Element) -> Source:
-        line = element.sourceline
-        return Source(str(self.path), line if isinstance(line, int) else None)
+        return Source(str(self.path), line_of(element))
 
     def imported(self, made: Import) -> None:
         href = made.href

@@ -29,6 +29,7 @@ from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.testing import missions
 from mcpn.testing.shape import Shape, as_xml
+from mcpn.xmlio import line_of
 
 NAMESPACE = "urn:mcpn:mission:1"
 FILE = Path("broken.xml")
@@ -99,9 +100,7 @@ def _broken(draw: st.DrawFn, valid: st.SearchStrategy[Mission], asked: list[str]
     path = root.getroottree().getpath(told)
     text = etree.tostring(root, encoding="unicode")
     (again,) = _found(etree.fromstring(text), path)
-    line = again.sourceline
-    assert isinstance(line, int), "it has been parsed"
-    return BrokenMission(text, fault, line, message)
+    return BrokenMission(text, fault, line_of(again), message)
 
 
 def _found(root: Element, where: str) -> list[Element]:

@@ -22,7 +22,7 @@ from mcpn.trees.nodes.table import TABLE
 from mcpn.trees.nodes.versions import BTCPP, NAV2
 from mcpn.trees.nodes.versions import asked as asked_for
 from mcpn.trees.tolerant import escaped
-from mcpn.xmlio import parse_bytes
+from mcpn.xmlio import line_of, parse_bytes
 
 MAX_BYTES = 16 << 20
 MAX_FILES = 1000
@@ -200,7 +200,7 @@ class _Reader:
 
     def known(self, element: etree._Element, path: Path, parent: etree._Element | None = None) -> None:
         """Holds an element that is no node to the table of elements."""
-        tag, source = _tag(element), Source(str(path), _line(element))
+        tag, source = _tag(element), Source(str(path), line_of(element))
         inside = None if parent is None else ELEMENTS.get(_tag(parent), ((), ()))[1]
         if inside is not None and tag not in inside:
             expected = " or ".join(f"<{each}>" for each in inside) or "nothing"
@@ -256,7 +256,7 @@ class _Reader:
         root = self.parsed(path)
         if root is None:
             return
-        here = Source(str(path), _line(root))
+        here = Source(str(path), line_of(root))
         if root.tag != "root":
             said = f"expected <root> of a behaviour tree, found <{_tag(root)}>"
             self.warnings.append(Problem(here, f"{said}: not read")) if among else self.wrong(here, said)
@@ -268,7 +268,7 @@ class _Reader:
             return
         self.formats.append(version)
         if own:
-            self.root_line = _line(root) if len(self.seen) == 1 else self.root_line
+            self.root_line = line_of(root) if len(self.seen) == 1 else self.root_line
             self.mains += [main] if (main := root.get("main_tree_to_execute")) else []
         for element in root.iterchildren(etree.Element):
             self.top(element, root, path, shown, own=own)
@@ -277,7 +277,7 @@ class _Reader:
         self, element: etree._Element, root: etree._Element, path: Path, shown: str, *, own: bool
     ) -> None:
         """Reads an element inside the root."""
-        tag, source = _tag(element), Source(str(path), _line(element))
+        tag, source = _tag(element), Source(str(path), line_of(element))
         if tag not in ("include", "Import", "Include", "BehaviorTree", "TreeNodesModel"):
             expected = "expected <include>, <BehaviorTree> or <TreeNodesModel>"
             self.wrong(source, f"found <{tag}>, {expected}")
@@ -352,7 +352,7 @@ class _Reader:
             self.warnings.append(Problem(source, f"<{_tag(element)}> holds text, which means nothing"))
 
     def node(self, element: etree._Element, path: Path, depth: int) -> TreeNode | None:
-        source = Source(str(path), _line(element))
+        source = Source(str(path), line_of(element))
         self.nodes += 1
         if depth > MAX_DEPTH or self.nodes > MAX_NODES:
             limit = (
@@ -411,11 +411,6 @@ def _is_remap(element: etree._Element) -> bool:
 
 def _tag(element: etree._Element) -> str:
     return str(element.tag)
-
-
-def _line(element: etree._Element) -> int:
-    line = element.sourceline
-    return line if isinstance(line, int) else 1
 
 
 def _cycles(forest: Forest) -> Iterator[Problem]:

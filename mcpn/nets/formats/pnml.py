@@ -28,7 +28,7 @@ from mcpn.nets.inhibitors import Inhibitor, without_inhibitors
 from mcpn.nets.petri import EVENTS, NetBuilder, PetriNet
 from mcpn.sentences import quoted
 from mcpn.steps import Doing, step
-from mcpn.xmlio import stream_xml
+from mcpn.xmlio import line_of, stream_xml
 
 NAMESPACE = "http://www.pnml.org/version-2009/grammar/pnml"
 NET_TYPE = "http://www.pnml.org/version-2009/grammar/ptnet"
@@ -163,7 +163,7 @@ class _PnmlReader:
         for event, element in stream_xml(self.path, MAX_FILE_BYTES, self.far):
             if event == "start":
                 if not rules:
-                    root = _line(element)
+                    root = line_of(element)
                 inert = bool(rules) and rules[-1] is None
                 rule = None if inert else _TABLE.entered(self.file, element, rules[-1] if rules else None)
                 holds.append(rule is not None and name_of(element) in ("net", "page"))
@@ -212,7 +212,7 @@ class _PnmlReader:
                 self.net = remarks.get("name", self.net)
 
     def node(self, element: etree._Element, tag: str) -> None:
-        key, line = element.get("id"), _line(element)
+        key, line = element.get("id"), line_of(element)
         if not key:
             self.fail(line, f"<{tag}> without an id")
         if key in self.ids:
@@ -233,7 +233,7 @@ class _PnmlReader:
             self.references[key] = _Reference(tag, element.get("ref", ""), line)
 
     def arc(self, element: etree._Element, key: str, said: str | None, *, half: bool) -> _Arc:
-        line = _line(element)
+        line = line_of(element)
         weight = self.number(element, "inscription", self.number(element, "weight", 1))
         if weight == 0:
             self.fail(line, f"arc {key} has weight 0")
@@ -408,11 +408,6 @@ def _let_go(element: etree._Element) -> None:
     parent = element.getparent()
     while parent is not None and element.getprevious() is not None:
         del parent[0]
-
-
-def _line(element: etree._Element) -> int | None:
-    line = element.sourceline
-    return line if isinstance(line, int) else None
 
 
 def _of_scheme(kind: str) -> str:
