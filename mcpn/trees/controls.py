@@ -98,10 +98,10 @@ def with_memory(at: Translator, node: TreeNode, context: Context) -> Result:
     name = at.names.fresh(called(node))
     results = [at.piece(child, context) for child in node.children]
     forgets = any(row.rule == "with_memory_unhalted" for row in at.forest.choice.rows(node))
-    if context.lane:
+    if context.lane or context.halted:
         for place, result in enumerate(results):
             if place and isinstance(result, bool):
-                # It ends at once, but after a moment in which what runs beside it may end before.
+                # It ends at once, but after a moment in which what runs beside it may end, or time be over.
                 results[place] = at.constant(f"{name}_between", context, result, "at the next tick")
     if not context.again or len(node.children) == 1:
         return _noted(at, node, name, results, context, stops=False)

@@ -102,6 +102,9 @@ TIME = {
     "rate elsewhere": node("Sequence", node("RateController", A, hz=1), B),
     "timeout": node("Fallback", node("Timeout", A, msec=1500), B),
     "timeout around much": node("Repeat", node("Timeout", node("Sequence", A, B), msec=100), num_cycles=2),
+    "timeout between the ticks of memory": node(
+        "Fallback", node("Timeout", node("SequenceWithMemory", A, "<AlwaysSuccess/>"), msec=1000), B
+    ),
     "timeout of one that may fail": node("Fallback", node("Timeout", node("Sequence", A, B), msec=100), C),
     "delay": node("Sequence", node("Delay", A, delay_msec=100), B),
 }
