@@ -21,6 +21,7 @@ from mcpn.composite.section_type import SectionType
 from mcpn.controller.run_to_completion import Runner
 from mcpn.controller.sizes import each_step
 from mcpn.nets.petri import Arcs, PetriNet, Place, Transition
+from mcpn.nets.structure import incidence
 from mcpn.spaces.diagrams.encoding import Encoding
 from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY
 from mcpn.spaces.markings.explicit import KernelNet
@@ -163,6 +164,7 @@ class _Draft:
         self._places = list(net.places)
         self._consume = [dict(t.consume) for t in net.transitions]
         self._produce = [dict(t.produce) for t in net.transitions]
+        self._changes = incidence(net)
         self._added: list[Transition] = []
         self._complement = dict(encoding.partner) | {kept: p for p, kept in encoding.partner.items()}
 
@@ -170,11 +172,8 @@ class _Draft:
         """The place that is marked where another one is not."""
         if place not in self._complement:
             new = self._place(1 - self._places[place].initial)
-            for t, safe in enumerate(self._net.safe_transitions):
-                if place in safe.consume:
-                    self._produce[t][new] = 1
-                if place in safe.produce:
-                    self._consume[t][new] = 1
+            for t, change in self._changes[place].items():
+                (self._consume if change > 0 else self._produce)[t][new] = abs(change)
             self._complement[place] = new
         return self._complement[place]
 

@@ -145,7 +145,7 @@ std::uint32_t Relations::suffix(Store& store, Id of) const {
 }
 
 bool Relations::is_table(std::span<const std::uint32_t> rows, Level levels) {
-  if (rows.empty() || rows.size() % 4) return false;
+  if (rows.size() % 4) return false;  // none: what leaves every marking as it is
   const auto level = [&](std::uint32_t number) { return rows[(std::size_t(number) - 1) * 4]; };
   for (std::uint32_t at = 1; at <= rows.size() / 4; ++at) {
     const std::uint32_t* row = &rows[(std::size_t(at) - 1) * 4];
