@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
@@ -18,6 +19,7 @@ from mcpn.controller.targets.json import write_json
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import SUCCEED, Handler, Mission, Objective, Parallel, Recursive
+from mcpn.mission.xml import read_mission
 from mcpn.runtime import Controller as Runtime
 from mcpn.runtime import ControllerFileError, Refused, SnapshotError
 from mcpn.runtime.machines import RuleTables
@@ -268,3 +270,30 @@ def test_the_bound_is_of_the_rules_that_one_event_may_look_at(ulysse_net: Missio
             most = max(most, len(own) + follows)
     assert found.most[0] == 2 * most
     assert f"looks at {2 * most} rules" in found.size
+
+
+TWO_TOKENS = """
+<mission xmlns="urn:mcpn:mission:1" name="m">
+  <robot name="r"><event name="stop"/><activity name="move"><alternative name="a"/></activity></robot>
+  <protocols><protocol name="unused"><objective name="before" activities="move"/></protocol></protocols>
+  <objective name="first" activities="move"/>
+  <parallel name="both">
+    <enter when="done(before)" else="succeed"/>
+    <objective name="left">
+      <parallel name="inner">
+        <objective name="far_left" activities="move"><on event="stop" goto="succeed"/></objective>
+      </parallel>
+    </objective>
+    <objective name="right">
+      <objective name="far_right" activities="move"><on event="stop" goto="succeed"/></objective>
+    </objective>
+  </parallel>
+</mission>
+"""
+"""An event puts two tokens into one place, in markings that the mission never comes to."""
+
+
+def test_where_two_tokens_would_meet_there_is_no_modular_controller(tmp_path: Path) -> None:
+    (tmp_path / "m.xml").write_text(TWO_TOKENS.lstrip())
+    with pytest.raises(LimitError, match="where the mission never comes"):
+        generate(composed(read_mission(tmp_path / "m.xml")), "modular")
