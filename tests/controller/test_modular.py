@@ -296,4 +296,4 @@ TWO_TOKENS = """
 def test_where_two_tokens_would_meet_there_is_no_modular_controller(tmp_path: Path) -> None:
     (tmp_path / "m.xml").write_text(TWO_TOKENS.lstrip())
     with pytest.raises(LimitError, match="where the mission never comes"):
-        generate(composed(read_mission(tmp_path / "m.xml")), "modular")
+        generate(compose(read_mission(tmp_path / "m.xml")), "modular")
