@@ -7,14 +7,16 @@
 #include <utility>
 
 #include "python/deep_stack.hpp"
+#include "python/stack_room.hpp"
 
 namespace nb = nanobind;
 using namespace mcpn;
 
 namespace {
 
-constexpr std::size_t kStackBase = 8u << 20, kStackPerLevel = 1024;  // lazily committed by the system
-constexpr Level kShallow = 400;
+constexpr std::size_t kStackPerLevel = 2048;  // of calls that recurse by level, one inside the other
+constexpr std::size_t kStackBase = 8u << 20;  // of a thread beside that; lazily committed by the system
+constexpr std::size_t kCallersBase = 1u << 20;  // of a caller's stack beside that: signals' handlers and progress run there
 
 // Tells the caller of a long operation that it goes on, and hears whether it should: with the GIL.
 class Watch {
@@ -61,10 +63,12 @@ void run_here(Store& store, const std::function<void()>& body, Watch& watch) {
   }
 }
 
+std::size_t by_level(const Store& store) { return kStackPerLevel * (std::size_t(store.levels) + 1); }
+
 void run_on_deep_stack(Store& store, std::function<void()> body, Watch& watch) {
   std::unique_ptr<DeepStack> stack;
   try {
-    stack = DeepStack::take(kStackBase + kStackPerLevel * (std::size_t(store.levels) + 1) * 2);
+    stack = DeepStack::take(kStackBase + by_level(store));
   } catch (const std::system_error&) {
     throw MemoryLimit("no thread with a stack for this many levels could be made");
   }
@@ -90,5 +94,8 @@ void run_on_deep_stack(Store& store, std::function<void()> body, Watch& watch) {
 
 void run_operation(Store& store, std::function<void()> body, const nb::object& progress) {
   Watch watch(store, progress);
-  store.levels <= kShallow ? run_here(store, body, watch) : run_on_deep_stack(store, std::move(body), watch);
+  if (kCallersBase + by_level(store) <= room_on_stack())
+    run_here(store, body, watch);
+  else
+    run_on_deep_stack(store, std::move(body), watch);
 }
