@@ -112,10 +112,11 @@ def causes(
         cut_sets = {name: goal.cut_sets for name, goal in every.objectives.items()}
         safety = None if every.safety is None else every.safety.cut_sets
         usage = study.mission_net.usage
-        tree = open_psa(usage, every.mission.cut_sets, cut_sets, safety, every.unsafe_aborts)
+        worst = every.mission.only_at_worst
+        tree = open_psa(usage, every.mission.cut_sets, cut_sets, safety, every.unsafe_aborts, worst)
         write_atomically(openpsa, tree)
         tops = (every.mission.cut_sets, *cut_sets.values(), safety or ())
-        said = [] if question.as_json else beside_the_tree(usage, chain.from_iterable(tops))
+        said = [] if question.as_json else beside_the_tree(usage, chain.from_iterable(tops), worst)
         for sentence in said:
             click.echo(f"{openpsa}: {plain(sentence)}", err=True)
     if fmeca is not None:

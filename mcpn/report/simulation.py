@@ -68,7 +68,7 @@ def change_lines(change: Change, mission_net: MissionNet) -> Iterator[str]:
         if section.name in change.after.objectives and not refused.isdisjoint(section.activities)
     ]
     if failing:
-        words = f"{words}; {', '.join(failing)} can only fail now, or be interrupted"
+        words = f"{words}; {', '.join(failing)} cannot succeed now"
     yield from textwrap.wrap(words, _width(), subsequent_indent="  ", break_on_hyphens=False)
     for verb in VERBS:
         items = [_item(action) for action in change.actions if action.verb == verb]

@@ -311,8 +311,17 @@ class Words:
         """Whether only repairs may lead to a safe end, of a mission that can abort."""
         return self.costs.found.abort is not None and not self.costs.ends_safely(marking, self.costs.dead)
 
-    def mission_effect(self, after: Marking) -> str:
-        """What a failure means for a mission that can abort."""
+    def mission_effect(self, before: Marking, after: Marking) -> str:
+        """What a failure means for a mission, and whether it was so before."""
+        was, now = self.left_to(before), self.left_to(after)
+        return f"{now}, as before it" if was == now != "can still succeed" else now
+
+    def left_to(self, after: Marking) -> str:
+        """What is left to a mission."""
+        if self.costs.found.abort is None:
+            if not self.costs.mission_survives(after, frozenset()):
+                return "cannot succeed any more"
+            return "can succeed only if repaired" if self.mission_lost(after) else "can still succeed"
         if not self.costs.ends_safely(after, frozenset()):
             return "can neither succeed nor be aborted any more"
         without_hope = not self.costs.mission_survives(after, frozenset())
@@ -364,7 +373,8 @@ class Words:
             return f"its failure fails {block.name}{last}"
         spared = len(block.branches) - (block.needed or 0)
         alike = block.failing is None or block.failing > spared  # by success that cannot be reached any more
-        failures = "" if alike else f"{block.failing} failures fail {block.name}"
+        last = " while another child runs" if block.needed is None else ""
+        failures = "" if alike else f"{block.failing} failures fail {block.name}{last}"
         if block.needed is None:
             return failures or f"{block.name} does not need it"
         counted = f"{block.name} needs {block.needed} of {len(block.branches)}"
@@ -395,14 +405,7 @@ class Words:
             if users
             else "by its event alone: not in use here",
         }
-        if self.costs.found.abort is not None:
-            told["mission_effect"] = self.mission_effect(after)
-        elif not self.costs.mission_survives(after, frozenset()):
-            told["mission_effect"] = "cannot succeed any more"
-        elif self.mission_lost(after):
-            told["mission_effect"] = "can succeed only if repaired"
-        else:
-            told["mission_effect"] = "can still succeed"
+        told["mission_effect"] = self.mission_effect(before, after)
         if self.lost(after):
             told["objective_effect"] = "cannot succeed any more"
             told["compensation"] = self.leads()

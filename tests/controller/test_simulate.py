@@ -183,11 +183,11 @@ def test_files_that_hold_no_run_are_told(text: str, told: str, tmp_path: Path) -
 
 def test_what_can_only_fail_is_told() -> None:
     told = shown(typed="MISSION_EV_START\nthruster_actuator_EV_OOS\n")
-    assert "; coral_head.manual_moving can only fail now" in " ".join(told.split())
+    assert "; coral_head.manual_moving cannot succeed now" in " ".join(told.split())
     # Filming needs no thruster.
     events = "MISSION_EV_START\nOBJ_coral_head.manual_moving_EV_FAIL\nOBJ_transect.diving_EV_OK\n"
     told = " ".join(shown(typed=f"{events}thruster_actuator_EV_OOS\n").split())
-    assert "; transect.advancing can only fail now" in told
+    assert "; transect.advancing cannot succeed now" in told
 
 
 def test_random_walks_are_repeatable() -> None:

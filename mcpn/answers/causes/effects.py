@@ -27,7 +27,7 @@ class Severity(IntEnum):
     DEGRADED = 1
     """The functioning mode changes; the objective and the mission can succeed."""
     OBJECTIVE_LOST = 2
-    """The objective's present run can no longer succeed without repair; the mission can."""
+    """The objective's present run can no longer succeed without repair; the mission loses nothing more."""
     MISSION_LOST_UNLESS_REPAIRED = 3
     """The mission can succeed only if hardware is repaired."""
     MISSION_LOST = 4
@@ -117,8 +117,9 @@ class Case:
         return "goes on in another mode" if self.before != self.after else "none"
 
     def mission_effect(self) -> str:
-        """What it means for the mission."""
-        return self.loss.words
+        """What it means for the mission, of which a failure of little severity takes nothing."""
+        lost_before = self.loss.unrepaired and self.severity <= Severity.OBJECTIVE_LOST
+        return self.loss.words + ", as before it" * lost_before
 
     def detection(self, usage: Usage, hardware: str) -> str:
         """How the failure of some hardware is noticed."""
@@ -216,7 +217,9 @@ def _route(section: ElementarySection, around: Ancestors) -> str:
     if block.needed is not None:
         counts.append(f"{block.name} needs {block.needed} of {len(block.branches)}")
     if block.failing is not None and block.failing <= len(block.branches) - (block.needed or 0):
-        counts.append(f"{block.failing} failures fail {block.name}")
+        # Success that is decided at the same moment counts first, as the last child ends.
+        last = " while another child runs" if block.needed is None else ""
+        counts.append(f"{block.failing} failures fail {block.name}{last}")
     return ", ".join(counts) or f"{block.name} does not need it"
 
 

@@ -53,6 +53,13 @@ class GoalCauses(Told):
         return self.moments.get(Moment.ENTRY.value, self.moments[Moment.START.value])
 
     @property
+    def only_at_worst(self) -> list[CutSet]:
+        """Minimal cut sets at the worst moment that are none at the start, or entry; all lose something."""
+        known = [set(lost) for lost in self.cut_sets]
+        found = self.moments.get(Moment.SOMETIME.value, [])
+        return [lost for lost in found if lost and not any(each <= set(lost) for each in known)]
+
+    @property
     def critical_events(self) -> list[Event]:
         """The events after which only a repair helps, or nothing."""
         return sorted({critical.event for critical in self.critical})

@@ -10,6 +10,7 @@ but success is reached, and no cycle of them but in a block that is meant to be 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence, Set
+from functools import cached_property
 from typing import Generic, NamedTuple
 
 from mcpn.answers.verdicts.unreachable import objectives_run
@@ -57,7 +58,7 @@ class Nominal(NamedTuple):
         run: A run that succeeds; or one that does not, if there is one.
         cycle: Index of the event of the run with which a loop begins, where it goes on for ever.
         left_out: Objectives that no nominal run enters, and that no text says may be left out.
-        sentence: What is said of it in one line, where that is more or less than that the mission succeeds.
+        sentence: What is said of it in one line, where it holds.
     """
 
     holds: bool | None
@@ -97,17 +98,54 @@ class NominalRuns(Generic[S]):
     def __init__(self, mission_net: MissionNet, space: Space[S], *, settles: bool) -> None:
         self.mission_net, self.space, self.settles = mission_net, space, settles
         self.transitions = frozenset(nominal_transitions(mission_net))
-        out = {h.name for h in mission_net.mission.hardware if h.initial == "oos" and h.repairable}
-        self.begin, self._repairs = space.initial, frozenset[int]()
-        if out:
-            events = ((t, transition.event) for t, transition in enumerate(mission_net.net.transitions))
-            self._repairs = frozenset(
-                t for t, e in events if e is None or (e.what is What.REPAIRED and e.element in out)
-            )
-            places = [place for name in out for place in mission_net.by_role["oos", name]]
-            back = space.reached(space.initial, transitions=self._repairs) & space.stable
-            self.begin = space.restricted(back, (), places)
+        hardware = mission_net.mission.hardware
+        self._out = [h.name for h in hardware if h.initial == "oos" and h.repairable]
+        self.begin, self._repairs = space.initial, self._repairing(self._out)
+        if self._out:
+            self.begin = self._with_repaired(self._out)
         self.reached = space.reached(self.begin, transitions=self.transitions)
+
+    def _repairing(self, names: Collection[str]) -> frozenset[int]:
+        """The transitions with which some hardware comes back; none where nothing is out of service."""
+        events = ((t, transition.event) for t, transition in enumerate(self.mission_net.net.transitions))
+        return frozenset(
+            t for t, e in events if names and (e is None or (e.what is What.REPAIRED and e.element in names))
+        )
+
+    def _with_repaired(self, names: Collection[str]) -> S:
+        """The states before the start in which some hardware has come back, and no other."""
+        space, out = self.space, [p for name in names for p in self.mission_net.by_role["oos", name]]
+        back = space.reached(space.initial, transitions=self._repairing(names)) & space.stable
+        return space.restricted(back, (), out)
+
+    def _needed_repairs(self) -> list[str]:
+        """The hardware that is out of service at first, and without which these runs are not as meant."""
+        if not self._out or not self._goes_wrong(self.space.initial):
+            return []
+        alone = [
+            name
+            for name in self._out
+            if self._goes_wrong(self._with_repaired([other for other in self._out if other != name]))
+        ]
+        return alone or self._out
+
+    def _goes_wrong(self, begin: S) -> bool:
+        ends, circling = self._unsuccessful(self.space.reached(begin, transitions=self.transitions))
+        return bool(ends or circling)
+
+    def _unsuccessful(self, reached: S) -> tuple[S, S]:
+        """Of states that these runs reach: the ends that are no success, and those of unmeant loops."""
+        unfinished = reached - self.space.marked([self.mission_net.success])
+        ends = unfinished - self.space.enabling(self.transitions)
+        lasting = unfinished - ends
+        within = lasting - self.space.marked(self._endless) if self._endless else lasting
+        return ends, self.space.staying(within, transitions=self.transitions)
+
+    @cached_property
+    def _endless(self) -> list[int]:
+        """The places of what may go on for ever."""
+        meant = self.mission_net.graph.copies.meant_as("endless")
+        return [place for place, name in self.mission_net.saying("objective").items() if name in meant]
 
     def succeeding(self, success: S) -> Run | None:
         """A short run to success; ``None`` where there is none, or the mission is long.
@@ -129,14 +167,7 @@ class NominalRuns(Generic[S]):
         """Whether every one succeeds, and all together enter what they are meant to enter."""
         space, copies = self.space, self.mission_net.graph.copies
         success = space.marked([self.mission_net.success])
-        meant = copies.meant_as("endless")
-        endless = [place for place, name in self.mission_net.saying("objective").items() if name in meant]
-        unfinished = self.reached - success
-        ends = unfinished - space.enabling(self.transitions)
-        lasting = unfinished - ends
-        circling = space.staying(
-            lasting - space.marked(endless) if endless else lasting, transitions=self.transitions
-        )
+        ends, circling = self._unsuccessful(self.reached)
         run, cycle, said = None, None, list[str]()
         if ends:
             edges = self._run_to(ends)
@@ -154,11 +185,13 @@ class NominalRuns(Generic[S]):
             told = copies.told(left_out, names_of_objectives(self.mission_net.graph))
             said.append(f"never enters {shortened(told)}")
         if not said:
-            explanation = "while nothing fails every run succeeds, and nothing is left out"
-            if endless and space.staying(lasting, transitions=self.transitions):
+            lasting = self.reached - success
+            lasts = bool(self._endless and space.staying(lasting, transitions=self.transitions))
+            explanation = f"while nothing fails every run succeeds, and {self._nothing_left_out()}"
+            if lasts:
                 explanation = f"{explanation}; it may go on for ever in a block that is meant to be endless"
             explanation += UNKNOWN.format(enumeration(supposed)) if supposed else ""
-            return Nominal(True, explanation, run, sentence=self._sentence(success, supposed))
+            return Nominal(True, explanation, run, sentence=self._sentence(success, lasts, supposed))
         explanation = f"while nothing fails the mission {' and '.join(said)}"
         if cycle is not None and (awaited := self._awaited(circling, success)):
             explanation += f"{HELD.format(enumeration(awaited))}{WAITS}"
@@ -176,17 +209,16 @@ class NominalRuns(Generic[S]):
         names = (name for name in names_of_objectives(self.mission_net.graph) if name in entered)
         return self.mission_net.graph.copies.told(names, names_of_objectives(self.mission_net.graph))
 
-    def _sentence(self, success: S, supposed: list[str]) -> str:
-        """What is said where every run is as it is meant, if the mission does not just succeed."""
-        if not supposed and self.reached & success:
-            return ""
-        given = (
-            f", and {shortened(supposed, MOST_TOLD)} succeed{'s' * (len(supposed) == 1)},"
-            if supposed
-            else ","
-        )
-        does = "succeeds" if self.reached & success else "goes on for ever, as it is meant to"
-        return f"While nothing fails{given} the mission {does}."
+    def _sentence(self, success: S, lasts: bool, supposed: list[str]) -> str:
+        """What is said where every run is as it is meant: what it needs, and how it ends."""
+        given = []
+        if repaired := self._needed_repairs():
+            given.append(f"once {enumeration(repaired)} work{'s' * (len(repaired) == 1)} again")
+        if supposed:
+            given.append(f"{shortened(supposed, MOST_TOLD)} succeed{'s' * (len(supposed) == 1)}")
+        does = ["succeeds"] * bool(self.reached & success) + ["goes on for ever, as it is meant to"] * lasts
+        condition = f", and {enumeration(given)}," if given else ","
+        return f"While nothing fails{condition} the mission {', or '.join(does)}."
 
     def _awaited(self, circling: S, success: S) -> list[str]:
         """The declared events that change facts on a way from a loop to success; none where none does."""
@@ -198,6 +230,17 @@ class NominalRuns(Generic[S]):
         run = self.space.run(circling.pick(), success, transitions=self.transitions | awaited)
         happened = (event.element for event in self._events(run or ()) if event in changing)
         return list(dict.fromkeys(happened))
+
+    def _nothing_left_out(self) -> str:
+        """That these runs enter what they are meant to; blocks that may be left out, and are, by name."""
+        graph = self.mission_net.graph
+        entered = objectives_run(self.mission_net, self.space, self.reached)
+        optional = graph.copies.meant_as("optional")
+        left = [n for n in meant_to_be_entered(self.mission_net) if n in optional and n not in entered]
+        if not left:
+            return "nothing is left out"
+        told = graph.copies.told(left, names_of_objectives(graph))
+        return f"nothing is left out but {shortened(told)}, which may be"
 
     def _left_out(self) -> tuple[str, ...]:
         """Objectives that none of them enters, and that are meant to be entered."""

@@ -57,6 +57,7 @@ def open_psa(
     objectives: Mapping[str, Sequence[CutSet]],
     safety: Sequence[CutSet] | None = None,
     unsafe: Collection[str] = (),
+    worst: Sequence[CutSet] = (),
 ) -> bytes:
     """A fault tree whose top gates are the losses of the mission and of its objectives.
 
@@ -66,6 +67,7 @@ def open_psa(
         objectives: Those of each elementary objective, by its name.
         safety: Those of the mission's safe ends, success and abort, of a mission that can abort.
         unsafe: Objectives that should make the robot safe: an abort by their failure is no safe end.
+        worst: What defeats the mission only where it is lost at the worst moment: no gate holds it.
 
     Returns:
         UTF-8 XML: gates ``mission-lost``, of missions that can abort ``robot-lost``, and ``objective-NAME``,
@@ -74,7 +76,7 @@ def open_psa(
     tops = {MISSION: mission} | {_objective(name): cut_sets for name, cut_sets in objectives.items()}
     tops |= {} if safety is None else {ROBOT: safety}
     flat = _flat(usage, tops)
-    label = "; ".join(beside_the_tree(usage, chain.from_iterable(tops.values())))
+    label = "; ".join(beside_the_tree(usage, chain.from_iterable(tops.values()), worst))
     if len(objectives) > MAX_OBJECTIVES:
         return flat.document(label)
     try:
@@ -89,12 +91,13 @@ SCRAM_ORDER = 20
 """Events of a product beyond which SCRAM leaves it out, unless ``--limit-order`` says otherwise."""
 
 
-def beside_the_tree(usage: Usage, cut_sets: Iterable[CutSet]) -> list[str]:
+def beside_the_tree(usage: Usage, cut_sets: Iterable[CutSet], worst: Sequence[CutSet] = ()) -> list[str]:
     """What a reader of a fault tree has to know, a sentence each: what it lacks, and how SCRAM is asked.
 
     Args:
         usage: The mission's static analysis.
         cut_sets: The minimal cut sets of the tree's top gates.
+        worst: What defeats the mission only where it is lost at the worst moment.
     """
     mission = usage.mission
     sections = list(usage.graph.walk())
@@ -108,6 +111,11 @@ def beside_the_tree(usage: Usage, cut_sets: Iterable[CutSet]) -> list[str]:
     }
     lacking = [f"no {what} ({shortened(names)})" for what, names in given.items() if names]
     told = [f"the fault tree holds {enumeration(lacking)}"] if lacking else []
+    if worst:
+        lost = shortened([enumeration(names) for names in worst])
+        told.insert(
+            0, f"the gate {MISSION} holds losses before the start; at its worst moment {lost} defeats it, too"
+        )
     if means := at_their_means(mission):
         told.append(f"the fault tree is {means}")
     if not any(h.failure_rate is not None for h in mission.hardware if h.faulty):

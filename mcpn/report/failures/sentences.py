@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from mcpn.answers.causes.risk import Risk
 
 
+IMPORTANCE = (
+    "importance: how much more probable success is if a resource never fails than if it is lost before the "
+    "start and not repaired; so of one without a rate, too"
+)
 ROUNDING = 1e-12
 """Differences of probabilities up to which they are equal."""
 

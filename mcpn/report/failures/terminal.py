@@ -22,7 +22,15 @@ from mcpn.spaces.run import Run
 if TYPE_CHECKING:
     from mcpn.answers.causes.interval_bounds import Within
     from mcpn.answers.causes.risk import Risk
-from mcpn.report.failures.sentences import condition, headlines, ranked, risk_counts, survived, without_a_rate
+from mcpn.report.failures.sentences import (
+    IMPORTANCE,
+    condition,
+    headlines,
+    ranked,
+    risk_counts,
+    survived,
+    without_a_rate,
+)
 
 LEADS = "critical events for {0}: after them, in some states, no run without a repair leads to {0}"
 
@@ -194,6 +202,8 @@ def print_fmeca(rows: Sequence[Row], mission_net: MissionNet, classes: Classes =
 def print_risk(numbers: Risk) -> None:
     """Prints probabilities, degraded modes and importances, and which events do not count in them."""
     print_counts({name: f"{value:.6g}" for name, value in risk_counts(numbers)})
+    if numbers.importance:
+        Terminal().print(IMPORTANCE)
     if numbers.unrated:
         Terminal().print(without_a_rate(numbers))
 

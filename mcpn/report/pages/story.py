@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from mcpn.answers.causes.cutsets import CutSet, Moment
+from mcpn.answers.causes.cutsets import CutSet
 from mcpn.answers.claims.claim import Claim, told
 from mcpn.answers.verdicts.mission import NOMINAL
 from mcpn.nets.events import Event
@@ -259,7 +259,7 @@ def _success(findings: Findings) -> StoryLine:
 
 def _lost(goal: GoalCauses, helped: Mapping[str, Sequence[str]]) -> StoryLine:
     """What keeps a mission from success."""
-    asked, cut_sets, worst = "What defeats it?", goal.cut_sets, at_worst(goal)
+    asked, cut_sets, worst = "What defeats it?", goal.cut_sets, goal.only_at_worst
     if () in cut_sets:
         said = "It can never succeed, whatever the hardware does."
         return StoryLine("fails", asked, said)
@@ -276,13 +276,6 @@ def _lost(goal: GoalCauses, helped: Mapping[str, Sequence[str]]) -> StoryLine:
         said = f"At its worst moment, and without the help of {helpers}, the loss of one of these: "
         return StoryLine("note", asked, f"{said}{', '.join(helped)}. With this help no loss does.")
     return StoryLine("holds", asked, "No loss of hardware alone keeps it from success.")
-
-
-def at_worst(goal: GoalCauses) -> list[CutSet]:
-    """Minimal cut sets at the worst moment that defeat a goal then alone; all of them lose something."""
-    known = [set(lost) for lost in goal.cut_sets]
-    found = goal.moments.get(Moment.SOMETIME.value, [])
-    return [lost for lost in found if lost and not any(each <= set(lost) for each in known)]
 
 
 def _listed(cut_sets: Sequence[CutSet]) -> str:
@@ -355,7 +348,11 @@ def _safety(findings: Findings, goal: GoalCauses | None) -> StoryLine:
     if goal is None:
         said = "Not known: the mission has no abort, so nothing says which of its failures are safe."
         return StoryLine("note", asked, said)
-    verdict, cut_sets, worst = findings.check.verdicts["can_always_end_safely"], goal.cut_sets, at_worst(goal)
+    verdict, cut_sets, worst = (
+        findings.check.verdicts["can_always_end_safely"],
+        goal.cut_sets,
+        goal.only_at_worst,
+    )
     if () in cut_sets:
         return StoryLine("fails", asked, "It can never succeed, and never be aborted.")
     if not cut_sets and verdict.holds is False:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from mcpn.answers.causes.effects import NOT_HERE
 from mcpn.answers.names import MissionNames
-from mcpn.report.failures.sentences import risk_counts
+from mcpn.report.failures.sentences import IMPORTANCE, risk_counts
 from mcpn.report.failures.tables import COLUMNS, fmeca_rows
 from mcpn.report.words import MOST_NAMED, modes_in_words, modes_together, what_happens
 from mcpn.sentences import enumeration, shortened
@@ -252,8 +252,7 @@ def _risk(risk: Risk) -> Table:
     said["degraded modes"] = "times in a degraded mode, expected"
     rows = [(said.get(name, name), f"{value:.6g}") for name, value in risk_counts(risk)]
     reading = "From the rates and durations that the mission's files give; what has none never fails there. "
-    importance = "Importance is what the loss of a resource before the start costs."
-    return Table("Risk", f"{reading}{importance}", ("what", "value"), rows)
+    return Table("Risk", f"{reading}{IMPORTANCE[0].upper()}{IMPORTANCE[1:]}.", ("what", "value"), rows)
 
 
 def _cause_tables(causes: Causes, mission_net: MissionNet) -> Iterator[Table]:

@@ -1,0 +1,115 @@
+"""What is told of small missions of which more, or something else, was once told."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from mcpn.answers.causes.effects import Severity
+from mcpn.answers.causes.fmeca import fmeca
+from mcpn.mission.xml import read_mission
+from mcpn.study import Study
+
+HEAD = '<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r">'
+
+
+def of(folder: Path, text: str) -> Study:
+    path = folder / "m.xml"
+    path.write_text(f"{HEAD}{text}</mission>")
+    return Study(read_mission(path))
+
+
+OUT = (
+    '<hardware name="radio" initial="oos"/><hardware name="lamp" initial="oos"/>'
+    '<activity name="call" consumes="radio"/><activity name="shine" consumes="lamp"/><activity name="wait"/>'
+    "</robot>"
+)
+
+
+def nominal(study: Study) -> str:
+    return study.verdicts().verdicts["nominal_success"].sentence
+
+
+def test_hardware_that_is_out_at_first_is_named_where_success_needs_it(tmp_path: Path) -> None:
+    calls = of(tmp_path, f'{OUT}<objective name="report" activities="call"/>')
+    assert nominal(calls) == "While nothing fails, and once radio works again, the mission succeeds."
+    assert not calls.ctl("E((!happens(radio_EV_RD)) U success)").holds
+    waits = of(tmp_path, f'{OUT}<objective name="report" activities="wait"/>')
+    assert nominal(waits) == "While nothing fails, the mission succeeds."
+
+
+def test_a_mission_that_may_go_on_for_ever_is_not_told_to_succeed_alone(tmp_path: Path) -> None:
+    patrol = (
+        '<activity name="wait"/><fact name="door" values="shut open"/></robot>'
+        '<objective name="go" activities="wait" nominal="endless" success="go">{}</objective>'
+    )
+    for_ever = of(tmp_path, patrol.format(""))
+    assert nominal(for_ever) == "While nothing fails, the mission goes on for ever, as it is meant to."
+
+
+def test_a_block_that_may_be_left_out_and_is_has_its_name(tmp_path: Path) -> None:
+    found = of(
+        tmp_path,
+        '<activity name="wait"/></robot><objective name="go" activities="wait" success="succeed"/>'
+        '<objective name="more" activities="wait" nominal="optional"/>',
+    )
+    verdict = found.verdicts().verdicts["nominal_success"]
+    assert verdict.explanation == (
+        "while nothing fails every run succeeds, and nothing is left out but more, which may be"
+    )
+
+
+def test_a_mission_that_was_lost_before_is_told_so(tmp_path: Path) -> None:
+    """A failure that costs the objective alone takes nothing from a mission that can only be aborted."""
+    found = of(
+        tmp_path,
+        '<hardware name="lamp"/><event name="leak"/><activity name="shine" consumes="lamp"/>'
+        '<activity name="wait"/></robot><on event="leak" goto="rescue"/>'
+        '<objective name="go" activities="wait" success="succeed"/>'
+        '<objective name="rescue" activities="shine" success="give_up" failure="give_up"/>'
+        '<objective name="give_up" activities="wait" success="abort" failure="give_up"/>',
+    )
+    (row,) = (row for row in fmeca(found.causes().prospects) if row.objective == "rescue")
+    assert (row.severity, row.mission_effect) == (
+        Severity.OBJECTIVE_LOST,
+        "can only be aborted, as before it",
+    )
+    assert found.ctl("AG (objective(rescue) -> !EF success & EF abort)").holds
+
+
+TWO = (
+    '<hardware name="motor" repairable="false"/><event name="storm"/><activity name="watch"/>'
+    '<activity name="film"/><activity name="hold" consumes="motor"/></robot><parallel name="work">'
+    '<objective name="one"><objective name="a" activities="watch" success="succeed">'
+    '<on event="storm" goto="b"/></objective><objective name="b" activities="hold"/></objective>'
+    '<objective name="two" activities="film"/></parallel>'
+)
+
+
+def test_a_fault_tree_says_what_it_does_not_hold(tmp_path: Path) -> None:
+    """Its gates hold what is lost before the start; the worst moment comes later."""
+    from lxml import etree
+
+    from mcpn.report.failures.openpsa import open_psa
+
+    study = of(tmp_path, TWO)
+    goal = study.causes().mission
+    assert (goal.cut_sets, goal.only_at_worst) == ([], [("motor",)])
+    assert study.ctl("EF (objective(b) & oos(motor) & !EF success)").holds
+    tree = etree.fromstring(open_psa(study.mission_net.usage, goal.cut_sets, {}, worst=goal.only_at_worst))
+    label = tree.findtext("define-fault-tree/label") or ""
+    assert "holds losses before the start; at its worst moment motor defeats it, too" in label
+
+
+def test_two_optional_failures_fail_a_block_while_another_child_runs(tmp_path: Path) -> None:
+    """As the last children fail, the mandatory one has decided already."""
+    found = of(
+        tmp_path,
+        '<hardware name="eye"/><activity name="look" consumes="eye"/><activity name="wait"/>'
+        '<activity name="rest"/></robot><parallel name="work" failure_when="2"><objective name="a" activities="look" mandatory="false"/>'
+        '<objective name="b" activities="rest" mandatory="false"/><objective name="c" activities="wait"/>'
+        "</parallel>",
+    )
+    (row,) = (row for row in fmeca(found.causes().prospects) if row.objective == "a")
+    assert row.compensation == "2 failures fail work while another child runs"
+    last = "E(F (happens(OBJ_b_EV_FAIL) & !objective(a) & !objective(c) & X success))"
+    assert found.ctl(last).holds
