@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TypeVar
 
 from hypothesis import HealthCheck, Phase, assume, given, seed, settings
@@ -66,4 +66,49 @@ def campaign(strategy: SearchStrategy[Drawn], judge: Callable[[Drawn], str], num
 
     judged()
     sys.stderr.write(f"\n{', '.join(f'{count} {what}' for what, count in found.most_common())}\n")
+    return found
+
+
+def compared(
+    strategy: SearchStrategy[Drawn],
+    judge: Callable[[Drawn], Mapping[str, int]],
+    number: int,
+    *,
+    strict: bool,
+) -> Counter[str]:
+    """Has other tools judge so many draws; what they cannot be asked is drawn again.
+
+    Args:
+        strategy: What is drawn.
+        judge: Says how much of what was compared, nothing where it cannot be asked; fails where it differs.
+        number: How many are judged, if eight times as many draws have them.
+        strict: Whether a difference fails; else it is counted, as ``differ``, and draws are always the same.
+
+    Returns:
+        How many were judged, as ``judged``, and what was compared.
+    """
+    found = Counter[str]()
+
+    @settings(
+        max_examples=8 * number,
+        phases=[Phase.generate, *([Phase.shrink] if strict else [])],
+        deadline=None,
+        database=None,
+        derandomize=not strict,
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(strategy)
+    def judged(drawn: Drawn) -> None:
+        if found["judged"] >= number:
+            return
+        try:
+            said = judge(drawn)
+        except AssertionError:
+            if strict:
+                raise
+            said = {"differ": 1}
+        found.update(said)
+        found["judged"] += bool(said)
+
+    judged()
     return found

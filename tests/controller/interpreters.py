@@ -1,4 +1,4 @@
-"""Independent SCXML interpreters: Qt's and python-statemachine's, each given lines of events."""
+"""Independent SCXML interpreters: Qt's, python-statemachine's and SCION, each given lines of events."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import contextlib
 import io
 import json
 import os
+import shutil
 import subprocess
 import sys
 from importlib.util import find_spec
@@ -38,6 +39,32 @@ def qt_rows(path: Path, events: list[str]) -> list[tuple[list[str], list[str], l
     )
     assert run.returncode == 0, run.stderr
     return [(labels, states, data) for labels, states, data in map(json.loads, run.stdout.splitlines())]
+
+
+def scion(path: Path, events: list[str]) -> Answers:
+    """SCION, on Node.js; it is found where ``NODE_PATH`` says."""
+    if scion_version() is None:
+        pytest.skip("needs node and @scion-scxml/scxml (npm), in a folder that NODE_PATH names")
+    program = Path(__file__).with_name("scion_program.js")
+    run = subprocess.run(
+        ["node", str(program), str(path)],
+        input="\n".join(events) + "\n",
+        capture_output=True,
+        text=True,
+        timeout=240,
+        check=False,
+    )
+    assert run.returncode == 0, run.stderr
+    return [(labels, set(states)) for labels, states in map(json.loads, run.stdout.splitlines())]
+
+
+def scion_version() -> str | None:
+    """The version of SCION, where it is installed."""
+    if shutil.which("node") is None or "NODE_PATH" not in os.environ:
+        return None
+    asked = 'console.log(require("@scion-scxml/scxml/package.json").version)'
+    run = subprocess.run(["node", "-e", asked], capture_output=True, text=True, check=False)
+    return run.stdout.strip() or None
 
 
 def python_statemachine(path: Path, events: list[str]) -> Answers:

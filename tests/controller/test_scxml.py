@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import random
 import re
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -23,7 +24,7 @@ from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.runtime import Controller as Runtime
 from mcpn.testing import missions
-from tests.controller.interpreters import Answers, python_statemachine, qt, qt_rows
+from tests.controller.interpreters import Answers, python_statemachine, qt, qt_rows, scion
 from tests.controller.test_timers import TIMED
 from tests.controller.traces import Traced, random_events, tour
 
@@ -33,7 +34,7 @@ TIMES = {
     ("OBJ_b_EV_TIMEOUT", "1717ms"),
     ("OBJ_d_EV_TIMEOUT", "2323ms"),
 }
-INTERPRETERS = {"Qt": qt, "python-statemachine": python_statemachine}
+INTERPRETERS = {"Qt": qt, "python-statemachine": python_statemachine, "SCION": scion}
 
 
 def expected(controller: TableController, traced: Traced, events: list[str]) -> Answers:
@@ -75,13 +76,42 @@ def test_ulysse(name: str, form: str, ulysse_net: MissionNet, tmp_path: Path) ->
     ((file, text),) = files(document(controller, ulysse_net), "scxml").items()
     (tmp_path / file).write_text(text)
     traced = Traced(document(controller, ulysse_net))
-    if name == "Qt":
+    if name != "python-statemachine":
         events, edges = tour(traced)
         assert len(edges) == 1332
         events += random_events(traced, random.Random(1), 500)
     else:  # a hundred times slower
         events = random_events(traced, random.Random(1), 200)
     check(name, tmp_path / file, controller, traced, events)
+
+
+DRAWN = st.tuples(
+    missions(max_objectives=3, max_depth=1, events=1, reasons=3, awkward_names=True)
+    | missions(max_objectives=3, max_depth=1, max_sections=6, events=1, facts=2)
+    | missions(max_objectives=3, max_depth=1, max_sections=6, faults=1, lasting=True, crashes=True)
+    | missions(max_objectives=2, max_depth=1, max_sections=5, late=True, lasting=True, facts=1),
+    st.integers(0, 2**32),
+    st.booleans(),
+)
+"""A mission, a seed of events, and whether its controller is flat."""
+
+
+def answers_as_the_runtime(
+    name: str, folder: Path, drawn: tuple[Mission, int, bool], steps: int
+) -> Counter[str]:
+    """Has an interpreter take random events beside the runtime; says how many, and of how many states."""
+    mission, seed, flat = drawn
+    mission_net = compose(mission)
+    try:
+        controller = generate(mission_net, "flat" if flat else "hierarchical", max_states=300)
+    except (SemanticsError, LimitError):
+        return Counter()
+    ((file, text),) = files(document(controller, mission_net), "scxml").items()
+    (folder / file).write_text(text)
+    traced = Traced(document(controller, mission_net))
+    events = random_events(traced, random.Random(seed), steps)
+    check(name, folder / file, controller, traced, events)
+    return Counter({"events": sum(map(bool, events)), "states": controller.states})
 
 
 @pytest.mark.long
@@ -91,27 +121,9 @@ def test_ulysse(name: str, form: str, ulysse_net: MissionNet, tmp_path: Path) ->
     deadline=None,
     phases=(Phase.explicit, Phase.reuse, Phase.generate),
 )
-@given(
-    missions(max_objectives=3, max_depth=1, events=1, reasons=3, awkward_names=True)
-    | missions(max_objectives=3, max_depth=1, max_sections=6, events=1, facts=2)
-    | missions(max_objectives=3, max_depth=1, max_sections=6, faults=1, lasting=True, crashes=True)
-    | missions(max_objectives=2, max_depth=1, max_sections=5, late=True, lasting=True, facts=1),
-    st.integers(0, 2**32),
-    st.booleans(),
-)
-def test_any_mission(
-    tmp_path_factory: pytest.TempPathFactory, mission: Mission, seed: int, flat: bool
-) -> None:
-    mission_net = compose(mission)
-    try:
-        controller = generate(mission_net, "flat" if flat else "hierarchical", max_states=300)
-    except (SemanticsError, LimitError):
-        return
-    ((file, text),) = files(document(controller, mission_net), "scxml").items()
-    path = tmp_path_factory.mktemp("scxml") / file
-    path.write_text(text)
-    traced = Traced(document(controller, mission_net))
-    check("Qt", path, controller, traced, random_events(traced, random.Random(seed), 60))
+@given(DRAWN)
+def test_any_mission(tmp_path_factory: pytest.TempPathFactory, drawn: tuple[Mission, int, bool]) -> None:
+    answers_as_the_runtime("Qt", tmp_path_factory.mktemp("scxml"), drawn, 60)
 
 
 @pytest.mark.parametrize("form", ["flat", "hierarchical"])
