@@ -5,10 +5,11 @@ Reactive nodes ask earlier children again at each tick, while a later one runs.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from mcpn.errors import Problem
-from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Handler, Recursive
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Handler, Objective, Recursive
 from mcpn.mission.robot import FactChange
 from mcpn.trees.ledger import Kind
 from mcpn.trees.nodes.forest import tree_of
@@ -97,30 +98,21 @@ def with_memory(at: Translator, node: TreeNode, context: Context) -> Result:
     """A sequence that goes on with the child that failed or was halted, when it is entered again."""
     name = at.names.fresh(called(node))
     results = [at.piece(child, context) for child in node.children]
-    forgets = any(row.rule == "with_memory_unhalted" for row in at.forest.choice.rows(node))
-    if context.lane or context.halted:
-        for place, result in enumerate(results):
-            if place and isinstance(result, bool):
-                # It ends at once, but after a moment in which what runs beside it may end, or time be over.
-                results[place] = at.constant(f"{name}_between", context, result, "at the next tick")
     if not context.again or len(node.children) == 1:
-        return _noted(at, node, name, results, context, stops=False)
-    made: list[Part] = []
-    for child, result in zip(node.children, results, strict=True):
-        if isinstance(result, Part):
-            made.append(result)
-        elif not result:
-            fails = at.choice(f"{called(child)}_fails", context, "Fails at once")
-            made.append(Part(fails, good=False))
+        return _memory_unused(at, node, name, results, context)
+    if results[0] is False:
+        at.note(node, became(False), Kind.EXACT)
+        return False
+    made, moments = _steps(at, node, name, results, context)
     if len(made) < 2:
         at.note(node, became(made[0] if made else True), Kind.EXACT)
         return made[0] if made else True
     steps = [piece.block.name for piece in made]
     fact = at.fact(f"{name}_at", steps, f"Where {name} goes on")
     turn = at.turn(f"{name}_turn", context, fact, {step: step for step in steps})
-    kind, why = Kind.EXACT, ""
+    kind, why = _seen_between(context, moments)
     beginning: list[Block] = []
-    if forgets:
+    if any(row.rule == "with_memory_unhalted" for row in at.forest.choice.rows(node)):
         # A halt from outside is not told: it may begin anew whenever it is entered again.
         anew = at.setting(f"{name}_anew", context, FactChange(fact=fact, to=steps[0]), steps[0])
         routes = tuple(route for route in turn.routes if route.on == "success")
@@ -132,15 +124,68 @@ def with_memory(at: Translator, node: TreeNode, context: Context) -> Result:
     for place, piece in enumerate(made):
         behind = place + 1 == len(made)
         following = SUCCEED if behind else steps[place + 1]
-        change = FactChange(fact=fact, to=steps[0] if behind else steps[place + 1], on="success")
+        change = FactChange(fact=fact, to=steps[0] if behind else following, on="success")
+        if moment := moments.get(following):
+            # Halted in it, the node goes on behind it.
+            moment = replace(moment, success=following, failure=following)
+            following = moment.name
         with_mark = marked(piece, change)
         if with_mark is not None and not piece.skips:
             blocks.append(placed(with_mark, following, FAIL))
-            continue
-        noted = at.setting(f"{piece.block.name}_done", context, change, following)
-        blocks += [placed(piece, noted.name, FAIL, noted.name), noted]
+        else:
+            noted = at.setting(f"{piece.block.name}_done", context, change, following)
+            blocks += [placed(piece, noted.name, FAIL, noted.name), noted]
+        blocks += [moment] if moment else []
     at.note(node, name, kind, why)
     return Part(Recursive(name=name, blocks=tidied(blocks)))
+
+
+def _memory_unused(
+    at: Translator, node: TreeNode, name: str, results: list[Result], context: Context
+) -> Result:
+    """A sequence with memory that is entered once: a sequence, but for moments between its children."""
+    moments: dict[str, Objective] = {}
+    for place, result in enumerate(results):
+        if place and isinstance(result, bool) and (context.lane or context.halted):
+            # It ends at once, but after a moment in which what runs beside it may end, or time be over.
+            results[place] = made = at.constant(f"{name}_between", context, result, "at the next tick")
+            assert isinstance(made.block, Objective)
+            moments[made.block.name] = made.block
+    result = series(at, name, results, context, stops=False)
+    at.note(node, became(result), *_seen_between(context, moments))
+    return result
+
+
+def _steps(
+    at: Translator, node: TreeNode, name: str, results: list[Result], context: Context
+) -> tuple[list[Part], dict[str, Objective]]:
+    """The children of a sequence with memory, and by child that answers at once the moment before it."""
+    made: list[Part] = []
+    moments: dict[str, Objective] = {}
+    for child, result in zip(node.children, results, strict=True):
+        if isinstance(result, Part):
+            made.append(result)
+            continue
+        seen = bool(context.lane or context.halted)
+        if result and not seen:
+            continue
+        answer = at.returning(called(child), context, result)
+        made.append(answer)
+        if seen and child is not node.children[0]:
+            moment = at.constant(f"{name}_between", context, True, "at the next tick").block
+            assert isinstance(moment, Objective)
+            moments[answer.block.name] = moment
+    return made, moments
+
+
+def _seen_between(context: Context, moments: Mapping[str, Objective]) -> tuple[Kind, str]:
+    """How faithful a sequence with memory is that returns between its children.
+
+    It does only behind a child that has answered in its first tick, and then what runs beside has as well.
+    """
+    if context.lane and moments:
+        return Kind.MORE, "whether it returns between its children, while others run, is free"
+    return Kind.EXACT, ""
 
 
 def if_then_else(at: Translator, node: TreeNode, context: Context) -> Result:
@@ -250,6 +295,9 @@ def parallel_node(at: Translator, node: TreeNode, context: Context) -> Result:
     kind, why = Kind.EXACT, ""
     if any(piece.skips for piece in pieces):
         kind, why = _skipping(at, node, results)
+    if context.piped and at.asks(node):
+        kind = Kind.LEFT_OUT
+        why = "that conditions end it in each tick, before its other children run on, is not modelled"
     success = "all" if wanted == len(branches) else str(wanted) if wanted > 1 else "any"
     if len(branches) == 1:
         made = _alone(at, branches[0])

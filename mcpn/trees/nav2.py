@@ -79,10 +79,7 @@ def round_robin(at: Translator, node: TreeNode, context: Context) -> Result:
         return result
     pieces: list[Part] = []
     for child, result in zip(node.children, results, strict=True):
-        if isinstance(result, bool):
-            asked = at.choice(f"{called(child)}_returns", context, "Returns at once")
-            result = Part(asked, good=result, bad=result)
-        pieces.append(result)
+        pieces.append(at.returning(called(child), context, result) if isinstance(result, bool) else result)
     made = _Turns(at, name, pieces, context, wraps).made()
     why = "after a halt from outside it may go on or begin anew" if context.halted else ""
     at.note(node, name, Kind.MORE if context.halted else Kind.EXACT, why)
@@ -178,8 +175,9 @@ class _Turns:
             return [replace(block, routes=(*block.routes, *routes))]
         noted = self.setting(f"{piece.block.name}_done", following, SUCCEED)
         block = placed(piece, noted.name, following)
-        outcome = "success" if piece.bad is False and not piece.good else "failure"
-        return [replace(block, routes=(*block.routes, *(replace(r, on=outcome) for r in routes))), noted]
+        fails = [end for end, good in (("success", piece.good), ("failure", piece.bad)) if not good]
+        routes = tuple(replace(route, on=end) for route in routes for end in fails)
+        return [replace(block, routes=(*block.routes, *routes)), noted]
 
     def last(self, piece: Part, over: Objective) -> list[Block]:
         """The last child, with which it is over; or perhaps is, where the version is not known."""
@@ -224,8 +222,8 @@ def _stages(at: Translator, context: Context, name: str, children: tuple[TreeNod
         return _going_on(at, inside, name, first, tuple(rest))
     here = at.piece(first, inside)
     behind = _stages(at, context, name, tuple(rest))
-    if not isinstance(here, Part) or (here.good and here.bad) or all(at.at_once(child) for child in rest):
-        return [here, *behind]  # which cannot fail when it is ticked again, or not while another runs
+    if not isinstance(here, Part) or len(at.answers(here)) < 2 or all(at.at_once(child) for child in rest):
+        return [here, *behind]  # which answers the same when it is ticked again, or not while another runs
     wish = f"{name}_stage_fails"
     event = wish if wish in at.events else at.event(wish, f"A stage of {name} fails when it is ticked again")
     handler = Handler(event=event, goto=FAIL)
@@ -243,6 +241,7 @@ def _going_on(
 ) -> list[Result]:
     """A stage that runs: once alone, then again and again beside the later ones."""
     number = at.next_parallel()
+    context = replace(context, piped=True)
     lane = replace(context.branch(number, 0), again=True)
     waits = AWAITED.get(at.forest.rule(first))
     node = first.children[0] if waits else first

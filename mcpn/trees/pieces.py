@@ -8,11 +8,22 @@ SKIPPED does.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from mcpn.errors import Source
-from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Handler, Objective, Parallel, Recursive
+from mcpn.mission.model import (
+    ABORT,
+    FAIL,
+    SUCCEED,
+    Block,
+    Handler,
+    Objective,
+    Parallel,
+    Protocol,
+    Recursive,
+    Use,
+)
 from mcpn.mission.robot import FactChange
 
 
@@ -95,16 +106,25 @@ def handled(block: Block, handlers: Sequence[Handler], instants: Collection[str]
         instants: Objectives in it that stand for no time in the tree: where one of them runs, what
             it leads to has happened already, whatever the handlers say.
     """
-    block = _immune(block, handlers, instants) if instants else block
+    block = _immune(block, handlers, instants, None) if instants else block
     return replace(block, handlers=(*handlers, *block.handlers)) if handlers else block
 
 
-def _immune(block: Block, handlers: Sequence[Handler], instants: Collection[str]) -> Block:
-    if isinstance(block, Objective) and block.name in instants and block.success is not None:
-        going_on = tuple(Handler(event=handler.event, goto=block.success) for handler in handlers)
+def _immune(
+    block: Block, handlers: Sequence[Handler], instants: Collection[str], following: str | None
+) -> Block:
+    if isinstance(block, Objective) and block.name in instants:
+        # Where facts say what follows, it is entered again.
+        if (goto := block.name if block.routes else block.success or following) is None:
+            return block
+        going_on = tuple(Handler(event=handler.event, goto=goto) for handler in handlers)
         return replace(block, handlers=(*going_on, *block.handlers))
-    if isinstance(block, Recursive | Parallel):
-        return replace(block, blocks=tuple(_immune(inner, handlers, instants) for inner in block.blocks))
+    if isinstance(block, Recursive):
+        behind = [*(inner.name for inner in block.blocks[1:]), SUCCEED]
+        inside = zip(block.blocks, behind, strict=True)
+        return replace(block, blocks=tuple(_immune(i, handlers, instants, then) for i, then in inside))
+    if isinstance(block, Parallel):
+        return replace(block, blocks=tuple(_immune(i, handlers, instants, None) for i in block.blocks))
     return block
 
 
@@ -147,3 +167,51 @@ def marked(piece: Part, change: FactChange) -> Part | None:
         return None
     inner = marked(Part(last), change)
     return None if inner is None else replace(piece, block=replace(block, blocks=(*before, inner.block)))
+
+
+def answers(piece: Part, protocols: Mapping[str, Protocol]) -> frozenset[bool]:
+    """What a piece may return, by where its blocks lead: a fallback whose last child succeeds never fails.
+
+    Args:
+        piece: The piece.
+        protocols: Those that blocks of it use, by name.
+    """
+    ends = _ends(piece.block, protocols)
+    return frozenset(good for end, good in ((SUCCEED, piece.good), (FAIL, piece.bad)) if end in ends)
+
+
+def _ends(block: Block, protocols: Mapping[str, Protocol]) -> frozenset[str]:
+    """The ends that a block may come to, of success and failure."""
+    if isinstance(block, Recursive):
+        return _ends_of_series(block.blocks, protocols)
+    if isinstance(block, Use):
+        return _ends_of_series(protocols[block.protocol].blocks, protocols)
+    if not isinstance(block, Parallel):
+        return frozenset((SUCCEED, FAIL))
+    inside = [_targets(branch, SUCCEED, protocols) for branch in block.blocks]
+    succeeding, failing = (sum(end in ends for ends in inside) for end in (SUCCEED, FAIL))
+    wanted, hasty, allowed = block.decided
+    wanted = len(inside) if wanted is None else wanted
+    losing = 1 if hasty else min(len(inside) - wanted + 1, allowed or len(inside))
+    return frozenset(end for end, may in ((SUCCEED, succeeding >= wanted), (FAIL, failing >= losing)) if may)
+
+
+def _ends_of_series(blocks: Sequence[Block], protocols: Mapping[str, Protocol]) -> frozenset[str]:
+    following = [*(block.name for block in blocks[1:]), SUCCEED]
+    routes = {block.name: (block, behind) for block, behind in zip(blocks, following, strict=True)}
+    found, todo = set[str](), [blocks[0].name]
+    while todo:
+        if (name := todo.pop()) not in found:
+            found.add(name)
+            todo += _targets(*routes[name], protocols) if name in routes else ()
+    return frozenset((SUCCEED, FAIL)) & found
+
+
+def _targets(block: Block, following: str, protocols: Mapping[str, Protocol]) -> set[str]:
+    """Where a block of a series may lead."""
+    ends = _ends(block, protocols) | ({FAIL} if block.timeout is not None else set())
+    found = {block.success or following} if SUCCEED in ends else set[str]()
+    if FAIL in ends:
+        found |= {block.failure or FAIL, *([block.recover] if block.recover else [])}
+    aside = {handler.goto or FAIL for handler in block.handlers} | {route.goto for route in block.routes}
+    return found | aside | ({block.abort} if block.abort else set())

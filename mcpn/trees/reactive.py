@@ -86,8 +86,8 @@ def _guarded(
         if slow[place]:
             event, goto = f"{named}_again", named
             why = f"{named} is ticked again and runs, while {piece.block.name} does"
-        elif earlier.good is earlier.bad:
-            continue  # it answers the same whatever its block ends with: it never ends the node
+        elif len(at.answers(earlier)) < 2:
+            continue  # it never answers anything else
         else:
             leaf = earlier.good is stops  # which end of the block it is that counts
             what = "succeeds" if leaf else "fails"
@@ -117,7 +117,8 @@ def while_do_else(at: Translator, node: TreeNode, context: Context) -> Result:
         return result
     branches: list[Result] = []
     for place, (each, beside) in enumerate(((then, other), (other, then))):
-        if isinstance(each, Part) and not at.at_once(node.children[1 + place]):
+        changes = len(at.answers(asked)) > 1
+        if changes and isinstance(each, Part) and not at.at_once(node.children[1 + place]):
             what = "succeeds" if asked.good is (place == 1) else "fails"
             why = f"{asked.block.name} {what} while {each.block.name} runs"
             event = at.event(f"{asked.block.name}_{what}", why)
@@ -128,6 +129,8 @@ def while_do_else(at: Translator, node: TreeNode, context: Context) -> Result:
     made = branching(name, asked, *branches)
     if asked.skips:
         at.note(node, name, *skipped_condition(asked))
+    elif any(at.at_once(each, rounds=False) and not at.at_once(each) for each in node.children[1:]):
+        at.note(node, name, Kind.MORE, "when conditions of a branch that returns between them answer is free")
     elif at.at_once(node.children[0]):
         at.note(node, name, Kind.EXACT)
     else:

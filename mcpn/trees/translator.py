@@ -31,7 +31,7 @@ from mcpn.trees.nodes.forest import Forest, tree_of
 from mcpn.trees.nodes.node import PRECONDITIONS, Tree, TreeNode
 from mcpn.trees.nodes.row import NodeRow
 from mcpn.trees.nodes.versions import told
-from mcpn.trees.pieces import Part, Result, placed, sourced, tidied
+from mcpn.trees.pieces import Part, Result, answers, placed, sourced, tidied
 from mcpn.trees.tree_names import Lane, TreeNames, readable
 
 TURNS = frozenset({"round_robin", "round_robin_wraps_or_not"})
@@ -58,11 +58,13 @@ class Context:
         lane: The branches of parallel blocks around it.
         again: Whether it may be entered again after it has ended or was halted.
         halted: Whether it may be halted while it runs, by something that does not say so.
+        piped: Whether it is in a pipeline whose stages run, and are ticked again beside later ones.
     """
 
     lane: Lane = ()
     again: bool = False
     halted: bool = False
+    piped: bool = False
 
     def branch(self, block: int, number: int) -> Context:
         """That of a branch of a parallel block."""
@@ -249,8 +251,17 @@ class Translator:
         ]
         first = targets[values[0]]
         made = self.choice(wish, context, f"Goes on where {fact} says")
+        self.instants.add(made.name)
         self.silent.add(made.name)
         return replace(made, success=first, failure=first, routes=tuple(routes))
+
+    def returning(self, wish: str, context: Context, answer: bool) -> Part:
+        """An objective for what always answers the same at once, where a block must stand for it."""
+        said = f"{'Succeeds' if answer else 'Fails'} at once"
+        made = self.choice(f"{wish}_returns", context, said)
+        self.instants.add(made.name)
+        self.silent.add(made.name)
+        return Part(made, good=answer, bad=answer)
 
     def setting(self, wish: str, context: Context, change: FactChange, goto: str) -> Objective:
         """An objective that does nothing but set a fact, and leads on."""
@@ -360,18 +371,35 @@ class Translator:
         category = self.category(node)
         return category == "Condition" or (not category and bool(LOOKS_LIKE_CONDITION.match(node.id)))
 
-    def at_once(self, node: TreeNode) -> bool:
-        """Whether a node answers in the tick in which it is asked, and never runs on."""
+    def at_once(self, node: TreeNode, *, rounds: bool = True) -> bool:
+        """Whether a node answers in the tick in which it is asked, and never runs on.
+
+        Args:
+            node: The node.
+            rounds: Whether loops count as running on between their rounds, and the like.
+        """
         if (tree := tree_of(self.forest, node)) is not None:
-            return self.at_once(tree.root)
+            return self.at_once(tree.root, rounds=rounds)
         rule = self.forest.rule(node)
         if node.children:
-            # A loop runs on between its rounds.
-            slow = rule in ("keep_running", "delay", "loop")
-            slow |= rule in RETURNING and len(node.children) > 1
-            slow |= rule in LOOPS and self.rounds(node) not in (0, 1)
-            return not slow and all(self.at_once(child) for child in node.children)
+            slow = rounds and rule in ("keep_running", "loop")
+            slow |= rounds and rule in RETURNING and len(node.children) > 1
+            slow |= rounds and rule in LOOPS and self.rounds(node) not in (0, 1)
+            slow |= rule == "delay"
+            return not slow and all(self.at_once(child, rounds=rounds) for child in node.children)
         return rule == "asked" or rule in CONSTANT or self.condition(node)
+
+    def asks(self, node: TreeNode) -> bool:
+        """Whether a leaf of a node is a condition, or answers at once as one does."""
+        if (tree := tree_of(self.forest, node)) is not None:
+            return self.asks(tree.root)
+        if node.children:
+            return any(self.asks(child) for child in node.children)
+        return self.at_once(node) and self.forest.rule(node) not in CONSTANT
+
+    def answers(self, piece: Part) -> frozenset[bool]:
+        """What a piece may return."""
+        return answers(piece, {protocol.name: protocol for protocol in self.protocols.values()})
 
     def rounds(self, node: TreeNode) -> int | None:
         """How often a loop runs its child, -1: for ever; ``None``: it is data."""

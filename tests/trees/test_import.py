@@ -29,6 +29,7 @@ def imported(tmp_path: Path, tree: str, library: tuple[str, ...] = ("nav2=1.4",)
 
 A, B, C, D = (f"<{name}/>" for name in "abcd")
 X, Y = "<IsX/>", "<IsY/>"
+WELL, BADLY = "<AlwaysSuccess/>", "<AlwaysFailure/>"
 
 
 def node(tag: str, *children: str, **ports: object) -> str:
@@ -61,9 +62,8 @@ EXACT = {
     "while": node("WhileDoElse", X, A, node("Sequence", B, C)),
     "while without else": node("WhileDoElse", node("Inverter", X), A),
     "memory": node("RetryUntilSuccessful", node("SequenceWithMemory", A, X, B), num_attempts=3),
-    "memory, beside another": node(
-        "Parallel", A, node("SequenceWithMemory", B, "<AlwaysSuccess/>"), success_count=1
-    ),
+    "memory, halted in between": node("ReactiveSequence", A, node("SequenceWithMemory", B, WELL)),
+    "memory, fails at once": node("ReactiveFallback", A, node("SequenceWithMemory", BADLY, B)),
     "memory, halted": node(
         "KeepRunningUntilFailure", node("ReactiveFallback", X, node("SequenceWithMemory", A, B))
     ),
@@ -77,6 +77,14 @@ EXACT = {
     "pipeline of three": node("PipelineSequence", A, node("Sequence", B, Y), C),
     "pipeline of sequence": node("PipelineSequence", node("Fallback", A, B), node("Sequence", C, D)),
     "round robin": node("KeepRunningUntilFailure", node("RoundRobin", A, node("Sequence", B, C), D)),
+    "round robin, one that succeeds at once": node("ReactiveFallback", A, node("RoundRobin", A, WELL)),
+    "round robin, one that fails at once": node(
+        "RetryUntilSuccessful", node("RoundRobin", A, BADLY), num_attempts=2
+    ),
+    "round robin, asked behind one that runs": node("ReactiveSequence", A, node("RoundRobin", A, WELL)),
+    "pipeline, a series that cannot fail": node("PipelineSequence", node("Fallback", X, WELL), A),
+    "reactive, a series that cannot succeed": node("ReactiveFallback", node("Sequence", X, BADLY), A),
+    "while, a condition that cannot fail": node("WhileDoElse", node("Fallback", X, WELL), A, B),
     "round robin, halted": node(
         "KeepRunningUntilFailure", node("ReactiveFallback", X, node("RoundRobin", A, B))
     ),
@@ -92,6 +100,13 @@ MORE = {
     "parallel, two of three fail": node("Parallel", A, B, C, success_count=1, failure_count=2),
     "inverter of two of three": node("Inverter", node("Parallel", A, B, C, success_count=1, failure_count=2)),
     "parallel all, two may fail": node("ParallelAll", A, B, C, max_failures=2),
+    "memory, beside others": node(
+        "Parallel", C, node("SequenceWithMemory", A, BADLY), D, success_count=2, failure_count=1
+    ),
+    "memory, behind a stage that runs": node("PipelineSequence", A, node("SequenceWithMemory", B, WELL)),
+    "memory of conditions, in a branch": node(
+        "WhileDoElse", X, node("TryCatch", A, B), node("SequenceWithMemory", Y, WELL)
+    ),
     "an unknown decorator": node("Strange", node("Sequence", A, B)),
     "round robin, halted from afar": node(
         "KeepRunningUntilFailure", node("ReactiveFallback", X, node("Sequence", C, node("RoundRobin", A, B)))
@@ -147,6 +162,16 @@ def test_rounds_that_end_at_once_take_ticks_in_the_tree(tree: str, tmp_path: Pat
     assert made.ledger.kind is Kind.LEFT_OUT
     made, _ = imported(tmp_path, tree.replace("2", "1").replace("-1", "1"))
     assert made.ledger.kind is Kind.EXACT
+
+
+@pytest.mark.parametrize("first", [node("Fallback", Y, C), Y])
+def test_a_stage_that_conditions_end_in_each_tick(first: str, tmp_path: Path) -> None:
+    """Ticked again it has ended before its leaf runs on, so that in the tree that is not seen to run."""
+    tree = node("PipelineSequence", node("Parallel", C, first, success_count=1, failure_count=2), A)
+    made, ticked = imported(tmp_path, tree)
+    assert made.ledger.kind is Kind.LEFT_OUT
+    with pytest.raises(Difference, match="the tree"):
+        compare(sides(made, ticked), exact=False)
 
 
 LEAVES = st.sampled_from([A, B, C, D, X, Y, "<AlwaysSuccess/>", "<AlwaysFailure/>"])
