@@ -23,6 +23,10 @@ from tests.conftest import ROOT
 
 SCHEMAS: dict[str, dict[str, Any]] = {name: json_schema(document) for name, document in FORMATS.items()}
 CONTENDED = ROOT / "docs" / "contention.md"
+LATER = (
+    '<mission name="later" xmlns="urn:mcpn:mission:1"><robot name="r"><hardware name="wheels"/>'
+    '<activity name="go" consumes="wheels"/></robot><objective name="one" activities="go"/></mission>'
+)
 UNBOUNDED = "net u\npl p (1)\ntr t p -> p q\npl q (0)\n"
 PRINTED = {
     "check mission.xml": "check",
@@ -45,6 +49,7 @@ PRINTED = {
     "alternatives mission.xml": "alternatives",
     "alternatives mission.xml --engine symbolic": "alternatives",
     "compare dead.net": "compare",
+    "compare courier/mission.xml later.xml": "compare-missions",
     "ask mission.xml EF(success) AF(success|failure)": "ask",
     "ask mission.xml EF(failure) --on alternatives --engine local": "ask",
     "ask mission.pnml --examination ReachabilityDeadlock": "ask",
@@ -95,6 +100,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     contended = CONTENDED.read_text().partition("```xml")[2].partition("\n")[2].partition("```")[0]
     (tmp_path / "contended.xml").write_text(contended)
     shutil.copytree(ROOT / "experiments" / "courier", tmp_path / "courier")
+    (tmp_path / "later.xml").write_text(LATER)
     (tmp_path / "robot.log").write_text("MISSION_EV_START\nOBJ_coral_head.manual_moving_EV_OK\n")
     (tmp_path / "unbounded.net").write_text(UNBOUNDED)
     leaves = "<ReactiveSequence><IsX/><Sequence><go/><act/></Sequence></ReactiveSequence>"

@@ -1,4 +1,4 @@
-"""Engines side by side, on a file or along a family of nets; two sets of templates on one mission."""
+"""Engines side by side, on a file or along a family of nets; two sets of templates, or two missions."""
 
 from __future__ import annotations
 
@@ -15,10 +15,12 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from mcpn.answers.compare import Measured
+    from mcpn.answers.spaces import MissionSpaces
 
 
 @click.command()
 @click.argument("file", type=FILE, required=False)
+@click.argument("other", type=FILE, required=False)
 @click.option(
     "--family",
     nargs=2,
@@ -68,6 +70,7 @@ if TYPE_CHECKING:
 def compare(
     question: Question,
     file: Path | None,
+    other: Path | None,
     family: tuple[str, str] | None,
     form: str,
     repeat: int,
@@ -79,13 +82,22 @@ def compare(
     """Run every engine on FILE, a mission or a net, side by side; exit code 1 if they disagree.
 
     With a family: on its nets as they grow, with how CPU time grows. With two sets of templates: whether the
-    mission behaves the same with both, event by event.
+    mission behaves the same with both, event by event. With a second mission, OTHER: what it loses or gains
+    over FILE in claims, verdicts, cut sets and modes; exit code 1 if something differs.
     """
     from mcpn.answers.compare import disagreement, measure
 
     form = "json" if question.as_json else form
     if (file is None) == (family is None):
         raise click.UsageError("expected a FILE, or --family NAME SIZES, and not both")
+    if other is not None:
+        assert file is not None
+        if sets or plot is not None or own or form not in ("text", "json"):
+            raise click.UsageError(
+                "two missions take neither --templates, --plot, --engine nor a table's --format"
+            )
+        _compare_missions(file, other, question, form == "json")
+        return
     if sets:
         if file is None or plot is not None or own or form not in ("text", "json"):
             raise click.UsageError(
@@ -145,6 +157,29 @@ def _members(
         )
     nets = ((size, family.net(size)) for size in range(first, last + 1, step))
     return list(grown(nets, max_states=max_states, seconds=seconds, repeats=repeat, own=own))
+
+
+def _compare_missions(file: Path, other: Path, question: Question, as_json: bool) -> None:
+    from mcpn.answers.versions import compared
+    from mcpn.errors import InputError, Source
+    from mcpn.report.versions import difference_object, print_difference
+
+    def mission(path: Path) -> MissionSpaces:
+        study = question.study(path)
+        if study.is_net:
+            raise InputError.at(
+                Source(str(path)), "found a net, expected a mission: two missions are compared"
+            )
+        return study.mission_spaces()
+
+    with question.work():
+        found = compared(mission(file), mission(other), question.max_states)
+    if as_json:
+        emit_json(difference_object(found, str(file), str(other)))
+    else:
+        print_difference(found, str(file), str(other))
+    if not found.same:
+        sys.exit(EXIT_FAILED)
 
 
 def _compare_sets(file: Path, names: tuple[str, str], question: Question, as_json: bool) -> None:

@@ -105,7 +105,8 @@ def test_two_optional_failures_fail_a_block_while_another_child_runs(tmp_path: P
     found = of(
         tmp_path,
         '<hardware name="eye"/><activity name="look" consumes="eye"/><activity name="wait"/>'
-        '<activity name="rest"/></robot><parallel name="work" failure_when="2"><objective name="a" activities="look" mandatory="false"/>'
+        '<activity name="rest"/></robot><parallel name="work" failure_when="2">'
+        '<objective name="a" activities="look" mandatory="false"/>'
         '<objective name="b" activities="rest" mandatory="false"/><objective name="c" activities="wait"/>'
         "</parallel>",
     )

@@ -41,7 +41,8 @@ class Claim:
         assumes: Under which assumptions.
         formula: Holds on the mission's stable states where the claim does; empty where none says it.
         reason: Why it is not known.
-        refers_to: Events with whose help it would be otherwise, of a claim that assumes none.
+        refers_to: Other events that it names: of a claim that assumes no help those with whose help it would
+            be otherwise.
         find_run: Looks for a run that shows it, where one does.
     """
 
@@ -96,7 +97,7 @@ def told(claims: list[Claim]) -> str:
     words = first.of.sentences[{True: 0, False: 1, None: 2}[first.holds]]
     about = list(dict.fromkeys(claim.subject[0] for claim in claims if claim.subject))
     names = f"any one of {enumeration(about)}" if len(about) > 1 else enumeration(about)
-    said = words.format(names, *first.subject[1:])
+    said = words.format(names, *first.subject[1:], others=enumeration(first.refers_to))
     help_ = enumeration(first.refers_to) or "declared events and timeouts"
     without = f" without the help of {help_}" if first.assumes.help == "none" else ""
     return f"{said[:1].upper()}{said[1:]}{without}."

@@ -20,6 +20,7 @@ class ClaimKind(NamedTuple):
         evidence: What shows it.
         shown: Where it is shown.
         why: Why there is no formula.
+        good: Whether a mission is better where it holds; ``None`` of what is neither good nor bad.
     """
 
     name: str
@@ -30,6 +31,7 @@ class ClaimKind(NamedTuple):
     evidence: str
     shown: tuple[str, ...] = (JSON,)
     why: str = ""
+    good: bool | None = None
 
     @property
     def sentences(self) -> tuple[str, str, str]:
@@ -49,6 +51,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "the mission can never succeed",
             "whether the mission can succeed is not known",
             "a run",
+            good=True,
         ),
         ClaimKind(
             "can_fail",
@@ -57,6 +60,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "the mission can never end in failure",
             "whether the mission can end in failure is not known",
             "a run",
+            good=False,
         ),
         ClaimKind(
             "can_be_aborted",
@@ -73,6 +77,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "the mission can reach a state from which it cannot end",
             "whether the mission can always end is not known",
             "all states; where it fails, a run",
+            good=True,
         ),
         ClaimKind(
             "can_always_end_safely",
@@ -82,6 +87,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "whether the mission can always end safely is not known",
             "all states; where it fails, a run",
             why=_SAFE_ENDS,
+            good=True,
         ),
         ClaimKind(
             "can_always_go_on",
@@ -90,6 +96,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "the robot can get stuck: no event is possible, and the mission has not ended",
             "whether the robot can get stuck is not known",
             "all states; where it fails, a run",
+            good=True,
         ),
         ClaimKind(
             "succeeds_without",
@@ -99,6 +106,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "whether the mission may end in success without {0} is not known",
             "a run",
             shown=(PAGE, JSON),
+            good=False,
         ),
         ClaimKind(
             "loss_defeats",
@@ -108,6 +116,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "whether the loss of {0} alone leaves a way to success is not known",
             "all states in which no hardware is lost, and the loss in each",
             shown=(PAGE, JSON),
+            good=False,
         ),
         ClaimKind(
             "loss_endangers",
@@ -118,6 +127,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "all states in which no hardware is lost, and the loss in each",
             why=_SAFE_ENDS,
             shown=(PAGE, JSON),
+            good=False,
         ),
         ClaimKind(
             "handled_always",
@@ -126,6 +136,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "{0} changes nothing while some objectives run",
             "whether {0} is always handled is not known",
             "all states",
+            good=True,
         ),
         ClaimKind(
             "ignored",
@@ -134,6 +145,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "{0} is never ignored while {1} runs",
             "whether {0} is ignored while {1} runs is not known",
             "a state",
+            good=False,
         ),
         ClaimKind(
             "answered_already",
@@ -151,6 +163,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "whether {0} interrupts {1} is not known",
             "a run",
             shown=(PAGE, JSON),
+            good=False,
         ),
         ClaimKind(
             "ends_at_once",
@@ -164,11 +177,12 @@ KINDS: Mapping[str, ClaimKind] = {
         ClaimKind(
             "alternate_for_ever",
             "E(F G ({events}))",
-            "{0} may follow one another for ever, and nothing else happens",
+            "{others} may go on for ever, and nothing else happens",
             "declared events alone never go on for ever",
             "whether declared events alone may go on for ever is not known",
             "a run that repeats",
             shown=(PAGE, JSON),
+            good=False,
         ),
         ClaimKind(
             "requirement",
@@ -178,6 +192,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "whether requirement {0} is met is not known",
             "all runs; where it fails, a run",
             why="fair requirements, and those within a protocol, are asked with its names and of fair runs",
+            good=True,
         ),
         ClaimKind(
             "met_as_ignored",
@@ -188,6 +203,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "all runs, and a state",
             why="fair requirements, and those within a protocol, are asked with its names and of fair runs",
             shown=(PAGE, JSON),
+            good=False,
         ),
         ClaimKind(
             "failure_loses_mission",
@@ -196,6 +212,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "after a failure of {0} alone during {1} success stays possible, if only by repairs",
             "what the failure of {0} during {1} costs is not known",
             "all failures of it while the objective runs",
+            good=False,
         ),
         ClaimKind(
             "failure_loses_robot",
@@ -206,6 +223,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "what the failure of {0} during {1} costs is not known",
             "all failures of it while the objective runs",
             why=_SAFE_ENDS,
+            good=False,
         ),
         ClaimKind(
             "nominal_success",
@@ -215,6 +233,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "whether the mission succeeds while nothing fails is not known",
             "all runs of successes; where it fails, one of them",
             why="runs that only failures could continue are finite, and what is left out is a set of blocks",
+            good=True,
         ),
     )
 }

@@ -14,7 +14,6 @@ from mcpn.answers.claims.kinds import KINDS
 from mcpn.answers.verdicts.nominal import meant_to_be_entered
 from mcpn.answers.verdicts.unreachable import targets
 from mcpn.nets.events import Event, What
-from mcpn.sentences import enumeration
 from mcpn.spaces.algebra import S, Space
 from mcpn.spaces.run import Run, transitions_of
 
@@ -166,22 +165,25 @@ class _Made(Generic[S]):
             yield self._alternate()
 
     def _changing_nothing(self, found: Sequence[Ignored]) -> Iterator[Claim]:
+        """Of each event where it is handled, where it leads already, and where nothing handles it."""
         idle = {each.event: each for each in found}
-        for event in self.declared:
-            each = idle.get(event)
-            always = Assumes(moment="every")
-            if len(self.objectives) <= MOST_RUNNING:
-                formula = KINDS["handled_always"].formula.format(
-                    event, running=_some("objective", self.objectives)
-                )
-                yield Claim("handled_always", (event,), each is None, always, formula)
-            if each is None:
-                continue
-            led = "".join(f" & !objective({name})" for name in self.led.get(event, ()))
-            for kind, names in (("ignored", each.objectives), ("answered_already", each.answering)):
-                for name in _plain(self.net, names):
-                    formula = KINDS[kind].formula.format(event, name, not_led=led)
-                    yield Claim(kind, (event, name), True, formula=formula)
+        few = len(self.objectives) <= MOST_RUNNING
+        for event in (e.name for e in self.net.mission.events if not e.changes_facts):
+            each, led = idle.get(event), self.led.get(event, ())
+            if few:
+                running = _some("objective", self.objectives)
+                formula = KINDS["handled_always"].formula.format(event, running=running)
+                yield Claim("handled_always", (event,), each is None, Assumes(moment="every"), formula)
+            not_led = "".join(f" & !objective({name})" for name in led)
+            ignored, answering = ((), ()) if each is None else (each.objectives, each.answering)
+            for kind, names, asked in (
+                ("ignored", ignored, self.objectives),
+                ("answered_already", answering, led),
+            ):
+                so = _plain(self.net, names)
+                for name in asked if few else so:
+                    formula = KINDS[kind].formula.format(event, name, not_led=not_led)
+                    yield Claim(kind, (event, name), name in so, formula=formula)
 
     def _interrupts(self, event: str, own: Collection[int], name: str, other: str) -> Claim:
         running = self.running(name)
@@ -206,8 +208,7 @@ class _Made(Generic[S]):
         formula = KINDS["alternate_for_ever"].formula.format(
             events=" | ".join(f"happens({event})" for event in self.declared)
         )
-        subject = (enumeration(events),) if events else ()
-        return Claim("alternate_for_ever", subject, bool(circling), formula=formula)
+        return Claim("alternate_for_ever", (), bool(circling), formula=formula, refers_to=tuple(events))
 
     # --- losses ---
 
