@@ -2,9 +2,9 @@
 
 Usage: ``python experiments/other_tools.py [--number N] [ROW ...]``
 
-Rows are those of ``tests/other_tools.py``. Tools that are installed are asked for their versions and judge N
-drawn missions (50), or the tests that hold a row are run. Rows whose tools are not here stay as they are. SCION
-is found where ``NODE_PATH`` names a folder with ``@scion-scxml/scxml``. It takes some four minutes.
+Rows are those of ``tests/other_tools.py``. Tools that are installed are asked for their versions, and judge N
+drawn missions (50), or the tests that hold a row are run; of tools that are not here rows stay as they are.
+SCION is found where ``NODE_PATH`` names a folder with ``@scion-scxml/scxml``. It takes some four minutes.
 """
 
 from __future__ import annotations

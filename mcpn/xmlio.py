@@ -255,5 +255,5 @@ def _refuse_crowded(path: Path, element: etree._Element) -> None:
 
 def _refuse_dtd(path: Path, element: etree._Element) -> None:
     if element.getroottree().docinfo.internalDTD is not None:
-        found = "a document type declaration (DTD) is not allowed"
-        raise InputError.at(Source(str(path), 1), f"{found}: files are untrusted")
+        said = "found a document type declaration (DTD), expected none: files are untrusted"
+        raise InputError.at(Source(str(path), 1), said)

@@ -91,7 +91,8 @@ KNOWN = {
     **dict.fromkeys((*_CONNECTIVES, *_REACHED, *_QUANTIFIERS, *_PATHS), Declared("", _FORMULAS)),
     "until": Declared("", "before reach"),
     **dict.fromkeys(("before", "reach"), Declared("", _FORMULAS)),
-    **dict.fromkeys((*_RELATIONS, *_INTEGERS, "k-safe"), Declared("", _SUMS)),
+    **dict.fromkeys((*_RELATIONS, *_INTEGERS), Declared("", _SUMS)),
+    "k-safe": Declared("", "integer-constant"),
     **dict.fromkeys(("tokens-count", "place-bound"), Declared("", "place")),
     "is-fireable": Declared("", "transition"),
     **dict.fromkeys(("id", "place", "transition", "integer-constant"), _TEXT),
@@ -114,15 +115,18 @@ def read_properties(path: Path, names: Names) -> list[Property]:
         known = " or ".join(NAMESPACES)
         refuse(file, root, f"found <{name_of(root)}> {of}, expected <property-set> of the namespace {known}")
     rule = _TABLE.entered(file, root, None)
-    reader, read, problems = _ContestReader(file, names), list[Property](), list[InputError]()
+    reader, read, problems = _ContestReader(file, names), dict[str, Property](), list[InputError]()
     for element in root:
         try:
-            read.append(reader.property(element, rule))
+            found = reader.property(element, rule)
+            if found.name in read:
+                raise reader.fail(element, "found a second property of this id, expected ids that differ")
+            read[found.name] = found
         except InputError as error:
             problems.append(error)
     if problems:
         raise InputError(problem for error in problems for problem in error.problems)
-    return read
+    return list(read.values())
 
 
 class _ContestReader:
@@ -144,8 +148,9 @@ class _ContestReader:
 
     def only(self, element: etree._Element, count: int | None = 1) -> list[etree._Element]:
         """The elements inside one, of which there must be so many."""
-        if count not in (None, len(element)):
-            said = f"<{name_of(element)}> holds {len(element)} elements, expected {count}"
+        if len(element) != count and (count is not None or not len(element)):
+            expected = "one or more" if count is None else count
+            said = f"found {len(element)} elements in <{name_of(element)}>, expected {expected}"
             raise self.fail(element, said)
         return list(element)
 
@@ -158,9 +163,9 @@ class _ContestReader:
         parts = {name_of(child): child for child in element}
         for tag in ("id", "formula"):
             if tag not in parts:
-                raise self.fail(element, f"a property without <{tag}>")
+                raise self.fail(element, f"found a property without <{tag}>, expected one")
             if sum(name_of(child) == tag for child in element) > 1:
-                raise self.fail(parts[tag], f"a property with a second <{tag}>")
+                raise self.fail(parts[tag], f"found a second <{tag}> of a property, expected one")
         name = self.asked
         (body,) = self.only(parts["formula"])
         source = source_of(self.file, element)
@@ -238,9 +243,7 @@ class _ContestReader:
                     {(place,): 1} for place in self.named(element, self.lookup.place_of_file)
                 )
                 return added(tokens)
-        if not len(element):
-            raise self.fail(element, f"<{name_of(element)}> is empty, expected integers")
-        parts = [self.sum(child) for child in element]
+        parts = [self.sum(child) for child in self.only(element, None)]
         match name_of(element):
             case "integer-difference":
                 first = parts if len(parts) > 1 else [{}, *parts]

@@ -249,8 +249,8 @@ def test_an_unbounded_net_is_answered_as_far_as_few_markings_decide(tmp_path: Pa
 @pytest.mark.parametrize(
     ("body", "words"),
     [
-        (element("negation"), "<negation> holds 0 elements, expected 1"),
-        (element("implication", element("true")), "<implication> holds 1 elements, expected 2"),
+        (element("negation"), "found 0 elements in <negation>, expected 1"),
+        (element("implication", element("true")), "found 1 elements in <implication>, expected 2"),
         (element("hope"), "wrong: found <hope> in <formula>, expected <true>, "),
         (element("exists-path", element("hope")), "wrong: found <hope> in <exists-path>, expected"),
         (

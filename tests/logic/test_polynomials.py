@@ -150,7 +150,7 @@ def test_every_problem_of_a_file_is_told_with_its_property(tmp_path: Path) -> No
     with pytest.raises(InputError) as caught:
         read_properties(path, Names(counter()))
     assert [str(problem).partition(", expected")[0] for problem in caught.value.problems] == [
-        f"{path}:3: x1: <integer-eq> holds 0 elements",
+        f"{path}:3: x1: found 0 elements in <integer-eq>",
         f"{path}:4: x2: found <hope> in <integer-eq>",
         f"{path}:5: x3: found <tokens-count> in <formula>",
     ]

@@ -25,6 +25,13 @@ _FOREIGN = {
     ".cpn": "a coloured net of CPN Tools: colours are not read",
     ".spept": "a net of Snoopy: it exports nets as .pnml or .net",
     ".spn": "a net of Snoopy: it exports nets as .pnml or .net",
+    ".andl": "a net of Snoopy or MARCIE: Snoopy exports nets as .pnml",
+    ".apnn": "a net of APNN, which is not read: write it as .net or .pnml",
+    ".apt": "a net of APT, which is not read: write it as .net or .pnml",
+    ".g": "a net of Petrify, which is not read: write it as .net or .pnml",
+    ".pnt": "a net of INA, which is not read: write it as .net or .pnml",
+    ".rnw": "a drawing of Renew: it exports nets as .pnml (File, Export)",
+    ".work": "a file of Workcraft, which is not read: write it as .net or .pnml",
     ".pn": "a net of another tool, which is not read: write it as .net or .pnml",
 }
 """By suffix of files that other tools keep nets in, what they are and what to do."""
@@ -40,7 +47,7 @@ def refuse_foreign(path: Path) -> None:
         InputError: It is such a file; or PNML by a name that says something else.
     """
     if known := _FOREIGN.get(path.suffix.lower()):
-        raise InputError.at(Source(str(path)), f"{known}; read are {', '.join(READABLE)}")
+        raise InputError.at(Source(str(path)), f"found {known}; expected {', '.join(READABLE)}")
     try:
         with path.open("rb") as file:
             begin = file.read(4096)
@@ -79,7 +86,9 @@ def read_net(path: Path | str) -> PetriNet:
         return read_json(path, read_bounded(path))
     refuse_foreign(path)
     known = ", ".join(READABLE)
-    raise InputError.at(Source(str(path)), f"unknown kind of net {suffix or path.name!r}, expected {known}")
+    raise InputError.at(
+        Source(str(path)), f"found an unknown kind of net {suffix or path.name!r}, expected {known}"
+    )
 
 
 def save_net(net: PetriNet, path: Path | str) -> str | None:

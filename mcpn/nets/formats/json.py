@@ -10,16 +10,17 @@ from __future__ import annotations
 import json
 import re
 from bisect import bisect
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Container, Iterator
 from dataclasses import dataclass
 from json.scanner import py_make_scanner  # type: ignore[attr-defined]
+from math import inf
 from pathlib import Path
 from typing import Any, NoReturn
 
 from mcpn.errors import InputError, Source
 from mcpn.nets.events import Event
 from mcpn.nets.formats.counts import check_counts
-from mcpn.nets.petri import Arcs, NetBuilder, PetriNet, Provenance
+from mcpn.nets.petri import EVENTS, Arcs, NetBuilder, PetriNet, Provenance
 from mcpn.sentences import quoted
 
 MAX_DIGITS = 4_000
@@ -110,27 +111,26 @@ def read_json(path: Path, data: bytes) -> PetriNet:
         InputError: It is no JSON, or not of this format; says where in the document.
     """
     try:
-        document = json.loads(data, object_pairs_hook=_object)
+        return _net(_Value(json.loads(data, object_pairs_hook=_object), "the document"))
     except json.JSONDecodeError as error:
-        raise InputError.at(Source(str(path), error.lineno), _misread(error)) from error
+        line, said = error.lineno, _misread(error)
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        raise InputError.at(Source(str(path), line), "not JSON: found bytes that are not UTF-8") from error
-    except RecursionError as error:
-        raise InputError.at(
-            Source(str(path), 1), "not JSON: lists or objects too deep in each other"
-        ) from error
-    except ValueError as error:
-        said = str(error) if isinstance(error, _GivenTwice) else f"a number of more than {MAX_DIGITS} digits"
-        raise InputError.at(Source(str(path), 1), f"not JSON: found {said}") from error
-    try:
-        return _net(_Value(document, "the document"))
+        said = "not JSON: found bytes that are not UTF-8, expected UTF-8"
+    except RecursionError:
+        line, said = 1, "not JSON: found lists or objects too deep in each other: the limit was hit"
+    except _GivenTwice as error:
+        line, said = _line_of(data), f"not JSON: found {error}, expected keys that differ"
     except InputError as error:
-        raise InputError.at(Source(str(path), _line_of(data, str(error))), str(error)) from error
+        line, said = _line_of(data, str(error)), str(error)
+    except ValueError:
+        line = _line_of(data)
+        said = f"not JSON: found a number of more digits, expected at most {MAX_DIGITS}"
+    raise InputError.at(Source(str(path), line), said)
 
 
-def _line_of(data: bytes, message: str) -> int | None:
-    """The line of the innermost object or list that a message names by the way to it.
+def _line_of(data: bytes, message: str = "") -> int:
+    """The line of the innermost object or list that cannot be read, or that a message names by the way to it.
 
     The text is read again, by the scanner of the library that is written in Python, which tells where each
     begins: only where there is an error.
@@ -139,12 +139,18 @@ def _line_of(data: bytes, message: str) -> int | None:
     breaks = [match.start() for match in re.finditer("\n", text)]
     begins: dict[int, int] = {}
     kept = []  # so that no two have one id
-    decoder: Any = json.JSONDecoder()
+    wrong = []  # lines of what cannot be read, from the innermost
+    decoder: Any = json.JSONDecoder(object_pairs_hook=_object)
 
     def noting(read: Callable[..., tuple[Any, int]]) -> Callable[..., tuple[Any, int]]:
         def noted(at: tuple[str, int], *rest: Any) -> tuple[Any, int]:
-            value, end = read(at, *rest)
-            begins[id(value)] = bisect(breaks, at[1] - 1) + 1
+            line = bisect(breaks, at[1] - 1) + 1
+            try:
+                value, end = read(at, *rest)
+            except ValueError:
+                wrong.append(line)
+                raise
+            begins[id(value)] = line
             kept.append(value)
             return value, end
 
@@ -155,8 +161,8 @@ def _line_of(data: bytes, message: str) -> int | None:
     decoder.scan_once = py_make_scanner(decoder)
     try:
         here: Any = decoder.decode(text)
-    except RecursionError:
-        return None
+    except (ValueError, RecursionError):
+        return wrong[0] if wrong else 1
     line = begins.get(id(here), 1)
     for key, number in re.findall(r"(\w+)|\[(\d+)\]", message.partition(" ")[0]):
         try:
@@ -215,7 +221,7 @@ class _Value:
         else:
             shown = json.dumps(self.value)
             kind = shown if len(shown) < 40 else f"{shown[:40]}…"
-        raise InputError.at(None, f"{self.way} is {kind}, expected {expected}")
+        raise InputError.at(None, f"{self.way}: found {kind}, expected {expected}")
 
     def known(self, kind: str) -> _Value:
         """Itself, an object of some kind with the keys that it must have and no others."""
@@ -225,11 +231,11 @@ class _Value:
         names = [word.removesuffix("?") for word in words]
         for key in self.value:
             if key not in names:
-                said = f"{self.way} has the key {quoted(key, 40)}, expected one of {', '.join(names)}"
+                said = f"{self.way}: found the key {quoted(key, 40)}, expected one of {', '.join(names)}"
                 raise InputError.at(None, said)
         for word in words:
             if word not in self.value and not word.endswith("?"):
-                raise InputError.at(None, f"{self.way} has no {word!r}")
+                raise InputError.at(None, f"{self.way}: found no key {word!r}, expected it")
         return self
 
     def get(self, key: str) -> _Value:
@@ -252,48 +258,61 @@ class _Value:
             self.fail("true or false")
         return self.value
 
-    def count(self, least: int) -> int:
+    def count(self, least: int, below: float = inf) -> int:
         number = self.value
-        if not isinstance(number, int) or isinstance(number, bool) or number < least:
-            self.fail(f"a whole number from {least}")
+        if not isinstance(number, int) or isinstance(number, bool) or not least <= number < below:
+            self.fail(f"a whole number from {least}" + (f", less than {below}" if below < inf else ""))
         return number
 
     def label(self) -> str | None:
         return None if self.value is None else self.text()
 
-    def weights(self) -> dict[str, int]:
+    def new(self, names: Container[str]) -> str:
+        """A name that none before has."""
+        if self.text() in names:
+            self.fail("a name that no other has")
+        return self.text()
+
+    def place(self, known: NetBuilder) -> str:
+        if not known.has_place(self.text()):
+            self.fail("the name of a place")
+        return self.text()
+
+    def weights(self, known: NetBuilder) -> dict[str, int]:
         if not isinstance(self.value, dict):
             self.fail("an object of weights by place")
-        return {place: self.get(place).count(1) for place in self.value}
+        return {_Value(p, self.way).place(known): self.get(p).count(1) for p in self.value}
 
 
 def _net(document: _Value) -> PetriNet:
-    if (document.get("format").value, document.get("version").value) != ("mcpn-net", 1):
-        document.fail('an object with "format": "mcpn-net", "version": 1')
+    if document.get("format").value != "mcpn-net":
+        document.fail('an object with "format": "mcpn-net"')
+    if type(version := document.get("version").value) is not int or version != 1:
+        document.get("version").fail("1")
     document.known("net")
     builder = NetBuilder(document.get("name").text(), priorities=document.get("priorities").truth())
+    named = set[str]()
     for place in document.get("places").items():
-        place.known("place")
-        name, initial, label = (
-            place.get("name").text(),
-            place.get("initial").count(0),
-            place.get("label").label(),
-        )
-        builder.place(name, initial=initial, provenance=_provenance(place), label=label)
+        name = place.known("place").get("name").new(named)
+        initial, label = place.get("initial").count(0), place.get("label").label()
+        named.add(builder.place(name, initial=initial, provenance=_provenance(place), label=label))
+    named.clear()
     for t in document.get("transitions").items():
         event = t.known("transition").get("event")
+        rank = t.get("rank")
         builder.transition(
-            t.get("name").text(),
-            consume=t.get("consume").weights(),
-            produce=t.get("produce").weights(),
-            read=t.get("read").weights(),
-            event=None if event.value is None else Event.parse(event.text()),
-            rank=0 if (rank := t.get("rank")).value is None else rank.count(0),
+            name := t.get("name").new(named),
+            consume=t.get("consume").weights(builder),
+            produce=t.get("produce").weights(builder),
+            read=t.get("read").weights(builder),
+            event=None if event.value is None else Event.parse(event.text() or event.fail("a name")),
+            rank=0 if rank.value is None else rank.count(0, EVENTS),
             provenance=_provenance(t),
         )
-        builder.label(t.get("name").text(), t.get("label").label())
+        builder.label(name, t.get("label").label())
+        named.add(name)
     for unit in document.get("units").items():
-        builder.unit(place.text() for place in unit.items())
+        builder.unit(place.place(builder) for place in unit.items())
     return builder.build()
 
 

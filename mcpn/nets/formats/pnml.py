@@ -191,7 +191,7 @@ class _PnmlReader:
             return
         if self.net is not None:
             refuse(self.file, element, "expected <pnml> with one <net>, found a second")
-        kind = element.get("type", "")
+        kind = element.get("type", "").strip()
         if _of_scheme(kind) not in NET_TYPES:
             said = f"expected a place/transition net (type {NET_TYPE}), found type {quoted(kind)}"
             refuse(self.file, element, said)
@@ -214,9 +214,9 @@ class _PnmlReader:
     def node(self, element: etree._Element, tag: str) -> None:
         key, line = element.get("id"), line_of(element)
         if not key:
-            self.fail(line, f"<{tag}> without an id")
+            self.fail(line, f"found <{tag}> without an id, expected one")
         if key in self.ids:
-            self.fail(line, f"the id {key} is given twice")
+            self.fail(line, f"found a second element of the id {key}, expected ids that differ")
         self.ids.add(key)
         remarks, said = self.remarks(element), self.said(element, "name")
         name = remarks.get("name", key)
@@ -236,9 +236,11 @@ class _PnmlReader:
         line = line_of(element)
         weight = self.number(element, "inscription", self.number(element, "weight", 1))
         if weight == 0:
-            self.fail(line, f"arc {key} has weight 0")
+            self.fail(line, f"found weight 0 of arc {key}, expected 1 or more")
         if said and read_count(said) not in (None, weight):  # tools have written the weight as the name
-            self.fail(line, f"the name of arc {key} is {said}, and its weight {weight}: expected one number")
+            self.fail(
+                line, f"found the name {said} of arc {key} and its weight {weight}, expected one number"
+            )
         kinds = [child for child in element if name_of(child) in ("type", "arctype")]
         found = [element.get("type"), *(child.get("value", text_of(child)) for child in kinds)]
         kind = "normal"
@@ -246,7 +248,7 @@ class _PnmlReader:
             if one is None:
                 continue
             if one.strip().lower() not in KINDS:
-                self.fail(line, f"arc {key} is of type {quoted(one, 40)}, expected {', '.join(KINDS)}")
+                self.fail(line, f"found arc {key} of type {quoted(one, 40)}, expected {', '.join(KINDS)}")
             if KINDS[one.strip().lower()] != "normal":
                 kind = KINDS[one.strip().lower()]
         return _Arc(key, element.get("source", ""), element.get("target", ""), weight, kind, half, line)
@@ -256,12 +258,12 @@ class _PnmlReader:
         labels = [child for child in element if name_of(child) == tag]
         attribute = element.get(tag)
         if len(labels) > 1 or (labels and attribute is not None and tag != "name"):
-            refuse(self.file, labels[-1], f"{tag} is given twice")
+            refuse(self.file, labels[-1], f"found a second {tag}, expected one")
         if not labels:
             return attribute
         parts = [child for child in labels[0] if name_of(child) in ("text", "value")]
         if len(parts) > 1:
-            refuse(self.file, labels[0], f"{tag} has {len(parts)} texts, expected one")
+            refuse(self.file, labels[0], f"found {len(parts)} texts of {tag}, expected one")
         return (parts[0].text or "").strip() if parts else ""
 
     def number(self, element: etree._Element, tag: str, missing: int) -> int:
@@ -273,9 +275,9 @@ class _PnmlReader:
             return missing
         number = read_count(text.removeprefix("Default,").strip())  # PIPE says the class of tokens, too
         if number is None:
-            found = quoted(text, 40) if text else "empty"
+            found = quoted(text, 40) if text else "an empty text"
             label = next((child for child in element if name_of(child) == tag), element)
-            said = f"{tag} is {found}, expected a number of at most {MAX_DIGITS} digits"
+            said = f"found {found} as {tag}, expected a number of at most {MAX_DIGITS} digits"
             refuse(self.file, label, said)
         return number
 
@@ -303,19 +305,21 @@ class _PnmlReader:
         builder = NetBuilder(net, priorities=self.priorities)
         for place in self.places.values():
             if builder.has_place(place.name):
-                self.fail(place.line, f"two places are named {place.name}")
+                self.fail(place.line, f"found a second place named {place.name}, expected names that differ")
             builder.place(place.name, initial=place.initial, label=place.label)
         sides, inhibitors = self.sides(ends)
         named: set[str] = set()
         for key, (name, label, event, said, line) in self.transitions.items():
             if name in named:
-                self.fail(line, f"two transitions are named {name}")
+                self.fail(line, f"found a second transition named {name}, expected names that differ")
             named.add(name)
             consume, produce, read = sides[key]
+            if event == "":
+                self.fail(line, f"found an event without a name of transition {name}, expected one")
             typed = None if event is None else Event.parse(event)
             rank = read_count(said or "0")
             if rank is None or rank >= EVENTS:
-                self.fail(line, f"expected a rank from 0 to {EVENTS - 1}")
+                self.fail(line, f"found {said!r} as rank of transition {name}, expected 0 to {EVENTS - 1}")
             builder.transition(name, consume=consume, produce=produce, read=read, event=typed, rank=rank)
             builder.label(name, label)
         for unit in self.units:
@@ -329,14 +333,16 @@ class _PnmlReader:
             while path[-1] not in ends:
                 following = self.references[path[-1]].leads_to
                 if following not in ends and (following not in self.references or following in path[-1:]):
-                    self.fail(line, f"reference {key} leads to {following!r}, no place or transition")
+                    said = f"reference {key} leads to {following!r}"
+                    self.fail(line, f"{said}, expected the id of a place, a transition or a reference")
                 if len(path) > len(self.references):
-                    self.fail(line, f"reference {key} leads in a circle, to no place or transition")
+                    self.fail(line, f"reference {key} leads in a circle, expected a place or a transition")
                 path.append(following)
             ends.update(dict.fromkeys(path, ends[path[-1]]))
             kind = self.places if tag == "referencePlace" else self.transitions
             if ends[key] not in kind:
-                self.fail(line, f"<{tag}> {key} leads to {ends[key]}, which is of another kind")
+                wanted = tag.removeprefix("reference").lower()
+                self.fail(line, f"<{tag}> {key} leads to {ends[key]}, of another kind: expected a {wanted}")
 
     def sides(self, ends: dict[str, str]) -> tuple[dict[str, _Sides], list[Inhibitor]]:
         """What each transition consumes, produces and reads, by its id; and the inhibitor arcs."""
@@ -351,7 +357,8 @@ class _PnmlReader:
             )
             into = source in self.places
             if into == (target in self.places):
-                self.fail(arc.line, f"arc {arc.key} does not join a place and a transition")
+                both = "places" if into else "transitions"
+                self.fail(arc.line, f"arc {arc.key} joins two {both}, expected a place and a transition")
             place, transition = (source, target) if into else (target, source)
             name = self.places[place].name
             if arc.kind != "normal" and not into:
@@ -376,12 +383,12 @@ class _PnmlReader:
         for pair, difference in halves.items():
             if difference:
                 arc = marked[pair]
-                self.fail(arc.line, f"read arc {arc.key} has no arc back of its weight")
+                self.fail(arc.line, f"found read arc {arc.key} alone, expected an arc back of its weight")
         return arcs, inhibitors
 
     def end(self, arc: _Arc, attribute: str, key: str, ends: dict[str, str]) -> str:
         if key not in ends:
-            self.fail(arc.line, f"{attribute} of arc {arc.key} is {key!r}, which is no place or transition")
+            self.fail(arc.line, f"{attribute} of arc {arc.key} is {key!r}, expected a place or a transition")
         return ends[key]
 
 

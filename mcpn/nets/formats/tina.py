@@ -17,7 +17,8 @@ alone, where a backslash stands before braces and backslashes. A number may end 
 
 Priorities (``pr``) are read where they amount to levels. They make the last level events and the others
 internal, ranked in their order; an event is named by the transition's label, or by the transition itself.
-Without priorities a label is kept as the event. Notes are without meaning. Inhibitor arcs (``?-``) are read
+Without priorities a label is kept as the event. Of several labels the last counts; ``{}`` is none. Notes are
+without meaning. Inhibitor arcs (``?-``) are read
 of places with a proved bound. Stopwatch arcs (``!``, ``!-``) and intervals other than ``[0,w[`` are refused.
 
 Reference: the manual page "formats" of the TINA toolbox (Berthomieu, Ribet, Vernadat, The tool TINA, Int. J.
@@ -146,8 +147,8 @@ class _Tokens:
         if self.peek().kind == "symbol" and self.peek().text in ("[", "]"):
             interval = "".join(token.text for token in self.all[self.at : self.at + 5])
             if interval != "[0,w[":
-                what = f"transition {name} has a time interval other than [0,w["
-                self.fail(f"{what}: only untimed nets are supported")
+                found = f"found {interval!r}, expected no time interval of transition {name}, or [0,w["
+                self.fail(f"{found}: only untimed nets are supported")
             self.at += 5
 
     def sides(self, what: str, of: str) -> tuple[list[tuple[str, str, int]], list[tuple[str, str, int]]]:
@@ -161,9 +162,13 @@ class _Tokens:
             else:
                 sides[min(arrows, 1)].append(self.arc(of))
             if arrows > 1:
-                self.fail(f"{what} needs one '->' between its inputs and its outputs, found two", token)
+                self.fail(
+                    f"found a second '->', expected one between the inputs and the outputs of {what}", token
+                )
         if arrows == 0 and sides[0]:
-            self.fail(f"{what} needs one '->' between its inputs and its outputs")
+            self.fail(
+                f"found {self.peek().shown()}, expected '->' between the inputs and the outputs of {what}"
+            )
         return sides
 
     def arc(self, of: str) -> tuple[str, str, int]:
@@ -172,10 +177,11 @@ class _Tokens:
         if kind is None:
             return name, "*", 1
         if kind.text in _REFUSED:
-            self.fail(f"{_REFUSED[kind.text]} arcs are not supported", kind)
+            said = f"found a {_REFUSED[kind.text]} arc, expected {of}*WEIGHT, {of}?WEIGHT or {of}?-WEIGHT"
+            self.fail(f"{said}: {_REFUSED[kind.text]} arcs are not supported", kind)
         weight = self.number(f"{of}*WEIGHT, {of}?WEIGHT or {of}?-WEIGHT")
         if weight == 0:
-            self.fail(f"the arc {name}{kind.text}0 has weight 0", kind)
+            self.fail(f"found the arc {name}{kind.text}0, expected a weight from 1", kind)
         return name, kind.text, weight
 
 
@@ -188,9 +194,7 @@ class _TinaReader:
         self.places: dict[str, int] = {}
         self.arcs: dict[str, dict[str, dict[str, int]]] = {}
         self.inhibitors: list[Inhibitor] = []
-        self.labels: dict[str, str] = {}
-        self.place_labels: dict[str, str] = {}
-        self.late_labels: list[tuple[_TinaToken, str, str]] = []
+        self.labelled: list[tuple[_TinaToken, str, str]] = []
         self.priorities: list[tuple[_TinaToken, list[str], list[str]]] = []
 
     def read(self) -> PetriNet:
@@ -198,7 +202,7 @@ class _TinaReader:
             "net": self.net,
             "pl": self.place,
             "tr": self.transition,
-            "lb": self.late_label,
+            "lb": self.label,
             "pr": self.priority,
             "nt": self.note,
         }
@@ -209,23 +213,23 @@ class _TinaReader:
     def net(self, keyword: _TinaToken) -> None:
         self.name = self.tokens.name("the net's name")
 
-    def late_label(self, keyword: _TinaToken) -> None:
+    def label(self, keyword: _TinaToken) -> None:
         node = self.tokens.name("a place or a transition")
-        self.late_labels.append((keyword, node, self.tokens.name("a label")))
+        self.labelled.append((keyword, node, self.tokens.name("a label")))
 
     def note(self, keyword: _TinaToken) -> None:
         self.tokens.name("a note's name")
-        if self.tokens.name("0 or 1") not in ("0", "1"):
-            self.tokens.fail("a note has 0 or 1 after its name", keyword)
+        if (way := self.tokens.name("0 or 1")) not in ("0", "1"):
+            self.tokens.fail(f"found {way!r} after the name of a note, expected 0 or 1", keyword)
         self.tokens.name("a note's text")
 
     def place(self, keyword: _TinaToken) -> None:
         tokens = self.tokens
         if tokens.ended:
-            tokens.fail("pl without a name", keyword)
+            tokens.fail("found pl without a name, expected one of a place", keyword)
         name = tokens.name("a place")
         if (label := tokens.label()) is not None:
-            self.place_labels[name] = label
+            self.labelled.append((keyword, name, label))
         held = 0
         if tokens.skip("("):
             held = tokens.number("a marking")
@@ -242,12 +246,11 @@ class _TinaReader:
     def transition(self, keyword: _TinaToken) -> None:
         tokens = self.tokens
         if tokens.ended:
-            tokens.fail("tr without a name", keyword)
+            tokens.fail("found tr without a name, expected one of a transition", keyword)
         name = tokens.name("a transition")
         self.arcs.setdefault(name, {})
-        label = tokens.label()
-        if label is not None:
-            self.set_label(keyword, name, label)
+        if (label := tokens.label()) is not None:
+            self.labelled.append((keyword, name, label))
         tokens.untimed(name)
         inputs, outputs = tokens.sides(f"transition {name}", "PLACE")
         for place, kind, weight in inputs:
@@ -259,7 +262,7 @@ class _TinaReader:
     def plain(self, keyword: _TinaToken, what: str, side: str, kind: str) -> None:
         if kind != "*":
             arc = "a read arc" if kind == "?" else "an inhibitor arc"
-            self.tokens.fail(f"{what} has {arc} among its {side}", keyword)
+            self.tokens.fail(f"found {arc} among the {side} of {what}, expected arcs *WEIGHT alone", keyword)
 
     def taken(self, keyword: _TinaToken, transition: str, kind: str, place: str, weight: int) -> None:
         """An arc from a place to a transition."""
@@ -276,11 +279,6 @@ class _TinaReader:
         weights = self.arcs.setdefault(transition, {}).setdefault(side, {})
         weights[place] = weights.get(place, 0) + weight
 
-    def set_label(self, keyword: _TinaToken, name: str, label: str) -> None:
-        if self.labels.setdefault(name, label) != label:
-            said = f"transition {name} has two labels, {self.labels[name]} and {label}"
-            self.tokens.fail(said, keyword)
-
     def priority(self, keyword: _TinaToken) -> None:
         tokens = self.tokens
         left: list[str] = [tokens.name("a transition")]
@@ -293,28 +291,34 @@ class _TinaReader:
         self.priorities.append((keyword, upper, lower))
 
     def build(self) -> PetriNet:
-        for keyword, node, label in self.late_labels:
-            if node in self.arcs:
-                self.set_label(keyword, node, label)
-            elif node in self.places:
-                self.place_labels[node] = label
-            else:
-                self.tokens.fail(f"lb names {node}, which is neither a place nor a transition", keyword)
+        labels = self.labels()
         ranks = self.ranks()
         events = max(ranks.values(), default=0)
         builder = NetBuilder(self.name, priorities=bool(self.priorities))
         for place, tokens in self.places.items():
-            builder.place(place, initial=tokens, label=self.place_labels.get(place))
+            builder.place(place, initial=tokens, label=labels.get(("pl", place)))
         for name, sides in self.arcs.items():
-            event, rank = self.labels.get(name), 0
+            event, rank = labels.get(("tr", name)), 0
             if self.priorities:
-                event, rank = None, ranks[name]
-                if rank == events:
-                    event, rank = self.labels.get(name, name), 0
+                last = ranks[name] == events
+                event, rank = (event or name, 0) if last else (None, ranks[name])
             consume, produce, read = (sides.get(side, {}) for side in ("consume", "produce", "read"))
             typed = None if event is None else Event.parse(event)
             builder.transition(name, consume=consume, produce=produce, read=read, event=typed, rank=rank)
         return without_inhibitors(builder.build(), self.inhibitors)
+
+    def labels(self) -> dict[tuple[str, str], str]:
+        """By kind and name of a node its label: of several the last one counts, and an empty one is none."""
+        found: dict[tuple[str, str], str] = {}
+        for keyword, name, label in self.labelled:
+            kind = keyword.text
+            if kind == "lb":
+                kind = "tr" if name in self.arcs else "pl"
+                if kind == "pl" and name not in self.places:
+                    said = f"lb names {name!r}, expected a place or a transition that is declared"
+                    self.tokens.fail(said, keyword)
+            found[kind, name] = label
+        return {node: label for node, label in found.items() if label}
 
     def ranks(self) -> dict[str, int]:
         """By transition the number of its level of priority, from 0 for the highest; without any, none."""
@@ -324,7 +328,7 @@ class _TinaReader:
         for line, (keyword, above, below) in enumerate(self.priorities):
             for name in (*above, *below):
                 if name not in self.arcs:
-                    self.tokens.fail(f"pr names the transition {name}, which is not declared", keyword)
+                    self.tokens.fail(f"pr names {name!r}, expected a transition that is declared", keyword)
             for name in above:
                 lines_of[name].append(line)
         # Each transition must stand above all those of later levels, by one line or by several together. A
@@ -381,7 +385,9 @@ def read_tina(path: Path, data: bytes) -> PetriNet:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        raise InputError.at(Source(str(path), line), "not UTF-8 text") from error
+        raise InputError.at(
+            Source(str(path), line), "found bytes that are not UTF-8, expected text in UTF-8"
+        ) from error
     return _TinaReader(str(path), text).read()
 
 

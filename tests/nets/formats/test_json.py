@@ -89,41 +89,49 @@ def broken(*way: str | int, value: Any) -> bytes:
 
 
 BROKEN = {
-    "places[0].initial is -1": broken("places", 0, "initial", value=-1),
-    "places[1].initial is 1.5": broken("places", 1, "initial", value=1.5),
-    "places[1].initial is true": broken("places", 1, "initial", value=True),
-    "the document has the key 'extra', expected one of format, version": broken("extra", value=1),
-    "places[1] has the key 'capacity', expected one of name, initial": broken(
+    "places[0].initial: found -1": broken("places", 0, "initial", value=-1),
+    "places[1].initial: found 1.5": broken("places", 1, "initial", value=1.5),
+    "places[1].initial: found true": broken("places", 1, "initial", value=True),
+    "the document: found the key 'extra', expected one of format, version": broken("extra", value=1),
+    "places[1]: found the key 'capacity', expected one of name, initial": broken(
         "places", 1, "capacity", value=1
     ),
-    "transitions[0] has the key 'inhibit'": broken("transitions", 0, "inhibit", value={"q": 1}),
-    "places[0].from has the key 'column'": broken("places", 0, "from", "column", value=1),
-    "places[0].label is 1, expected a text": broken("places", 0, "label", value=1),
-    "places[0].name is null": broken("places", 0, "name", value=None),
-    "places is an object, expected a list": broken("places", value={}),
-    "places[0] is 3, expected an object": broken("places", 0, value=3),
-    "transitions[0].consume.p is 0": broken("transitions", 0, "consume", value={"p": 0}),
-    "transitions[0].read is a list": broken("transitions", 0, "read", value=["p"]),
-    "transitions[0].event is 1": broken("transitions", 0, "event", value=1),
-    "transitions[0] has no 'event'": broken("transitions", 0, value={"name": "t"}),
-    "names the place z": broken("transitions", 0, "produce", value={"z": 1}),
-    "a unit names the place z": broken("units", 0, value=["z"]),
-    "place p is declared twice": broken("places", 1, "name", value="p"),
-    'priorities is "yes", expected true or false': broken("priorities", value="yes"),
-    "places[0].from.line is 0": broken("places", 0, "from", "line", value=0),
-    "places[0].from.kind is 1": broken("places", 0, "from", "kind", value=1),
-    '"version": 1': broken("version", value=2),
+    "transitions[0]: found the key 'inhibit'": broken("transitions", 0, "inhibit", value={"q": 1}),
+    "places[0].from: found the key 'column'": broken("places", 0, "from", "column", value=1),
+    "places[0].label: found 1, expected a text": broken("places", 0, "label", value=1),
+    "places[0].name: found null": broken("places", 0, "name", value=None),
+    "places: found an object, expected a list": broken("places", value={}),
+    "places[0]: found 3, expected an object": broken("places", 0, value=3),
+    "transitions[0].consume.p: found 0": broken("transitions", 0, "consume", value={"p": 0}),
+    "transitions[0].read: found a list": broken("transitions", 0, "read", value=["p"]),
+    "transitions[0].event: found 1": broken("transitions", 0, "event", value=1),
+    "transitions[0]: found no key 'event'": broken("transitions", 0, value={"name": "t"}),
+    'transitions[0].produce: found "z", expected the name of a place': broken(
+        "transitions", 0, "produce", value={"z": 1}
+    ),
+    'units[0][0]: found "z", expected the name of a place': broken("units", 0, value=["z"]),
+    'places[1].name: found "p", expected a name that no other has': broken("places", 1, "name", value="p"),
+    'priorities: found "yes", expected true or false': broken("priorities", value="yes"),
+    "places[0].from.line: found 0": broken("places", 0, "from", "line", value=0),
+    "places[0].from.kind: found 1": broken("places", 0, "from", "kind", value=1),
+    "version: found 2, expected 1": broken("version", value=2),
     "an object with": b"{}",
-    "the document has no 'name'": b'{"format": "mcpn-net", "version": 1}',
+    "the document: found no key 'name'": b'{"format": "mcpn-net", "version": 1}',
     "found the key 'a' twice in an object": b'{"a": 1, "a": 2}',
     "expected an object": b"[]",
+    "n.json:2: not JSON: found the key 'b' twice in an object, expected": b'{"a":\n{"b": 1, "b": 2}}',
+    'transitions[0].event: found "", expected a name': broken("transitions", 0, "event", value=""),
+    "transitions[0].rank: found -1, expected a whole number from 0": broken(
+        "transitions", 0, "rank", value=-1
+    ),
+    "version: found true, expected 1": broken("version", value=True),
     "n.json:2: not JSON: column 6: found '}', expected a value": b'{\n"a": }',
     "not JSON: column 10: found 'oops', expected the end of the file": b'{"a": 1} oops',
     "not JSON: column 2: found 'a:', expected a key in double quotes": b"{a: 1}",
     "not JSON: column 2: found the end of the file, expected a value": b"[",
     "n.json:2: not JSON: found bytes that are not UTF-8": b'\n"\xff"',
-    "not JSON: lists or objects too deep in each other": b"[" * 100_000,
-    "not JSON: found a number of more than 4000 digits": b"9" * 10_000,
+    "not JSON: found lists or objects too deep in each other": b"[" * 100_000,
+    "not JSON: found a number of more digits, expected at most 4000": b"9" * 10_000,
 }
 
 
@@ -152,19 +160,19 @@ def test_the_line_is_that_of_the_object(begin: str, way: tuple[str | int, ...], 
     with pytest.raises(InputError) as caught:
         read_json(HERE, data)
     assert str(caught.value).startswith(f"n.json:{opening}: ")
-    assert f"has the key '{key}'" in str(caught.value)
+    assert f": found the key '{key}'" in str(caught.value)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "utf-32"])
 def test_an_error_has_its_line_in_any_encoding_of_json(encoding: str) -> None:
     text = broken("places", 0, value={"extra": 1}).replace(b'[{"e', b'[\n{"e').decode()
-    with pytest.raises(InputError, match=r"n\.json:2: places\[0\] has the key"):
+    with pytest.raises(InputError, match=r"n\.json:2: places\[0\]: found the key"):
         read_json(HERE, text.encode(encoding))
 
 
 def test_an_error_in_a_deep_document_is_told() -> None:
     deep = b'{"format": "mcpn-net", "version": 1, "extra": ' + b"[" * 900 + b"]" * 900 + b"}"
-    with pytest.raises(InputError, match=r"the document has the key 'extra'|too deep"):
+    with pytest.raises(InputError, match=r"the document: found the key 'extra'|too deep"):
         read_json(HERE, deep)
 
 

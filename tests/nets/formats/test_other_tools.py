@@ -222,11 +222,16 @@ def test_a_net_of_tapaal_is_read(tmp_path: Path) -> None:
             9,
             "inscription='[1,4]' of arc a",
         ),
-        ('type="timed"', 'type="transport"', 9, "arc a is of type 'transport', expected normal, "),
-        ('weight="2"', 'weight="n"', 11, "weight is 'n', expected a number"),
+        ('type="timed"', 'type="transport"', 9, "found arc a of type 'transport', expected normal, "),
+        ('weight="2"', 'weight="n"', 11, "found 'n' as weight, expected a number"),
         ('active="true"', 'active="false"', 3, "active='false' of net n"),
         ('isGame="false"', 'isGame="true"', 15, "isGame='true' of <feature>"),
-        ('initialMarking="0"', 'initialMarking=""', 6, "initialMarking is empty, expected a number"),
+        (
+            'initialMarking="0"',
+            'initialMarking=""',
+            6,
+            "found an empty text as initialMarking, expected a number",
+        ),
         ('id="q"', 'id="q" guard="x"', 6, "found the attribute guard of place q, expected id, name, "),
         ('weight="2"', 'wieght="2"', 11, "found the attribute wieght of arc b, .*; did you mean weight?"),
     ],
@@ -263,13 +268,13 @@ def test_kinds_of_arcs_are_read_however_they_are_said(kind: str, tmp_path: Path)
     assert of("read") == of("test") == ({}, {}, {"p": 1})
     assert of("inhibitor") == ({}, {}, {"complement of p": 1})
     for other in ("reset", "", "equal"):
-        with pytest.raises(InputError, match=f"n.pnml:3: arc a is of type '{other}', expected normal"):
+        with pytest.raises(InputError, match=f"n.pnml:3: found arc a of type '{other}', expected normal"):
             of(other)
 
 
 def test_an_arc_that_names_another_weight_is_refused(tmp_path: Path) -> None:
     arc = '<arc id="a" source="p" target="t"><name><text>3</text></name></arc>'
-    with pytest.raises(InputError, match="the name of arc a is 3, and its weight 1"):
+    with pytest.raises(InputError, match="found the name 3 of arc a and its weight 1, expected one number"):
         read(net_of(BASE + arc), tmp_path)
 
 
@@ -330,7 +335,7 @@ def test_files_of_other_tools_are_named(name: str, text: str, words: str, tmp_pa
         ("two_on_a_line.net", (3, 2)),
         ("tapaal_attributes.pnml", "invariant='<= 3' of place q, expected '< inf'"),
         ("arc_type_attribute.pnml", "inscription='3' of arc b, expected '1'"),
-        ("json_unknown_keys.json", "the document has the key 'extra'"),
+        ("json_unknown_keys.json", "the document: found the key 'extra'"),
         ("graph.ndr", "ndrio"),
     ],
 )

@@ -204,12 +204,12 @@ BROKEN = {
         '<place id="p"><initialMarking><text>1</text></initialMarking>\n'
         "<initialMarking><text>2</text></initialMarking></place>",
         4,
-        "initialMarking is given twice",
+        "found a second initialMarking, expected one",
     ),
     "two texts": (
         '<place id="p"><initialMarking><text>1</text><text>2</text></initialMarking></place>',
         3,
-        "initialMarking has 2 texts",
+        "found 2 texts of initialMarking, expected one",
     ),
     "text in parts": (
         '<place id="p"><initialMarking><text>1<b/>0</text></initialMarking></place>',
@@ -222,13 +222,13 @@ BROKEN = {
     "arc between transitions": (
         f'{BASE}<transition id="u"/><arc id="a" source="t" target="u"/>',
         3,
-        "does not join",
+        "arc a joins two transitions, expected a place and a transition",
     ),
     "half a read arc": (
         f'{BASE}<arc id="a" source="p" target="t"><toolspecific tool="mcpn" version="1"><read/>'
         "</toolspecific></arc>",
         3,
-        "read arc a has no arc back",
+        "found read arc a alone, expected an arc back",
     ),
     "a later version": (
         '<place id="p"><toolspecific tool="mcpn" version="2"/></place>',
@@ -239,7 +239,12 @@ BROKEN = {
         '<place id="p"/>\n<place id="q"><toolspecific tool="mcpn" version="1">'
         '<name value="p"/></toolspecific></place>',
         4,
-        "two places are named p",
+        "found a second place named p, expected",
+    ),
+    "event without a name": (
+        '<transition id="t"><toolspecific tool="mcpn" version="1"><event value=""/></toolspecific></transition>',
+        3,
+        "found an event without a name of transition t, expected one",
     ),
     "too deep": ("<page id='a'>" * 300, 3, "not well-formed"),
     "entity": ("&lol;", 3, "not well-formed"),

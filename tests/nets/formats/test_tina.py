@@ -103,6 +103,12 @@ def test_everything_that_the_syntax_says() -> None:
     assert not net.priorities
 
 
+def test_the_last_label_counts_and_an_empty_one_is_none() -> None:
+    net = read("tr t : a p -> q\nlb t b\ntr u : {}\nlb v a tr v : b\nlb v {} pl p : x lb p y lb q {}")
+    assert [t.event and str(t.event) for t in net.transitions] == ["b", None, None]
+    assert [p.label for p in net.places] == ["y", None]
+
+
 def levels(priorities: str) -> dict[str, str | None]:
     net = read(f"tr a : A p ->\ntr b p ->\ntr c : C p ->\ntr d p ->\n{priorities}\n")
     assert net.priorities
@@ -185,12 +191,20 @@ BROKEN = {
     ),
     "a keyword as a name": ("tr t pl -> q\n", 1, "column 9: found '->', expected a place"),
     "a keyword as a label": ("tr t : pl -> q\n", 1, "expected a label; as a name write {pl}"),
-    "a note without 0 or 1": ("nt n 2 {text}\n", 1, "a note has 0 or 1 after its name"),
+    "a note without 0 or 1": ("nt n 2 {text}\n", 1, "found '2' after the name of a note, expected 0 or 1"),
     "a note without a text": ("nt n 0\ntr t p -> q\n", 1, "expected a note's text"),
     "stopwatch": ("tr t p!1 -> q\n", 1, "stopwatch arcs are not supported"),
     "stopwatch inhibitor": ("tr t p!-1 -> q\n", 1, "stopwatch inhibitor arcs are not supported"),
-    "inhibitor into pl": ("pl p t?-1 -> u\n", 1, "place p has an inhibitor arc among its inputs"),
-    "inhibitor out of tr": ("tr t p -> q?-1\n", 1, "transition t has an inhibitor arc among its outputs"),
+    "inhibitor into pl": (
+        "pl p t?-1 -> u\n",
+        1,
+        "found an inhibitor arc among the inputs of place p, expected",
+    ),
+    "inhibitor out of tr": (
+        "tr t p -> q?-1\n",
+        1,
+        "found an inhibitor arc among the outputs of transition t, expected",
+    ),
     "inhibitor of an unbounded place": ("tr t -> p\ntr u p?-1 -> q\n", 2, "expected a bound of p"),
     "negative weight": ("tr t p*-2 -> q\n", 1, "column 8: found '-2', expected PLACE*WEIGHT"),
     "weight missing": ("tr t p* -> q\n", 1, "found '->', expected PLACE*WEIGHT"),
@@ -205,9 +219,8 @@ BROKEN = {
     "delay": ("tr t [0,5] p -> q\n", 1, "only untimed nets"),
     "late delay": ("tr t\n  [1,w[ p -> q\n", 2, "only untimed nets"),
     "label missing": ("tr t :\n", 1, "found the end of the declaration, expected a label"),
-    "two labels": ("tr t : a p -> q\nlb t b\n", 2, "has two labels, a and b"),
-    "label of nothing": ("tr t p -> q\nlb z b\n", 2, "neither a place nor a transition"),
-    "read arc into pl": ("pl p t?1 -> u\n", 1, "read arc among its inputs"),
+    "label of nothing": ("tr t p -> q\nlb z b\n", 2, "lb names 'z', expected a place or a transition"),
+    "read arc into pl": ("pl p t?1 -> u\n", 1, "found a read arc among the inputs of place p, expected"),
     "stray brace": ("net n\ntr t p} -> q\n", 2, "column 7"),
     "brace over lines": ("tr {a\nb} p -> q\n", 1, "without its '}' on the same line"),
     "net without a name": ("net\n", 1, "expected the net's name"),

@@ -132,7 +132,7 @@ def test_json(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> 
     data.draw(st.sampled_from(objects(document)))[name] = data.draw(st.sampled_from([0, None, {"r": 1}]))
     path = tmp_path_factory.mktemp("unknown") / "n.json"
     path.write_text(json.dumps(document))
-    with pytest.raises(InputError, match=f"has the key '{name}', expected one of "):
+    with pytest.raises(InputError, match=f": found the key '{name}', expected one of "):
         read_net(path)
 
 
