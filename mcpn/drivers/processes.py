@@ -1,4 +1,4 @@
-"""Drivers that are processes, each in a group of its own, so that all that it starts ends with it."""
+"""Drivers that are processes, each marked, in a group of its own, so that all that it starts ends with it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ LAST_WORDS = 0.5
 PIECE = 1 << 14
 """Bytes that are read of one process before others have their turn."""
 HELD = 'word=$1; shift; shopt -s execfail 2>/dev/null; trap "echo $word" EXIT; '
-HELD += 'read -r go && exec "$@" </dev/null'
+HELD += f'read -r mark && export {warden.MARK}="$mark" && exec "$@" </dev/null'
 """What a shell is told, which becomes the driver once the warden knows its number, and else ends.
 
 Where it cannot become the driver it prints the word, which no driver knows (the trap does it in most shells,
@@ -178,7 +178,7 @@ class ProcessDriver:
         loop.add_reader(process.stdout.fileno(), self._read)
         threading.Thread(target=self._wait, args=(process, loop), daemon=True).start()
         with suppress(OSError), process.stdin as held:
-            held.write(b"\n")
+            held.write(f"{'' if self._row is None else self._row.mark}\n".encode())
 
     def _read(self) -> None:
         """Reads a piece; where too many lines wait, nothing is read, so that the process waits too."""
@@ -243,16 +243,14 @@ class ProcessDriver:
 
     def _send(self, number: signal.Signals) -> None:
         """Sends a signal to the process and all that it has started; to no stranger of its number."""
-        assert self._process is not None
-        if self._over.is_set() and (self._row is None or not warden.is_left(self._row)):
-            return
-        with suppress(ProcessLookupError, PermissionError):
-            os.killpg(self._process.pid, number)
+        if self._row is not None:
+            warden.send(self._row, number)
 
     def kill(self) -> None:
-        """Ends it and all that it has started, at once."""
-        if self._process is not None:
-            self._send(signal.SIGKILL)
+        """Ends its group at once, also where this is asked a hundred times a second; :meth:`stop` ends the rest."""
+        if self._process is not None and not self._over.is_set():
+            with suppress(ProcessLookupError, PermissionError):
+                os.killpg(self._process.pid, signal.SIGKILL)
 
     async def stop(self, grace: float) -> bool:
         """Asks it to end, waits, and then ends it and all that it has started.

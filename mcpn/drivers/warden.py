@@ -27,6 +27,8 @@ KILLED = 2.0
 """Seconds that a process is waited for after SIGKILL, which one that hangs in the kernel outlives."""
 PARENT = 1.0
 """Seconds between two looks whether the parent is the same: a child of it may hold the pipe open."""
+MARK = "MCPN_DRIVER"
+"""The variable by which what a driver has started is found, in whatever session it is (on Linux)."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +46,11 @@ class ProcessGroup:
     since: str
     stop: int
     grace: float
+
+    @property
+    def mark(self) -> str:
+        """What :data:`MARK` is in the process, and in all that it starts."""
+        return f"{self.number}/{self.since}"
 
 
 def started_at(number: int) -> str | None:
@@ -97,7 +104,7 @@ def _of_group(path: Path, number: int) -> bool:
     return int(fields[2]) == int(fields[3]) == number and fields[0] not in "ZX"
 
 
-def is_left(row: ProcessGroup) -> bool:
+def _group_is_left(row: ProcessGroup) -> bool:
     """Whether something of a process's group runs, and the group is still that process's."""
     boot = _boot()
     if boot is not None and ":" in row.since and row.since.partition(":")[0] != boot:
@@ -106,8 +113,24 @@ def is_left(row: ProcessGroup) -> bool:
     return (now is None or now == row.since) and _group_is_there(row.number)
 
 
+def _outside(row: ProcessGroup) -> list[int]:
+    """What a process has started that left its group, as a daemon does, by the mark in its environment."""
+    mark, found = f"\0{MARK}={row.mark}\0".encode(), []
+    for path in Path("/proc").glob("[0-9]*/environ"):
+        with suppress(OSError):
+            number = int(path.parent.name)
+            if mark in b"\0" + path.read_bytes() and os.getpgid(number) != row.number:
+                found.append(number)
+    return found
+
+
+def is_left(row: ProcessGroup) -> bool:
+    """Whether something of a process's group runs, or something that it started and that left the group."""
+    return _group_is_left(row) or bool(_outside(row))
+
+
 def end(rows: Iterable[ProcessGroup]) -> list[ProcessGroup]:
-    """Ends processes with all of their groups, one after the other, the last one first.
+    """Ends processes with all that they have started, one after the other, the last one first.
 
     Each is asked by its signal, and killed when its grace is over. A process with the same number that
     started at another time is a stranger, and is left alone.
@@ -119,21 +142,25 @@ def end(rows: Iterable[ProcessGroup]) -> list[ProcessGroup]:
     for row in reversed([*rows]):
         if is_left(row):
             found.append(row)
-            _send(row.number, row.stop)
+            send(row, row.stop)
             until = time.monotonic() + row.grace
             while is_left(row) and time.monotonic() < until:
                 time.sleep(LOOK)
-            if is_left(row):
-                _send(row.number, signal.SIGKILL)
             until = time.monotonic() + KILLED
             while is_left(row) and time.monotonic() < until:
+                send(row, signal.SIGKILL)
                 time.sleep(LOOK)
     return found
 
 
-def _send(number: int, which: int) -> None:
-    with suppress(ProcessLookupError, PermissionError):
-        os.killpg(number, which)
+def send(row: ProcessGroup, which: int) -> None:
+    """Sends a signal to a process's group and to what left it; to no stranger of its number."""
+    if _group_is_left(row):
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(row.number, which)
+    for number in _outside(row):
+        with suppress(ProcessLookupError, PermissionError):
+            os.kill(number, which)
 
 
 def line_of(row: ProcessGroup) -> str:

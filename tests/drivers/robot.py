@@ -10,10 +10,12 @@ from pathlib import Path
 name, *options = sys.argv[1:]
 if "stubborn" in options:
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
-child = subprocess.Popen(["sleep", "1000"]) if "parent" in options else None
+children = []
+if "parent" in options:  # one in the group of its parent, one in a session of its own
+    children = [subprocess.Popen(["sleep", "1000"], start_new_session=own) for own in (False, True)]
 numbers = Path(f"{name}.pids")
 with numbers.open("a") as file:
-    file.write(f"{os.getpid()}\n" + (f"{child.pid}\n" if child else ""))
+    file.write("".join(f"{number}\n" for number in (os.getpid(), *(child.pid for child in children))))
 
 
 def say(text: str) -> None:

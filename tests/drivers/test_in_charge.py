@@ -108,13 +108,32 @@ def test_every_signal_that_can_be_caught_stops_the_robot(name: str, made: Made) 
 
 
 def test_who_is_killed_takes_the_robot_along(made: Made) -> None:
-    """Also what a driver has started, and a driver that is deaf; nobody is left after that."""
+    """Also what a driver has started, a daemon too, and a driver that is deaf; nobody is left after that."""
     runs = made()
     run = runs.start()
     going(runs)
-    assert len(runs.left) == 5
+    assert len(runs.left) == 6
     run.kill()
     until(lambda: not runs.left, 120)
+
+
+@pytest.mark.parametrize("ends", ["drive.order", None])
+def test_what_a_driver_started_ends_with_it(ends: str | None, made: Made) -> None:
+    """Also where the driver ends by itself, and a daemon; what has no mark stays."""
+    free = "env -u MCPN_DRIVER setsid {python} {robot} free & exec {python} {robot} drive parent"
+    drive = '"{python}", "{robot}", "drive", "stubborn"'
+    assert drive in PARTS
+    runs = made(PARTS.replace(drive, f'"sh", "-c", "{free}"'))
+    run = runs.start()
+    going(runs)
+    until(lambda: len(runs.runs("drive")) == 3 and runs.runs("free"))
+    if ends:
+        (runs.folder / ends).write_text("1")
+        until(lambda: len(numbers(runs.folder, "drive")) == 6)  # it failed, and the way home has begun
+        assert len(runs.runs("drive")) == 3
+    run.send_signal(signal.SIGTERM)
+    run.wait(120)  # what it writes to stays open
+    assert runs.left == runs.runs("free")
 
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="needs /proc")
@@ -148,7 +167,7 @@ def test_drivers_that_outlive_their_warden_are_ended_before_a_run_goes_on(made: 
     until(lambda: len(numbers(runs.folder, "drive")) == 2)
     assert not alive(before)
     going(runs)
-    assert len(runs.left) == 5
+    assert len(runs.left) == 6
     again.send_signal(signal.SIGTERM)
     _, err = again.communicate(timeout=120)
     assert again.returncode == 143
@@ -175,7 +194,7 @@ def test_a_run_that_goes_on_is_not_resumed(made: Made) -> None:
     _, err = other.communicate(timeout=120)
     assert other.returncode == 2
     assert f"the run that wrote it still goes on: end process {run.pid} first" in err
-    assert len(runs.left) == 5
+    assert len(runs.left) == 6
 
 
 def test_a_stranger_with_the_number_of_a_driver_lives() -> None:
@@ -236,7 +255,7 @@ def test_only_who_asks_again_takes_the_time_from_drivers() -> None:
 def test_what_cannot_be_killed_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its run is not gone on with."""
     monkeypatch.setattr(warden, "is_left", lambda row: True)
-    monkeypatch.setattr(warden, "_send", lambda number, which: None)
+    monkeypatch.setattr(warden, "send", lambda row, which: None)
     monkeypatch.setattr(warden, "KILLED", 0.05)
     group = ProcessGroup(5, "boot:1", signal.SIGTERM, 0.0)
     assert warden.end([group]) == [group]
