@@ -40,6 +40,7 @@ MQTT: Mapping[str, type] = {
     "port": int,
     "keepalive": int,
     "qos": int,
+    "version": int,
     "username": str,
     "password": str,
 }
@@ -244,6 +245,9 @@ class _DriversReader:
         for key, most in (("port", 65535), ("qos", 2), ("keepalive", 65535)):
             if isinstance(found.get(key), int) and not 0 <= int(found[key]) <= most:
                 self._wrong(("mqtt", key), f"{key}: expected 0 to {most}, found {_shown(found[key])}")
+        if isinstance(found.get("version"), int) and found["version"] not in (3, 5):
+            shown = _shown(found["version"])
+            self._wrong(("mqtt", "version"), f"version: expected 5, or 3 for MQTT 3.1.1, found {shown}")
         return found
 
     def _zenoh(self, said: dict[str, Any]) -> dict[str, bool | str | tuple[str, ...]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
+import secrets
 import threading
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, Protocol
@@ -14,6 +15,8 @@ from mcpn.errors import InputError, LimitError, Source
 
 SECONDS = 10.0
 """How long a connection, a subscription and the last message may take."""
+KEPT = 3600
+"""Seconds for which a broker keeps events of a connection that is lost."""
 
 _log = logging.getLogger("mcpn.drivers")
 
@@ -36,7 +39,7 @@ class Bus(Protocol):
 
 
 class Mqtt:
-    """A connection to a broker.
+    """A connection to a broker, by MQTT 5: what is told while it is lost arrives when it is there again.
 
     Args:
         plan: Its options are those of ``[mqtt]``.
@@ -49,38 +52,53 @@ class Mqtt:
         try:
             from paho.mqtt import client as paho
             from paho.mqtt.enums import CallbackAPIVersion
+            from paho.mqtt.packettypes import PacketTypes
+            from paho.mqtt.properties import Properties
+            from paho.mqtt.subscribeoptions import SubscribeOptions
         except ImportError as error:
             raise LimitError("drivers by MQTT need paho-mqtt: pip install 'mcpn[mqtt]'") from error
         said = plan.mqtt
         host, port = str(said.get("host", "localhost")), int(said.get("port", 1883))
         self._qos = int(said.get("qos", 1))
+        self._five = int(said.get("version", 5)) == 5
         self._heard: dict[str, list[Callable[[str], None]]] = {}
         self._lock = threading.Lock()
         self._answered, self._why = threading.Event(), "no answer"
         self._confirmed: dict[int | None, threading.Event] = {}
         self._last: Any = None
-        self._client = paho.Client(CallbackAPIVersion.VERSION2)
+        # A session is found again by the client's name; one that the broker gives is another each time.
+        name, protocol = f"mcpn-{secrets.token_hex(8)}", paho.MQTTv5 if self._five else paho.MQTTv311
+        self._client = paho.Client(CallbackAPIVersion.VERSION2, name, protocol=protocol)
+        properties_of: Any = Properties  # which has no types
+        self._session = properties_of(PacketTypes.CONNECT)
+        self._over = properties_of(PacketTypes.DISCONNECT)
+        self._session.SessionExpiryInterval, self._over.SessionExpiryInterval = KEPT, 0
+        # What is retained was heard, where the broker still has the subscription.
+        options = SubscribeOptions(self._qos, retainHandling=SubscribeOptions.RETAIN_SEND_IF_NEW_SUB)
+        self._how: dict[str, Any] = {"options": options} if self._five else {"qos": self._qos}
         if "username" in said:
             self._client.username_pw_set(str(said["username"]), str(said.get("password", "")))
         self._client.on_connect = self._connected
         self._client.on_message = self._message
         self._client.on_subscribe = self._subscribed
         try:
-            self._client.connect(host, port, int(said.get("keepalive", 60)))
+            properties = self._session if self._five else None
+            self._client.connect(host, port, int(said.get("keepalive", 60)), properties=properties)
             self._client.loop_start()
             if not self._answered.wait(SECONDS) or self._why:
                 self._client.loop_stop()
                 raise OSError(self._why)
         except (OSError, ValueError) as error:
             at = Source(str(plan.file), plan.line(("mqtt",)))
-            raise InputError.at(at, f"no connection to the broker {host}:{port}: {error}") from None
+            older = "; of a broker without MQTT 5 say version = 3" if "protocol" in str(error) else ""
+            raise InputError.at(at, f"no connection to the broker {host}:{port}: {error}{older}") from None
 
     def _connected(self, _client: Any, _data: Any, _flags: Any, reason: Any, _properties: Any) -> None:
         self._why = str(reason) if reason.is_failure else ""
         self._answered.set()
         with self._lock:
             for topic in self._heard:  # the connection was lost and is there again
-                self._client.subscribe(topic, self._qos)
+                self._client.subscribe(topic, **self._how)
 
     def _subscribed(self, _client: Any, _data: Any, mid: int, _reasons: Any, _properties: Any) -> None:
         with self._lock:
@@ -108,7 +126,7 @@ class Mqtt:
             first = topic not in self._heard
             self._heard.setdefault(topic, []).append(heard)
         if first:
-            _, mid = self._client.subscribe(topic, self._qos)
+            _, mid = self._client.subscribe(topic, **self._how)
             with self._lock:
                 confirmed = self._confirmed.setdefault(mid, threading.Event())
             confirmed.wait(SECONDS)
@@ -130,7 +148,7 @@ class Mqtt:
         """Ends the connection, when what was published is sent."""
         if self._last is not None and self._client.is_connected():
             self._last.wait_for_publish(SECONDS)
-        self._client.disconnect()
+        self._client.disconnect(properties=self._over if self._five else None)
         self._client.loop_stop()
 
 

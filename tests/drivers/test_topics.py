@@ -6,13 +6,15 @@ import json
 import threading
 from collections.abc import Callable
 from pathlib import Path
+from socket import SHUT_RDWR, create_server
 from typing import Any
 from unittest.mock import patch
 
 import pytest
 
 from mcpn.drivers.reading import read_drivers
-from mcpn.drivers.topics import Zenoh
+from mcpn.drivers.topics import Mqtt, Zenoh
+from mcpn.errors import InputError
 from tests.commands import mcpn, output
 from tests.drivers.robots import MISSION, NEVER, until
 from tests.drivers.runs import free_port
@@ -123,6 +125,59 @@ def test_over_mqtt(broker: int, tmp_path: Path) -> None:
     finally:
         client.disconnect()
         client.loop_stop()
+
+
+@pytest.mark.parametrize(("version", "then"), [(5, "lidar lost"), (3, "retained")])
+def test_what_is_told_while_a_connection_is_lost(
+    version: int, then: str, broker: int, tmp_path: Path
+) -> None:
+    """It is heard over MQTT 5, and what is retained once; before that, it is lost."""
+    pytest.importorskip("paho.mqtt", reason="needs mcpn[mqtt]")
+    from paho.mqtt import publish
+
+    options = f'host = "127.0.0.1"\nport = {broker}\nversion = {version}'
+    (tmp_path / "drivers.toml").write_text(drivers("mqtt", options))
+    bus, heard = Mqtt(read_drivers(tmp_path / "drivers.toml")), list[str]()
+
+    def tell(text: str, retain: bool = False) -> None:
+        publish.single("robot/health", text, 1, retain, "127.0.0.1", broker)
+
+    tell("retained", retain=True)
+    bus.subscribe("robot/health", heard.append)
+    until(lambda: heard == ["retained"])
+    connection: Any = bus._client.socket()
+    connection.shutdown(SHUT_RDWR)
+    until(lambda: not bus._client.is_connected())
+    tell("lidar lost")
+    until(lambda: len(heard) == 2)
+    tell("lidar back")
+    until(lambda: len(heard) == 3)
+    assert heard == ["retained", then, "lidar back"]
+    bus.close()
+
+
+def test_a_broker_without_mqtt_5_is_told_how_to_reach(tmp_path: Path) -> None:
+    """It answers as MQTT 3.1.1 has it: the version of the protocol is refused."""
+    pytest.importorskip("paho.mqtt", reason="needs mcpn[mqtt]")
+    with create_server(("127.0.0.1", 0)) as server:
+
+        def answer() -> None:
+            with server.accept()[0] as client:
+                client.recv(1000)
+                client.sendall(b"\x20\x02\x00\x01")
+
+        threading.Thread(target=answer, daemon=True).start()
+        port = server.getsockname()[1]
+        (tmp_path / "drivers.toml").write_text(drivers("mqtt", f'host = "127.0.0.1"\nport = {port}'))
+        with pytest.raises(InputError, match="of a broker without MQTT 5 say version = 3"):
+            Mqtt(read_drivers(tmp_path / "drivers.toml"))
+
+
+@pytest.mark.parametrize("version", ["4", "31", "true", '"5"'])
+def test_a_version_of_mqtt_that_is_not_known(version: str, tmp_path: Path) -> None:
+    (tmp_path / "drivers.toml").write_text(drivers("mqtt", f"version = {version}"))
+    with pytest.raises(InputError, match=r"drivers\.toml:4: version: expected .*, found"):
+        read_drivers(tmp_path / "drivers.toml")
 
 
 def test_over_zenoh(tmp_path: Path) -> None:
