@@ -21,7 +21,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 from mcpn.errors import InputError, Source
 from mcpn.nets.petri import PetriNet
@@ -51,8 +51,8 @@ if TYPE_CHECKING:
     from mcpn.spaces.markings.graph import StateGraph
     from mcpn.spaces.registry import Spaces
     from mcpn.spaces.summary import SpaceSummary
-    from mcpn.trees.importing import Imported
     from mcpn.trees.ledger import Ledger
+    from mcpn.trees.options import TreeOptions
 
 
 # Methods import the modules that they need, so that each question loads no more than it needs.
@@ -511,20 +511,20 @@ def open_study(
     *,
     import_root: str | Path | None = None,
     templates: TemplateSet | None = None,
-    library: Sequence[str] = (),
+    **tree: Unpack[TreeOptions],
 ) -> Study:
     """Opens a mission or a net to ask questions about it; ``mcpn.open`` is its name for users.
 
     Args:
-        subject: The file of a mission, of a behaviour tree or of a net (``.net``, ``.pnml``, ``.json``), or
-            what is read already.
-        import_root: The directory that imports of a mission must stay in; by default the mission's own.
+        subject: The file of a mission, of a behaviour tree or of a net (``.net``, ``.pnml``, ``.json``), a
+            folder of behaviour trees, or what is read already.
+        import_root: The directory that imports must stay in; by default that of the file.
         templates: What draws the net of a mission; the paper's by default.
-        library: Versions of libraries that a behaviour tree is for: ``["nav2=1.5"]``.
+        tree: How a behaviour tree is read: ``library=["nav2=1.5"]``, ``main``, ``nodes``, ``faulty_leaves``.
 
     Raises:
         InputError: No valid mission, or no net, with every problem and its line; or templates for a net, or
-            versions for what is no tree.
+            options of trees for what is none.
 
     Examples:
         >>> study = open_study("experiments/ulysse/mission.xml")
@@ -535,20 +535,17 @@ def open_study(
     """
     file = Path(subject) if isinstance(subject, (str, Path)) else None
     root = None if import_root is None else Path(import_root)
-    found, ledger = (
-        _read(Path(subject), root, library) if isinstance(subject, (str, Path)) else (subject, None)
-    )
+    found, ledger = _read(Path(subject), root, tree) if isinstance(subject, (str, Path)) else (subject, None)
+    source = None if file is None else Source(str(file))
     if isinstance(found, PetriNet) and templates is not None:
-        source = None if file is None else Source(str(file))
         raise InputError.at(source, "found a net, expected a mission: templates draw missions")
-    if library and ledger is None:
-        source = None if file is None else Source(str(file))
+    if ledger is None and (said := [f"--{name.replace('_', '-')}" for name, value in tree.items() if value]):
         what = "net" if isinstance(found, PetriNet) else "mission"
-        raise InputError.at(source, f"found a {what}, expected a behaviour tree: libraries are of trees")
+        raise InputError.at(source, f"found a {what}, expected a behaviour tree: {said[0]} is of trees")
     return Study(found, templates=templates, file=file, ledger=ledger)
 
 
-def _read(file: Path, root: Path | None, library: Sequence[str]) -> tuple[Mission | PetriNet, Ledger | None]:
+def _read(file: Path, root: Path | None, options: TreeOptions) -> tuple[Mission | PetriNet, Ledger | None]:
     """What a file holds; of a tree its mission, and what each node became."""
     from mcpn.nets.formats import READABLE, read_net, refuse_foreign
 
@@ -560,23 +557,13 @@ def _read(file: Path, root: Path | None, library: Sequence[str]) -> tuple[Missio
     try:
         return read_mission(file, import_root=root), None
     except InputError as error:
-        if (tree := _tree(file, root, library)) is not None:
-            return tree.mission, tree.ledger
+        from mcpn.trees.reading import is_tree
+
+        if is_tree(file):
+            from mcpn.trees.importing import imported_of
+
+            made = imported_of(file, root=root, **options)
+            return made.mission, made.ledger
         from mcpn.answers.formula_errors import with_formulas
 
         raise with_formulas(error) from None
-
-
-def _tree(file: Path, root: Path | None, library: Sequence[str]) -> Imported | None:
-    """A behaviour tree as a mission; ``None`` where a file is none.
-
-    Raises:
-        InputError: It is a behaviour tree, and something is wrong with it.
-    """
-    from mcpn.trees.reading import is_tree
-
-    if not is_tree(file):
-        return None
-    from mcpn.trees.importing import imported_of
-
-    return imported_of(file, root, library)

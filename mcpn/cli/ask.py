@@ -54,7 +54,7 @@ EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", 
 @click.option("--stop", "stops", multiple=True, metavar="EVENT", help="Stops the robot; may be repeated.")
 @click.option("--hoa", is_flag=True, help="Print the automaton of each FORMULA on paths, and answer none.")
 @click.option("--scn", type=FILE, help="Write the run of the one FORMULA as a firing sequence.")
-@question(workers=True, library=True)
+@question(workers=True)
 def ask(
     question: Question,
     file: Path,

@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING, BinaryIO, cast
 
 import click
 
-from mcpn.cli.shared import FILE, LIBRARIES, emit_json, json_option
+from mcpn.cli.shared import FILE, emit_json, json_option, tree_options
 from mcpn.errors import InputError, LimitError, Source
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from importlib.abc import Traversable
 
-    from mcpn.trees.nodes.forest import Forest
+    from mcpn.trees.importing import Imported
+    from mcpn.trees.options import TreeOptions
 
 
 FILES = ("mission.xml", "robot.xml", "protocols.xml")
@@ -39,30 +40,15 @@ LANGUAGE = "mission"
     help="Translate this behaviour tree, a file or a folder (XML of BehaviorTree.CPP 3 or 4, with nodes of "
     "Nav2 and PlanSys2, or of py_trees). May be repeated for files whose trees it uses.",
 )
-@click.option(
-    "--library",
-    multiple=True,
-    metavar="NAME=VERSION",
-    help=f"With --from: what the tree is for: {LIBRARIES}.",
-)
 @click.option("--import-root", type=FILE, help="With --from: the folder that includes must stay in.")
-@click.option("--main", metavar="ID", help="With --from: the tree to execute.")
-@click.option(
-    "--nodes", type=FILE, multiple=True, help="With --from: a file with a TreeNodesModel; may be repeated."
-)
-@click.option(
-    "--faulty-leaves", is_flag=True, help="With --from: leaves may crash, so that cut sets name them."
-)
+@tree_options
 @json_option
 def init(
     folder: Path,
     example: str | None,
     trees: tuple[Path, ...],
-    library: tuple[str, ...],
     import_root: Path | None,
-    main: str | None,
-    nodes: tuple[Path, ...],
-    faulty_leaves: bool,
+    of_tree: TreeOptions,
     as_json: bool,
 ) -> None:
     """Write a small mission to start from into the new folder NAME, or one of the examples.
@@ -79,12 +65,12 @@ def init(
     if trees:
         if example is not None:
             raise click.UsageError("--from and --example exclude each other")
-        from mcpn.trees.reading import read_forest
+        from mcpn.trees.importing import imported_of
 
-        forest = read_forest(trees[0], nodes, main, more=trees[1:], library=library, root=import_root)
-        _import(folder, forest, trees[0].name, faulty_leaves, as_json)
+        made = imported_of(trees[0], name, more=trees[1:], root=import_root, **of_tree)
+        _import(folder, made, as_json)
         return
-    if main is not None or nodes or faulty_leaves or library or import_root is not None:
+    if any(of_tree.values()) or import_root is not None:
         raise click.UsageError("--main, --nodes, --library, --import-root and --faulty-leaves need --from")
     files = FILES if example is not None else (*FILES, *PLAYED)
     _not_there(folder, files)
@@ -102,13 +88,12 @@ def init(
             click.echo(f"run it: mcpn run {folder / FILES[0]} --drivers {folder / PLAYED[0]}", err=True)
 
 
-def _import(folder: Path, forest: Forest, shown: str, faulty: bool, as_json: bool) -> None:
+def _import(folder: Path, imported: Imported, as_json: bool) -> None:
     """Writes a behaviour tree as a mission, and says what each kind of node became."""
     from mcpn.files import write_folder
-    from mcpn.trees.importing import files_of, translate
+    from mcpn.trees.importing import files_of
     from mcpn.trees.ledger import SURVIVES, in_words
 
-    imported = translate(forest, folder.name, shown, faulty=faulty)
     files = files_of(imported)
     _not_there(folder, files)
     write_folder(folder, files)

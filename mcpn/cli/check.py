@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Of a mission or a tree: places in its files, as a log of SARIF or as annotations of GitHub.",
 )
-@question(workers=True, library=True)
+@question(workers=True)
 def check(
     question: Question,
     file: Path,

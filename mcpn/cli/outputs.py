@@ -51,7 +51,7 @@ def _once() -> Callable[[str], None]:
 @click.option("--hierarchical", "form", flag_value="hierarchical", help="The same as --form hierarchical.")
 @click.option("--flat", "form", flag_value="flat", help="The same as --form flat.")
 @click.option("--unverified", is_flag=True, help="Do not verify the mission first; the files say so.")
-@question(workers=True)
+@question(workers=True, trees=False)
 def controller(
     question: Question,
     mission: Path,

@@ -80,7 +80,10 @@ def serve(
     if not mission.is_file():
         raise InputError.at(Source(str(mission)), "found no such file, expected a mission")
     try:
-        server = PageServer(ServedMission(mission, question.import_root, engine, question.max_states), port)
+        served = ServedMission(
+            mission, question.import_root, engine, question.max_states, question.of_tree or {}
+        )
+        server = PageServer(served, port)
     except OSError as error:
         raise InputError.at(None, f"port {port} cannot be listened on: {error.strerror}") from error
     click.echo(server.address)

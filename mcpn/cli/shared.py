@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mcpn.errors import InputError, Source
 from mcpn.spaces.engine_names import EXPLICIT, LOCAL, SYMBOLIC
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from mcpn.drawing.templates import TemplateSet
     from mcpn.spaces.engines import Choice, NoSpace
     from mcpn.study import Study
+    from mcpn.trees.options import TreeOptions
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
@@ -68,18 +70,45 @@ _limit = click.option(
 _import = click.option(
     "--import-root",
     type=FILE,
-    help="Directory that imports of the mission must stay in (default: the mission's own).",
+    help="Directory that imports and includes must stay in (default: that of the file).",
 )
 
 
-LIBRARIES = "nav2=1.5, btcpp=4.8, plansys2=2.0, py_trees; may be repeated"
-_library = click.option(
-    "--library",
-    "libraries",
-    multiple=True,
-    metavar="NAME=VERSION",
-    help=f"Of a behaviour tree: what it is for: {LIBRARIES}.",
-)
+TREE_OPTIONS = {
+    "library": click.option(
+        "--library",
+        multiple=True,
+        metavar="NAME=VERSION",
+        help="Of a behaviour tree: what it is for: nav2=1.5, btcpp=4.8, plansys2=2.0, py_trees; "
+        "may be repeated.",
+    ),
+    "main": click.option("--main", metavar="ID", help="Of a behaviour tree: the tree to execute."),
+    "nodes": click.option(
+        "--nodes",
+        type=FILE,
+        multiple=True,
+        help="Of a behaviour tree: a file with a TreeNodesModel; may be repeated.",
+    ),
+    "faulty_leaves": click.option(
+        "--faulty-leaves",
+        is_flag=True,
+        help="Of a behaviour tree: leaves may crash, so that cut sets name them.",
+    ),
+}
+"""What people may say of a behaviour tree, by key of :class:`mcpn.trees.options.TreeOptions`."""
+
+
+def tree_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Gives a command the options of trees, and their values as its argument ``of_tree``."""
+
+    @wraps(command)
+    def asked(*args: Any, **given: Any) -> None:
+        of_tree = {name: given.pop(name) for name in TREE_OPTIONS}
+        command(*args, of_tree=of_tree, **given)
+
+    for option in reversed(TREE_OPTIONS.values()):
+        asked = option(asked)
+    return asked
 
 
 def templates_of(_ctx: click.Context, _option: click.Parameter, name: str | None) -> TemplateSet | None:
@@ -123,6 +152,17 @@ def engine_option(*more: str) -> Callable[[Any], Any]:
     return click.option("--engine", type=known, default="auto", show_default=True, help=told)
 
 
+def _refuse_tree(file: Path) -> None:
+    """Refuses a behaviour tree, for a command that takes missions."""
+    from mcpn.trees.reading import is_tree
+
+    if is_tree(file):
+        said = "found a behaviour tree, expected a mission"
+        raise InputError.at(
+            Source(str(file), 1), f"{said}: mcpn init NAME --from {file} writes it as one"
+        ) from None
+
+
 @dataclass(frozen=True)
 class Question:
     """What the options say that commands which ask a question share.
@@ -130,7 +170,7 @@ class Question:
     Args:
         max_states: States that are listed at most; ``None`` for the limit of each engine.
         import_root: Where imports must stay; ``None`` for the directory of the mission.
-        libraries: Versions of libraries that a behaviour tree is for.
+        of_tree: How a behaviour tree is read; ``None`` where none is taken.
         templates: What draws the net of a mission; ``None`` for the paper's.
         as_json: Whether to answer in JSON.
         jobs: Processes that build local graphs.
@@ -139,7 +179,7 @@ class Question:
 
     max_states: int | None = None
     import_root: Path | None = None
-    libraries: tuple[str, ...] = ()
+    of_tree: TreeOptions | None = None
     templates: TemplateSet | None = None
     as_json: bool = False
     jobs: int = 1
@@ -149,9 +189,16 @@ class Question:
         """The study of a file, which is read as the options say."""
         from mcpn.study import open_study
 
-        return open_study(
-            file, import_root=self.import_root, templates=self.templates, library=self.libraries
-        )
+        if self.of_tree is not None:
+            return open_study(file, import_root=self.import_root, templates=self.templates, **self.of_tree)
+        try:
+            found = open_study(file, import_root=self.import_root, templates=self.templates)
+        except InputError:
+            _refuse_tree(file)
+            raise
+        if found.ledger is not None:
+            _refuse_tree(file)
+        return found
 
     def progress(self) -> AbstractContextManager[None]:
         """Shows how far the work is, unless the answer is JSON."""
@@ -175,18 +222,18 @@ class Question:
 
 
 def question(
-    *, workers: bool = False, templates: bool = True, library: bool = False, as_json: bool = True
+    *, workers: bool = False, templates: bool = True, trees: bool = True, as_json: bool = True
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Gives a command the options that questions share, and their values as its first argument.
 
     Args:
         workers: Whether processes may share the work.
-        templates: Whether the command knows ``--templates``,
-        library: and ``--library``, for trees.
+        templates: Whether the command knows ``--templates``.
+        trees: Whether it takes behaviour trees as they are, with their options.
         as_json: Whether it knows ``--json``.
     """
     options = [*([_jobs, _scheduler] if workers else ()), _limit, _import]
-    options += [*([_library] if library else ()), *([_templates] if templates else ())]
+    options += [*([tree_options] if trees else ()), *([_templates] if templates else ())]
     options += [json_option] if as_json else []
     shared = [field.name for field in fields(Question)]
 

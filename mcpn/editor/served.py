@@ -30,6 +30,7 @@ from mcpn.report.words import in_words
 from mcpn.runtime.controller import Step
 from mcpn.runtime.journal import step_object
 from mcpn.study import Study, open_study
+from mcpn.trees.options import TreeOptions
 
 if TYPE_CHECKING:
     from mcpn.logic.session import Answer
@@ -103,12 +104,14 @@ class ServedMission(Content):
         import_root: The directory that imports must stay in; by default the mission's own.
         engine: Who verifies it.
         max_states: Limit on states that are listed.
+        of_tree: How a behaviour tree is read.
     """
 
     file: Path
     import_root: Path | None = None
     engine: Asked = "auto"
     max_states: int | None = None
+    of_tree: TreeOptions = field(default_factory=TreeOptions)
     shown: ServedPage = field(init=False)
 
     def __post_init__(self) -> None:
@@ -120,7 +123,7 @@ class ServedMission(Content):
         """What is served of the files as they are now; these are the files that were known before."""
         before = _stamps([str(self.file)])
         try:
-            study = open_study(self.file, import_root=self.import_root)
+            study = open_study(self.file, import_root=self.import_root, **self.of_tree)
             files = files_of(study.mission_net.mission)
             stamps = _stamps(files) | before  # of the mission itself from before it was read
             text = page(study.findings(engine=self.engine, max_states=self.max_states), served=number)

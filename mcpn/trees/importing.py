@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Unpack
 
 from lxml import etree
 
@@ -25,6 +26,7 @@ from mcpn.trees.decorators import DECORATING, unknown
 from mcpn.trees.ledger import Ledger, in_order, in_words
 from mcpn.trees.nav2 import NAV2
 from mcpn.trees.nodes.forest import Forest
+from mcpn.trees.options import TreeOptions
 from mcpn.trees.py_trees import PY_TREES_RULES
 from mcpn.trees.reactive import CONTROLS
 from mcpn.trees.translator import BlockOrigin, Context, Translator, series_of
@@ -102,20 +104,32 @@ def translate(forest: Forest, name: str, file: str, *, faulty: bool = False) -> 
     return Imported(valid(mission), ledger, forest, at.origins, at.heard, frozenset(at.silent))
 
 
-def imported_of(file: Path, root: Path | None = None, library: Iterable[str] = ()) -> Imported:
-    """The mission that the tree of a file becomes, called after the file.
+def imported_of(
+    file: Path,
+    name: str | None = None,
+    *,
+    more: Sequence[Path] = (),
+    root: Path | None = None,
+    **options: Unpack[TreeOptions],
+) -> Imported:
+    """The mission that the tree of a file or a folder becomes.
 
     Args:
-        file: The file.
+        file: The file, or the folder.
+        name: The name of the mission; by default that of the file.
+        more: Further files of trees, which trees of the first one use.
         root: The folder that includes stay inside; by default that of the file.
-        library: Versions of libraries that the tree is for: ``nav2=1.5``.
+        options: How the tree is read.
 
     Raises:
         InputError: Everything that is wrong with the tree, by file and line.
     """
     from mcpn.trees.reading import read_forest
 
-    return translate(read_forest(file, root=root, library=library), TreeNames().fresh(file.stem), file.name)
+    nodes, main, library = options.get("nodes", ()), options.get("main"), options.get("library", ())
+    forest = read_forest(file, nodes, main, more=more, library=library, root=root)
+    mission = TreeNames().fresh(file.stem) if name is None else name
+    return translate(forest, mission, file.name, faulty=options.get("faulty_leaves", False))
 
 
 def _translated(ledger: Ledger) -> Translated:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
 from pathlib import Path
 from types import MappingProxyType
 
@@ -119,7 +120,9 @@ def read_forest(
 
 
 def is_tree(path: Path) -> bool:
-    """Whether the first element of a file is that of behaviour trees, whatever else it holds."""
+    """Whether the first element of a file, or of one in a folder, is that of behaviour trees."""
+    if path.is_dir():
+        return any(is_tree(each) for each in islice(path.rglob("*.xml"), MAX_FILES) if each.is_file())
     try:
         text = read_bounded(path, MAX_BYTES).decode("utf-8-sig", "replace")
     except InputError:

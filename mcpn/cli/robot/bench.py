@@ -45,7 +45,7 @@ TARGETS = ("c", "python", "scxml")
 @click.option("--against", type=click.Choice(TARGETS), help="Compare generated code on all runs.")
 @click.option("--traces", type=FILE, help="Directory for a journal of each of the first ten failures.")
 @click.option("--monitors", "watching", is_flag=True, help="Watch the mission's requirements on all runs.")
-@question()
+@question(trees=False)
 def bench(
     question: Question,
     mission: Path,

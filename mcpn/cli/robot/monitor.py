@@ -23,7 +23,7 @@ from mcpn.cli.robot.watching import not_within
 @click.option("--log", type=FILE, help="Read a robot's log: a journal, or an event at the end of each line.")
 @click.option("--within-mission", "within", is_flag=True, help="Consider only what the mission allows.")
 @click.option("--btcpp", is_flag=True, help="Write conditions of BehaviorTree.CPP 4, too.")
-@question()
+@question(trees=False)
 def monitor(
     question: Question,
     mission: Path,

@@ -56,7 +56,7 @@ INTERRUPTED = 128
     "--must-record", is_flag=True, help="End the run when its journal or snapshot cannot be written."
 )
 @click.option("--resume", type=FILE, help="Resume from this snapshot.")
-@question()
+@question(trees=False)
 def run(
     question: Question,
     mission: Path,

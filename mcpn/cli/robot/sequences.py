@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,7 @@ from mcpn.cli.shared import FILE, Question, emit_json, question
 
 if TYPE_CHECKING:
     from mcpn.study import Study
-    from mcpn.trees.nodes.forest import Forest
+    from mcpn.trees.importing import Imported
 
 
 @click.command()
@@ -24,9 +25,6 @@ if TYPE_CHECKING:
     help="Write runs to failure and minimal sets as substitution rules of BehaviorTree.CPP, with --tree.",
 )
 @click.option("--tree", type=FILE, help="With --btcpp: the behaviour tree that the mission was made of.")
-@click.option("--main", metavar="ID", help="With --btcpp: the tree to execute, as for init.")
-@click.option("--nodes", type=FILE, multiple=True, help="With --btcpp: a TreeNodesModel, as for init.")
-@click.option("--library", multiple=True, metavar="NAME=VERSION", help="With --btcpp: as for init.")
 @question()
 def tests(
     question: Question,
@@ -34,9 +32,6 @@ def tests(
     output: Path | None,
     btcpp: Path | None,
     tree: Path | None,
-    main: str | None,
-    nodes: tuple[Path, ...],
-    library: tuple[str, ...],
 ) -> None:
     """Write sequences of events that take every edge of the controller of MISSION.
 
@@ -46,15 +41,17 @@ def tests(
     With --btcpp they are for the tree that a mission was made of (mcpn init --from): what its leaves answer
     on a run on which nothing fails and on runs to failure, and leaves that always fail.
     """
-    if (btcpp is None) != (tree is None) or (btcpp is None and (main is not None or nodes or library)):
+    of_tree, question = question.of_tree or {}, replace(question, of_tree=None)
+    if (btcpp is None) != (tree is None) or (btcpp is None and any(of_tree.values())):
         raise click.UsageError("--btcpp and --tree need each other; --main, --nodes and --library need both")
     if (output is None) == (btcpp is None):
         raise click.UsageError("expected either -o or --btcpp")
     if btcpp is not None and tree is not None:
-        from mcpn.trees.reading import read_forest
+        from mcpn.trees.importing import imported_of
 
         study = question.study(mission)
-        _mocks(study, btcpp, tree, read_forest(tree, nodes, main, library=library), question)
+        made = imported_of(tree, study.mission_net.mission.name, root=question.import_root, **of_tree)
+        _mocks(study, btcpp, tree, made, question)
         return
     assert output is not None
     from mcpn.bench.sequences import files, sequences
@@ -87,16 +84,14 @@ def tests(
         click.echo(str(output / path))
 
 
-def _mocks(study: Study, output: Path, tree: Path, forest: Forest, question: Question) -> None:
+def _mocks(study: Study, output: Path, tree: Path, imported: Imported, question: Question) -> None:
     """Writes tests of the tree that a mission was made of."""
     import json
 
     from mcpn.bench.mocks import document, mocks
     from mcpn.files import write_atomically
-    from mcpn.trees.importing import translate
 
     mission_net = study.mission_net
-    imported = translate(forest, mission_net.mission.name, tree.name)
     checked = study.verdicts(max_states=question.max_states)
     found = mocks(imported, mission_net, checked, study.causes(max_states=question.max_states))
     written = document(found, mission_net.mission.name, tree.name)
