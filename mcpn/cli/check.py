@@ -24,6 +24,7 @@ from mcpn.errors import InputError, Source
 
 if TYPE_CHECKING:
     from mcpn.answers.verdicts.mission import MissionCheck
+    from mcpn.certificates.writing import Certificate
     from mcpn.report.annotations import AnnotationForm
     from mcpn.spaces.engine_names import Asked
 
@@ -36,6 +37,12 @@ if TYPE_CHECKING:
     "--internal", is_flag=True, help="Show the firings inside the net between which the outcome is decided."
 )
 @click.option("--strict", is_flag=True, help="Treat warnings as failures: exit code 1.")
+@click.option(
+    "--certificate",
+    type=FILE,
+    metavar="OUT",
+    help="Of a mission: write its claims to OUT, with evidence that certcheck checks.",
+)
 @click.option(
     "--format",
     "form",
@@ -52,6 +59,7 @@ def check(
     engine: Asked,
     internal: bool,
     strict: bool,
+    certificate: Path | None,
     form: Literal["text", "sarif", "github"],
 ) -> None:
     """Verify FILE: a mission's verdicts with their runs, or the behaviour of a net from elsewhere."""
@@ -60,6 +68,8 @@ def check(
         _annotate(question, file, structure, engine, strict, form)
     with question.progress():
         study = question.study(file)
+    if certificate is not None:
+        study.mission_spaces("a certificate")
     if structure or study.is_net:
         from mcpn.report.nets import net_object, print_net, print_structure, structure_object
 
@@ -76,14 +86,30 @@ def check(
     with question.work():
         found = study.verdicts(engine=engine, max_states=question.max_states)
     seconds = time.perf_counter() - started
+    written = None if certificate is None else _certify(question, found, certificate)
     if question.as_json:
-        emit_json(_check_object(found, seconds, internal))
+        emit_json({**_check_object(found, seconds, internal), **({} if written is None else written.said)})
     else:
         from mcpn.report.text import print_check
 
         print_check(found, seconds, internal=internal, told=warned, strict=strict)
+        if written is not None:
+            from mcpn.report.certificates import print_certificate
+
+            print_certificate(written, certificate)
     if not found.passed or (strict and found.warnings):
         sys.exit(EXIT_FAILED)
+
+
+def _certify(question: Question, found: MissionCheck, out: Path) -> Certificate:
+    """Writes the certificate of a check."""
+    from mcpn.certificates.writing import certificate_of
+    from mcpn.files import write_atomically
+
+    with question.work():
+        certificate = certificate_of(found, question.max_states)
+        write_atomically(out, certificate.to_bytes())
+    return certificate
 
 
 def _annotate(

@@ -98,7 +98,8 @@ def _asked(answer: RequirementAnswer) -> str:
     asked = answer.asked
     if asked.requirement.fair or "." in asked.name:
         return ""
-    return asked.text if asked.requirement.expected == "holds" else f"!({asked.text})"
+    # Of a formula on paths: not every run satisfies it. That no run does would be more.
+    return asked.text if asked.requirement.expected == "holds" else f"!A({asked.text})"
 
 
 def _some(word: str, names: Iterable[str]) -> str:

@@ -226,6 +226,7 @@ CHECK = Document(
                 ),
             ),
             "undecided": MapOf("By verdict that is null: why.", String()),
+            "certificate?": MapOf("With --certificate: by claim without evidence, why it is trusted.", String()),
             "claims": ListOf("All that is said of the mission, but for losses of hardware.", CLAIM),
             "warnings": ListOf(
                 "What is suspicious in the mission, by its text and by its states.",

@@ -1,0 +1,700 @@
+"""certcheck: checks a certificate of claims about a robot mission; it needs Python's standard library alone.
+
+``python certcheck.py OUT`` reads a certificate as docs/certificates.md describes it and prints, claim by
+claim, whether it is proved. It trusts the certificate's net to be the mission's, and nothing else of mcpn: it
+lists the states itself, in every order of internal firings, and looks at every claim's evidence.
+
+Exit code 0: every claim is proved. 1: a claim is refuted, its evidence does not prove it. 2: something is not
+checked, since the file is malformed or a limit was hit; the claims that are then missing are named.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+import zipfile
+import zlib
+from collections.abc import Container, Iterable, Iterator
+from typing import Any, NoReturn
+
+VERSION, MOST_BYTES = 1, 1 << 26  # of all entries together, once they are unpacked
+Json = Any
+State = int
+
+
+class Malformed(Exception):
+    """The file is no certificate of this version."""
+
+
+class Refuted(Exception):
+    """The evidence of a claim does not prove it."""
+
+
+class Limit(Exception):
+    """A limit was hit, so that something is not checked."""
+
+
+def need(holds: object, why: str) -> None:
+    """Refutes the claim under way unless something holds."""
+    if not holds:
+        raise Refuted(why)
+
+
+PLACE = {"name": str, "initial": int, "roles": [[str]]}
+ARCS = {"consume": [int], "produce": [int], "read": [int]}
+TRANSITION = {"name": str, "event": [str], "rank": int, **ARCS}
+FORMAT = {"format": "mcpn-certificate", "version": VERSION}
+NET = {**FORMAT, "places": [PLACE], "transitions": [TRANSITION]}
+CLAIM = {"key": str, "kind": str, "subject": [str], "holds": bool, "sentence": str}
+CLAIM |= {"statement": dict, "evidence": dict}
+TRUSTED = {"key": str, "sentence": str, "why": str}
+CLAIMS = {**FORMAT, "mission": str, "claims": [CLAIM], "trusted": [TRUSTED]}
+TYPES: dict[Json, str] = {str: "a text", int: "a number", bool: "true or false", dict: "an object"}
+
+
+def shaped(value: Json, shape: Json, where: str) -> Json:
+    """The value, if it has a shape: a type, a constant, a list or an object of shapes."""
+    expected = ""
+    if isinstance(shape, list):
+        expected = "" if isinstance(value, list) else "a list"
+        for number, item in enumerate(() if expected else value):
+            shaped(item, shape[0], f"{where}[{number}]")
+    elif isinstance(shape, dict):
+        alike = isinstance(value, dict) and set(value) == set(shape)
+        expected = "" if alike else f"an object with {', '.join(shape) or 'no key'}"
+        for key, inside in () if expected else shape.items():
+            shaped(value[key], inside, f"{where}.{key}")
+    elif type(value) is not shape if isinstance(shape, type) else repr(value) != repr(shape):
+        expected = TYPES.get(shape, repr(shape))
+    if expected:
+        raise Malformed(f"{where}: found {json.dumps(value)[:60]}, expected {expected}")
+    return value
+
+
+def unpacked(path: str) -> dict[str, bytes]:
+    """The entries of the certificate, by name; together no more than :data:`MOST_BYTES`."""
+    entries, left = dict[str, bytes](), MOST_BYTES
+    try:
+        with zipfile.ZipFile(path) as archive:
+            for info in archive.infolist():
+                if info.filename in entries or info.filename not in ("net.json", "claims.json"):
+                    raise Malformed(f"the entry {info.filename[:60]!r} is not expected, or there twice")
+                if info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+                    raise Malformed(f"the entry {info.filename} is neither stored nor deflated")
+                with archive.open(info) as stream:
+                    entries[info.filename] = stream.read(left + 1)
+                left -= len(entries[info.filename])
+                if left < 0:
+                    raise Limit(f"its entries are of more than {MOST_BYTES} bytes")
+    except OSError as error:
+        raise Malformed(f"cannot be read: {error.strerror or error}") from error
+    except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError, NotImplementedError) as error:
+        raise Malformed(f"is no zip that can be read: {error}") from error
+    return entries
+
+
+def parsed(entries: dict[str, bytes], name: str) -> Json:
+    """An entry of JSON, without fractions, numbers of more than 18 digits, or keys that are there twice."""
+
+    def refused(text: str) -> NoReturn:
+        raise Malformed(f"{name}: found the number {text[:20]}, expected a whole one of at most 18 digits")
+
+    def whole(text: str) -> int:
+        return int(text) if len(text) <= 18 else refused(text)
+
+    def members(pairs: list[tuple[str, Json]]) -> dict[str, Json]:
+        if len(dict(pairs)) < len(pairs):
+            raise Malformed(f"{name}: a key is there twice in an object")
+        return dict(pairs)
+
+    if name not in entries:
+        raise Malformed(f"there is no entry {name}")
+    try:
+        hooks: Json = {"parse_int": whole, "parse_float": refused, "parse_constant": refused}
+        return json.loads(entries[name].decode(), object_pairs_hook=members, **hooks)
+    except (ValueError, RecursionError) as error:
+        raise Malformed(f"{name}: no JSON: {error}") from error
+
+
+def indices(mask: int) -> Iterator[int]:
+    """The numbers of the bits of a mask."""
+    while mask:
+        low = mask & -mask
+        yield low.bit_length() - 1
+        mask ^= low
+
+
+class Net:
+    """The net: a marking is an integer, whose bit p says that place p holds a token."""
+
+    def __init__(self, document: Json) -> None:
+        shaped(document, NET, "net.json")
+        places, transitions = document["places"], document["transitions"]
+        self.names = [place["name"] for place in places]
+        self.initial, self.roles = 0, dict[tuple[str, ...], int]()
+        for number, place in enumerate(places):
+            if place["initial"] not in (0, 1):
+                raise Malformed(f"net.json: place {number} has {place['initial']} tokens, expected 0 or 1")
+            self.initial |= place["initial"] << number
+            for role in place["roles"]:
+                if len(role) != 2:
+                    raise Malformed(f"net.json: place {number} has the role {role}, expected two texts")
+                self.roles[tuple(role)] = self.roles.get(tuple(role), 0) | 1 << number
+        self.name = [each["name"] for each in transitions]
+        if len(set(self.names)) < len(self.names) or len(set(self.name)) < len(self.name):
+            raise Malformed("net.json: two places or two transitions have one name")
+        self.event = [tuple(each["event"]) for each in transitions]
+        self.rank = [each["rank"] for each in transitions]
+        self.consume, self.produce, read = (
+            [self.mask(each[side], f"transition {each['name']}") for each in transitions]
+            for side in ("consume", "produce", "read")
+        )
+        self.pre = [consume | reads for consume, reads in zip(self.consume, read, strict=True)]
+        self.events = [t for t, event in enumerate(self.event) if event]
+        self.internal = [t for t, event in enumerate(self.event) if not event]
+        for t, event in enumerate(self.event):
+            if not event and not self.pre[t]:
+                raise Malformed(f"net.json: the internal transition {self.name[t]} needs no token")
+            if event and (not 2 <= len(event) <= 3 or self.rank[t]):
+                raise Malformed(f"net.json: transition {self.name[t]} has the event {list(event)}")
+        needing = dict[int, list[int]]()
+        for t in self.internal:
+            for place in indices(self.pre[t]):
+                needing.setdefault(place, []).append(t)
+        self.wakes = [sorted({u for p in indices(made) for u in needing.get(p, ())}) for made in self.produce]
+
+    def mask(self, places: list[int], of: str) -> int:
+        """Places as bits, each once."""
+        if not all(0 <= place < len(self.names) for place in places) or len(set(places)) < len(places):
+            raise Malformed(f"net.json: {of} names a place that there is not, or one twice")
+        return sum(1 << place for place in places)
+
+    def fired(self, marking: int, t: int) -> int:
+        """The marking after a firing, which must leave at most one token in each place."""
+        left = marking & ~self.consume[t]
+        need(not left & self.produce[t], f"safe: {self.name[t]} puts a second token in a place")
+        return left | self.produce[t]
+
+    def carrying(self, what: str, *of: str) -> set[int]:
+        """The transitions of an event, of one of some elements, or of any where none is named."""
+        return {t for t in self.events if self.event[t][0] == what and (not of or self.event[t][1] in of)}
+
+
+class Listing:
+    """All stable markings, in the order in which a breadth-first search finds them, with their edges."""
+
+    CHAIN = 4096
+
+    def __init__(self, net: Net, most: int, until: float) -> None:
+        self.net, self.most, self.until = net, most, until
+        self.number = dict[int, State]()
+        self.ends: dict[int, int | None] = {}
+        start = self.settled(net.initial, [t for t in net.internal if net.pre[t] & ~net.initial == 0])
+        self.number[start], self.stable = 0, [start]
+        self.edges: list[list[tuple[int, State]]] = []
+        for marking in self.stable:  # grows while it is walked
+            edges = list[tuple[int, State]]()
+            for t in net.events:
+                if net.pre[t] & ~marking == 0:
+                    after = net.fired(marking, t)
+                    end = self.settled(after, self.covered(after, (), t))
+                    if end not in self.number:
+                        self.number[end] = len(self.stable)
+                        self.stable.append(end)
+                    edges.append((t, self.number[end]))
+            self.edges.append(edges)
+            self.within()
+        self.back: list[list[tuple[int, State]]] = [[] for _ in self.stable]
+        for state, t, target in ((s, t, n) for s, edges in enumerate(self.edges) for t, n in edges):
+            self.back[target].append((t, state))
+        self.formulas = Formulas(self)
+
+    def within(self, more: int = 0) -> None:
+        """Gives up where a limit is hit."""
+        if len(self.ends) + len(self.number) + more > self.most:
+            raise Limit(f"more than {self.most} markings to keep (--max-states)")
+        if time.monotonic() > self.until:
+            raise Limit("the time is over (--seconds)")
+
+    def covered(self, marking: int, before: Iterable[int], fired: int) -> list[int]:
+        """The internal transitions whose tokens are there, after a firing; before it were some."""
+        pre = self.net.pre
+        found = [u for u in before if pre[u] & ~marking == 0]
+        return found + [u for u in self.net.wakes[fired] if pre[u] & ~marking == 0 and u not in found]
+
+    def chain(self, marking: int, covered: list[int]) -> tuple[int, list[int], list[int]]:
+        """Fires while there is one choice; the marking where there are several or none, and these."""
+        net, choices = self.net, list[int]()
+        for _ in range(self.CHAIN):
+            least = min((net.rank[t] for t in covered), default=0)
+            effects = {(net.consume[t], net.produce[t]): t for t in covered if net.rank[t] == least}
+            choices = list(effects.values())
+            if len(choices) != 1:
+                break
+            marking = net.fired(marking, choices[0])
+            covered = self.covered(marking, covered, choices[0])
+        return marking, covered, choices if covered else []
+
+    def settled(self, marking: int, covered: list[int]) -> int:
+        """The stable marking in which every run of internal firings ends; refuted if there are several."""
+        ends, way = self.ends, list[list[Any]]()  # choices under way: marking, what is left, end
+        while True:
+            marking, covered, choices = self.chain(marking, covered)
+            if not choices:
+                end = marking
+            elif marking in ends:
+                known = ends[marking]
+                if known is None:
+                    raise Refuted("confluent: internal firings come back to a marking, and need not end")
+                end = known
+            else:
+                ends[marking] = None
+                self.within()
+                after = [(self.net.fired(marking, t), t) for t in choices]
+                way.append([marking, [(m, self.covered(m, covered, t)) for m, t in after], None])
+                marking, covered = way[-1][1].pop()
+                continue
+            while way:
+                need(way[-1][2] in (None, end), "confluent: internal firings lead to two stable markings")
+                way[-1][2] = end
+                if way[-1][1]:
+                    marking, covered = way[-1][1].pop()
+                    break
+                ends[way.pop()[0]] = end
+            else:
+                return end
+
+    def saying(self, role: str, *of: str) -> set[State]:
+        """The states that mark a place with a role, of one of some elements or of any if none is named."""
+        places = 0
+        for (said, element), own in self.net.roles.items():
+            places |= own if said == role and (not of or element in of) else 0
+        return {state for state, marking in enumerate(self.stable) if marking & places}
+
+    def ended(self, *ends: str) -> set[State]:
+        """The states in which the mission has ended so."""
+        return set[State]().union(*map(self.saying, ends))
+
+    def walked(self, run: list[int], start: State = 0, without: Iterable[int] = ()) -> State:
+        """Where a run leads: transitions of events, with internal firings between them."""
+        state, banned = start, set(without)
+        for t in run:
+            after = next((n for u, n in self.edges[state] if u == t), None)
+            if after is None or t in banned:
+                raise Refuted(f"the run cannot fire transition {t} in state {state}")
+            state = after
+        return state
+
+    def closure(self, start: Iterable[State], may: Container[int] | None = None) -> set[State]:
+        """The states that some lead to, along some transitions where they are given."""
+        found = set(start)
+        todo = list(found)
+        while todo:
+            for t, after in self.edges[todo.pop()]:
+                if after not in found and (may is None or t in may):
+                    found.add(after)
+                    todo.append(after)
+        return found
+
+
+ARITY = {"not": 1, "EX": 1, "EG": 1, "EU": 2, "E": 1, "X": 1, "U": 2, "R": 2, "deadlock": 0}
+Form = tuple[Any, ...]
+Obligations = frozenset[Form]
+Way = tuple[set[State], set[int], bool, int, Obligations]
+"""In which states, by which transitions, whether without any, what is left, and what is put off."""
+
+
+class Formulas:
+    """Which states of a listing satisfy formulas: nested lists, as the page describes them."""
+
+    def __init__(self, graph: Listing) -> None:
+        self.graph, self.all = graph, set(range(len(graph.stable)))
+        self.known = dict[Form, set[State]]()
+
+    def read(self, said: Json, paths: bool = False) -> Form:
+        """A formula on states, or on paths, as tuples."""
+        wrong = "claims.json: a formula"
+        operator, *rest = shaped(said, list, wrong) or [""]
+        shaped(operator, str, wrong)
+        if operator in ("and", "or"):
+            return operator, *(self.read(each, paths) for each in rest)
+        if operator in ("fires", "happens") and (paths or operator == "fires"):
+            return operator, *map(tuple, shaped(rest, [[str]], wrong))
+        if operator == "says" and len(rest) == 2:
+            return operator, *shaped(rest, [str], wrong)
+        if operator == "at most" and len(rest) == 2:
+            most, pairs = shaped(rest[0], int, wrong), shaped(rest[1], [[int]], wrong)
+            if all(len(pair) == 2 and 0 <= pair[0] < len(self.graph.net.names) for pair in pairs):
+                return operator, most, tuple(map(tuple, pairs))
+        if len(rest) == ARITY.get(operator, -1) and (paths or operator not in ("X", "U", "R")):
+            of_paths = operator == "E" or (paths and operator in ("not", "X", "U", "R"))
+            return operator, *(self.read(each, of_paths) for each in rest)
+        raise Malformed(f"{wrong}: found {json.dumps(said)[:60]}")
+
+    def fired(self, events: Iterable[Form]) -> set[int]:
+        """The transitions of some events."""
+        wanted = set(events)
+        return {t for t in self.graph.net.events if self.graph.net.event[t] in wanted}
+
+    def states(self, form: Form) -> set[State]:
+        """The states that satisfy a formula on states."""
+        if form not in self.known:
+            self.known[form] = self._states(*form)
+        return self.known[form]
+
+    def _states(self, operator: str, *of: Any) -> set[State]:
+        graph = self.graph
+        match operator:
+            case "says":
+                return graph.saying(*of)
+            case "at most":
+                most, weights = of
+                sums = (sum(weight for p, weight in weights if marking >> p & 1) for marking in graph.stable)
+                return {s for s, weight in enumerate(sums) if weight <= most}
+            case "fires":
+                may = self.fired(of)
+                return {s for s, edges in enumerate(graph.edges) if any(t in may for t, _ in edges)}
+            case "deadlock":
+                return {s for s, edges in enumerate(graph.edges) if not edges}
+            case "not":
+                return self.all - self.states(of[0])
+            case "and":
+                return self.all.intersection(*map(self.states, of))
+            case "or":
+                return set[State]().union(*map(self.states, of))
+            case "EX":
+                return {s for after in self.states(of[0]) for _, s in graph.back[after]}
+            case "EU":
+                found, along = set(self.states(of[1])), self.states(of[0])
+                todo = list(found)
+                while todo:
+                    new = {s for _, s in graph.back[todo.pop()]} & along - found
+                    found |= new
+                    todo += new
+                return found
+            case "EG":
+                found = set(self.states(of[0]))
+                left = {s: sum(n in found for _, n in graph.edges[s]) for s in found}
+                todo = [s for s in found if graph.edges[s] and not left[s]]
+                while todo:
+                    found.discard(gone := todo.pop())
+                    for _, s in graph.back[gone]:
+                        if s in found:
+                            left[s] -= 1
+                            todo += [s] * (not left[s])
+                return found
+            case _:
+                return self.some_path(of[0], self.all)
+
+    def at_first(self, form: Form) -> bool:
+        """Whether the first state satisfies a formula on states."""
+        match form:
+            case ("not", inside):
+                return not self.at_first(inside)
+            case ("and", *each):
+                return all(map(self.at_first, each))
+            case ("or", *each):
+                return any(map(self.at_first, each))
+            case ("EU", ("and",), goal):  # all states are reachable
+                return bool(self.states(goal))
+            case ("E", path):
+                return bool(self.some_path(path, {0}))
+        return 0 in self.states(form)
+
+    def normal(self, form: Form, wanted: bool = True) -> Form:
+        """A formula on paths with negations before formulas on states and steps alone."""
+        dual = {"and": "or", "or": "and", "U": "R", "R": "U", "X": "X"}
+        if form[0] == "not":
+            return self.normal(form[1], not wanted)
+        if form[0] in dual:
+            return form[0] if wanted else dual[form[0]], *(self.normal(each, wanted) for each in form[1:])
+        return form if wanted else ("not", form)
+
+    def split(self, must: list[Form]) -> Iterator[tuple[list[Form], list[Form], Obligations, Obligations]]:
+        """The ways to satisfy formulas: what holds here, the next step, what is left, what is put off."""
+        self.graph.within()
+        if not must:
+            yield [], [], frozenset(), frozenset()
+            return
+        form, *rest = must
+        ways: list[tuple[list[Form], list[Form], list[Form]]] = [([], [], [])]  # now, next, put off
+        match form:
+            case ("and", *each):
+                ways = [(each, [], [])]
+            case ("or", *each):
+                ways = [([one], [], []) for one in each]
+            case ("X", after):
+                ways = [([], [after], [])]
+            case ("U", left, right):
+                ways = [([right], [], []), ([left], [form], [form])]
+            case ("R", left, right):
+                ways = [([left, right], [], []), ([right], [form], [])]
+        literal = form[0] not in ("and", "or", "X", "U", "R")
+        of_step = literal and "happens" in (form[0], form[1][0] if form[0] == "not" else "")
+        for now, after, late in ways:
+            for here, step, nexts, put_off in self.split([*now, *rest]):
+                if of_step:
+                    step = [form, *step]
+                elif literal:
+                    here = [form, *here]
+                yield here, step, nexts | set(after), put_off | set(late)
+
+    def some_path(self, path: Form, starts: set[State]) -> set[State]:
+        """Those of some states from which a path begins that satisfies a formula on paths."""
+        # A node is a state with what the path from there must satisfy, as one number.
+        graph, size = self.graph, len(self.graph.stable)
+        musts = [frozenset[Form](), frozenset([self.normal(path)])]
+        number = {must: n for n, must in enumerate(musts)}
+        ways, edges = dict[int, list[Way]](), dict[int, list[tuple[Obligations, list[int]]]]()
+        todo = [size + state for state in starts]
+        while todo:
+            node = todo.pop()
+            if node in edges:
+                continue
+            left, state = divmod(node, size)
+            edges[node] = [] if left else [(frozenset(), [node])]
+            if left not in ways:
+                ways[left] = [self.way(each, number, musts) for each in self.split(list(musts[left]))]
+            for here, may, rests, after, late in ways[left] if left else ():
+                if state in here:
+                    found = [after * size + n for t, n in graph.edges[state] if t in may]
+                    found += [after * size + state] if rests and not graph.edges[state] else []
+                    if found and not after and len(starts) == 1:
+                        return starts  # nothing is left to satisfy
+                    edges[node].append((late, found))
+                    todo += found
+            if not len(edges) % 1000:
+                graph.within(len(edges))
+        back = dict[int, list[int]]()
+        for node, out in edges.items():
+            for _, found in out:
+                for target in found:
+                    back.setdefault(target, []).append(node)
+
+        def leading(goal: set[int], along: Container[int]) -> set[int]:
+            """The nodes from which others lead into a goal."""
+            led, todo = set(goal), list(goal)
+            while todo:
+                for node in back.get(todo.pop(), ()):
+                    if node not in led and node in along:
+                        led.add(node)
+                        todo.append(node)
+            return led
+
+        untils = {until for out in edges.values() for late, _ in out for until in late}
+        alive, before = set(edges), len(edges) + 1
+        while len(alive) < before:  # where each until is again and again not put off
+            before = len(alive)
+            for until in untils or (None,):
+                on = (n for n in alive if any(until not in late and alive & {*to} for late, to in edges[n]))
+                alive = leading(set(on), alive)
+        accepted = leading(alive, edges)
+        return {state for state in starts if size + state in accepted}
+
+    def way(self, split: Json, number: dict[Obligations, int], musts: list[Obligations]) -> Way:
+        """A way to satisfy formulas, of states, transitions and the number of what is left."""
+        here, step, left, late = split
+        if number.setdefault(left, len(musts)) == len(musts):
+            musts.append(left)
+        states = self.all.intersection(*map(self.states, here))
+        may = set(self.graph.net.events).intersection(*map(self.steps, step))
+        return states, may, all(each[0] == "not" for each in step), number[left], late
+
+    def steps(self, literal: Form) -> set[int]:
+        """The transitions with which a step satisfies a literal on it."""
+        if literal[0] == "not":
+            return set(self.graph.net.events) - self.fired(literal[1][1:])
+        return self.fired(literal[1:])
+
+
+ENDS = {
+    "safe": [],
+    "confluent": [],
+    "can_succeed": ["success"],
+    "can_fail": ["failure"],
+    "can_be_aborted": ["abort"],
+    "can_always_go_on": ["success", "failure", "abort"],
+    "can_always_end": ["success", "failure", "abort"],
+    "can_always_end_safely": ["success", "abort"],
+}
+"""By kind of claim that a run or numbers prove: the ends of which it speaks."""
+
+
+def part(claim: Json, which: str, **shape: Json) -> Json:
+    """What a claim states, or its evidence, if it has the shape that its kind asks for."""
+    return shaped(claim[which], shape, f"claims.json: {claim['key']}: {which}")
+
+
+def judge(graph: Listing, claim: Json) -> None:
+    """Refutes a claim that its evidence does not prove."""
+    kind, holds = claim["kind"], claim["holds"]
+    if kind not in ENDS:
+        {"nominal_success": nominal, "cut_sets": cut_sets}.get(kind, formula)(graph, claim)
+        return
+    part(claim, "statement")
+    goal, always, last = graph.ended(*ENDS[kind]), kind.startswith("can_always"), 0
+    if always != holds and ENDS[kind]:
+        last = graph.walked(part(claim, "evidence", run=[int])["run"])
+    elif kind not in ("can_always_end", "can_always_end_safely"):
+        part(claim, "evidence")
+    if not ENDS[kind]:
+        need(holds, "the states can be listed")
+    elif not always:
+        need(last in goal if holds else not goal, "the run leads to no such end, or a state is one")
+    elif kind == "can_always_go_on":
+        stuck = {state for state, edges in enumerate(graph.edges) if not edges} - goal
+        need(not stuck if holds else last in stuck, "a state is stuck, or the run leads to none that is")
+    elif holds:
+        numbers = numbered(graph, claim)
+        for state in graph.formulas.all - goal:
+            falls = any(0 <= numbers[after] < numbers[state] for _, after in graph.edges[state])
+            need(falls, f"the number of state {state} falls along no edge")
+    else:
+        need(not graph.closure([last]) & goal, "an end can be reached after the run")
+
+
+def numbered(graph: Listing, claim: Json) -> list[int]:
+    """The numbers of the states that a claim gives."""
+    numbers: list[int] = part(claim, "evidence", numbers=[int])["numbers"]
+    need(len(numbers) == len(graph.stable), f"{len(numbers)} numbers of {len(graph.stable)} states")
+    return numbers
+
+
+def nominal(graph: Listing, claim: Json) -> None:
+    """Runs of successes end, in success alone, and enter all that is meant to be entered."""
+    net, said = graph.net, part(claim, "statement", fails=[str], endless=[str], meant=[str], repaired=[str])
+    numbers = numbered(graph, claim)
+    need(claim["holds"], "that it fails is never certified")
+    onward = net.carrying("start") | net.carrying("success") | net.carrying("failure", *said["fails"], "")
+    onward -= net.carrying("success", *said["fails"], "")
+    repairs, lost = net.carrying("repaired", *said["repaired"], ""), set[State]()
+    if said["repaired"]:
+        lost = graph.saying("oos", *said["repaired"])
+    begin = graph.closure([0], repairs) - lost
+    need(begin, "what is out of service at first cannot come back")
+    reached, success = graph.closure(begin, onward), graph.ended("success")
+    free = success | graph.saying("objective", *said["endless"], "")
+    for state in reached - success:
+        after = [n for t, n in graph.edges[state] if t in onward]
+        need(after, f"a nominal run ends in state {state}, which is no success")
+        falls = state in free or all(n in free or numbers[n] < numbers[state] for n in after)
+        need(falls, f"the number of state {state} does not fall along each nominal edge")
+    need(all(number >= 0 for number in numbers), "a number is below 0")
+    for name in said["meant"]:
+        need(graph.saying("objective", name) & reached, f"no nominal run enters {name}")
+
+
+def formula(graph: Listing, claim: Json) -> None:
+    """A formula is true in the first state, or is not."""
+    form = graph.formulas.read(part(claim, "statement", text=str, formula=list)["formula"])
+    part(claim, "evidence")
+    need(graph.formulas.at_first(form) == claim["holds"], f"the formula is {not claim['holds']}".lower())
+
+
+def cut_sets(graph: Listing, claim: Json) -> None:
+    """Each set is a cut; with one element less each is survived; no other set is minimal."""
+    said = part(claim, "statement", ends=[str], hardware=[str], cuts=[[str]])
+    runs = part(claim, "evidence", survived=[{"lost": [str], "by": int, "run": [int]}])["survived"]
+    need(claim["holds"], "that it fails is never certified")
+    names, goal = said["hardware"], graph.ended(*said["ends"])
+    can_fail = sorted(of for role, of in graph.net.roles if role == "oos")
+    need(sorted(names) == can_fail, f"expected the hardware {', '.join(can_fail)}")
+    bit = {name: 1 << number for number, name in enumerate(names)}
+
+    def mask(lost: list[str]) -> int:
+        need(set(lost) <= set(names) and len(set(lost)) == len(lost), f"{lost} is no set of hardware")
+        return sum(bit[name] for name in lost)
+
+    def started(lost: list[str]) -> set[State]:
+        """The states before the start in which all of it is out of service."""
+        return graph.saying("begin").intersection(*(graph.saying("oos", name) for name in lost))
+
+    cuts, survived = [mask(lost) for lost in said["cuts"]], [mask(each["lost"]) for each in runs]
+    for lost in said["cuts"]:
+        may = set(graph.net.events) - graph.net.carrying("repaired", *lost, "")
+        need(not graph.closure(started(lost), may) & goal, f"{lost} is survived")
+        graph.within()
+    for each in runs:
+        first, banned = each["run"][: max(each["by"], 0)], graph.net.carrying("repaired", *each["lost"], "")
+        start = graph.walked(first)
+        need(start in started(each["lost"]), f"{each['lost']} is not lost before the start")
+        end = graph.walked(each["run"][len(first) :], start, banned)
+        need(end in goal, f"{each['lost']}: the run leads to no such end")
+        graph.within()
+    for cut in cuts:
+        need(not any(other != cut and other & cut == other for other in cuts), "a cut holds another")
+        for i in indices(cut):
+            need(any(not cut & ~(1 << i) & ~one for one in survived), "less an element a cut is not survived")
+    whole = (1 << len(names)) - 1
+    doubt = whole + 1 - above(frozenset(cuts), len(names), {})
+    doubt -= above(frozenset(whole & ~one for one in survived), len(names), {})
+    need(not doubt, f"{doubt} sets are neither cut nor survived")
+
+
+def above(family: frozenset[int], size: int, memo: dict[Json, int]) -> int:
+    """How many sets of some elements hold a member of a family."""
+    if not family or 0 in family:
+        return len(family) and 1 << size
+    if (family, size) not in memo:
+        last = 1 << size - 1
+        without = frozenset(each for each in family if not each & last)
+        less = frozenset(each & ~last for each in family)
+        memo[family, size] = above(without, size - 1, memo) + above(less, size - 1, memo)
+    return memo[family, size]
+
+
+Report = list[tuple[str, str, str]]
+"""Of each claim what became of it (``proved``, ``refuted``, ``not checked``), its key, and why."""
+
+
+def checked(path: str, *, most: int = 2_000_000, seconds: float = 600) -> Report:
+    """Checks a certificate, in some time, keeping some markings at most; raises Malformed and Limit."""
+    until, entries, report = time.monotonic() + seconds, unpacked(path), Report()
+    net = Net(parsed(entries, "net.json"))
+    claims = shaped(parsed(entries, "claims.json"), CLAIMS, "claims.json")["claims"]
+    if len({claim["key"] for claim in claims}) < len(claims):
+        raise Malformed("claims.json: two claims have one key")
+    try:
+        graph = Listing(net, most, until)
+    except Limit as error:
+        return [("not checked", claim["key"], str(error)) for claim in claims]
+    except Refuted as error:
+        wrong = str(error).partition(":")[0]  # safe or confluent; of the others nothing is known
+        how = {True: "refuted", False: "not checked"}
+        return [(how[claim["kind"] == wrong], claim["key"], str(error)) for claim in claims]
+    for claim in claims:
+        try:
+            graph.within()
+            judge(graph, claim)
+            report.append(("proved", claim["key"], claim["sentence"]))
+        except Refuted as error:
+            report.append(("refuted", claim["key"], str(error)))
+        except Limit as error:
+            report.append(("not checked", claim["key"], str(error)))
+    return report
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Checks the certificate that the command line names, and prints what became of each claim."""
+    parser = argparse.ArgumentParser("certcheck", description="Checks a certificate that mcpn has written.")
+    parser.add_argument("certificate")
+    parser.add_argument("--max-states", type=int, default=2_000_000, help="markings to keep at most")
+    parser.add_argument("--seconds", type=float, default=600.0, help="time after which to give up")
+    asked = parser.parse_args(arguments)
+    try:
+        report = checked(asked.certificate, most=asked.max_states, seconds=asked.seconds)
+    except (Malformed, Limit) as error:
+        report = [("not checked", asked.certificate, str(error))]
+    except (RecursionError, MemoryError):
+        report = [("not checked", asked.certificate, "it is too deep, or takes too much memory")]
+    for how, key, why in report:  # of any text, without control characters
+        line = f"{how:11}  {key}: {why}".encode("ascii", "backslashreplace").decode()
+        sys.stdout.write(line.translate(dict.fromkeys(range(32), "?")) + "\n")
+    found = {how for how, _, _ in report}
+    return 1 if "refuted" in found else 2 if found != {"proved"} else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

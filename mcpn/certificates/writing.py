@@ -1,0 +1,223 @@
+"""Writes the certificate of a check: the claims with their evidence, and those that are only trusted."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from io import BytesIO
+from typing import Any, NamedTuple
+
+from mcpn.answers.claims import Claim, claims_of
+from mcpn.answers.names import MissionNames
+from mcpn.answers.verdicts.mission import MissionCheck
+from mcpn.answers.verdicts.nominal import NominalRuns, meant_to_be_entered
+from mcpn.certificates import evidence
+from mcpn.certificates.certcheck import VERSION
+from mcpn.certificates.formula_entry import formula_entry
+from mcpn.certificates.net_entry import net_entry
+from mcpn.errors import ConfluenceError, InputError, LimitError
+from mcpn.logic.syntax import parse
+from mcpn.spaces.arrays import ArraySpace
+from mcpn.spaces.markings.graph import Mask
+from mcpn.spaces.search.goal import Formula
+from mcpn.spaces.stable.alternatives import AlternativesGraph, written_out
+from mcpn.steps import Doing, step
+
+MOST_LISTED = 200_000
+"""Stable states up to which a certificate is written by listing them."""
+WHEN = (1980, 1, 1, 0, 0, 0)
+"""The time of each entry, so that one mission has one certificate."""
+SENTENCES = {
+    "safe": "No firing puts a second token in a place.",
+    "confluent": "Each event has one outcome, whatever the order inside the net.",
+}
+
+
+class Uncertified(Exception):
+    """A claim for which there is no evidence that the checker knows."""
+
+
+class Certificate(NamedTuple):
+    """A certificate: what is claimed with evidence, and what is only trusted.
+
+    Args:
+        mission: Its name.
+        net: The entry ``net.json``.
+        claims: Those with evidence, as ``claims.json`` holds them.
+        trusted: By key of a claim without: its sentence, and why there is no evidence.
+    """
+
+    mission: str
+    net: dict[str, Any]
+    claims: list[dict[str, Any]]
+    trusted: dict[str, tuple[str, str]]
+
+    @property
+    def said(self) -> dict[str, Any]:
+        """By claim without evidence, why it is only trusted, for programs."""
+        return {"certificate": {key: why for key, (_, why) in self.trusted.items()}}
+
+    def to_bytes(self) -> bytes:
+        """The file."""
+        trusted = [{"key": key, "sentence": said, "why": why} for key, (said, why) in self.trusted.items()]
+        claims = {
+            "format": "mcpn-certificate",
+            "version": VERSION,
+            "mission": self.mission,
+            "claims": self.claims,
+            "trusted": trusted,
+        }
+        written = BytesIO()
+        with zipfile.ZipFile(written, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+            for name, entry in (("net.json", self.net), ("claims.json", claims)):
+                text = json.dumps(entry, separators=(",", ":"))
+                archive.writestr(zipfile.ZipInfo(name, WHEN), text, zipfile.ZIP_DEFLATED)
+        return written.getvalue()
+
+
+def certificate_of(check: MissionCheck, max_states: int | None = None) -> Certificate:
+    """The certificate of a check of a mission.
+
+    Args:
+        check: The check.
+        max_states: How many stable states may be listed, :data:`MOST_LISTED` by default.
+
+    Raises:
+        ConfluenceError: The mission has no alternatives graph; then nothing is certified.
+        LimitError: It has more states than may be listed.
+    """
+    if check.alternatives is None:
+        raise ConfluenceError("no certificate: the mission is not safe or not confluent")
+    step(Doing.EXPLAINING)
+    most, size = MOST_LISTED if max_states is None else max_states, check.alternatives.everything.count()
+    if size > most:
+        raise LimitError(f"no certificate: it would list {size} stable states, and {most} are the limit")
+    graph = written_out(check.alternatives, "certificate", most)
+    return _Writer(check, graph).certificate()
+
+
+class _Writer:
+    """The claims of a check, each with its evidence in the listed states."""
+
+    def __init__(self, check: MissionCheck, graph: AlternativesGraph) -> None:
+        self.check, self.graph = check, graph
+        self.mission_net = check.mission_net
+
+    def certificate(self) -> Certificate:
+        """All claims, those without evidence apart."""
+        claims, trusted = dict[str, dict[str, Any]](), dict[str, tuple[str, str]]()
+        for name, sentence in SENTENCES.items():
+            claims[name] = _entry(name, name, (), True, sentence, {}, {})
+        for claim in claims_of(self.check):
+            if claim.key in claims or claim.key in trusted:
+                continue
+            try:
+                said, shown = self.evidence(claim)
+            except Uncertified as why:
+                trusted[claim.key] = claim.sentence, str(why)
+            else:
+                assert claim.holds is not None, "evidence refuses what is not known"
+                claims[claim.key] = _entry(
+                    claim.key, claim.kind, claim.subject, claim.holds, claim.sentence, said, shown
+                )
+        mission = self.mission_net.mission.name
+        return Certificate(mission, net_entry(self.mission_net), list(claims.values()), trusted)
+
+    def evidence(self, claim: Claim) -> tuple[dict[str, Any], dict[str, Any]]:
+        """What a claim states beside its kind, and its evidence.
+
+        Raises:
+            Uncertified: There is none.
+        """
+        if claim.holds is None:
+            raise Uncertified("whether it holds is not known")
+        match claim.kind:
+            case "can_succeed" | "can_fail" | "can_be_aborted":
+                end = {"can_succeed": "success", "can_fail": "failure", "can_be_aborted": "abort"}[claim.kind]
+                return {}, {"run": self.run(self.ended(end))} if claim.holds else {}
+            case "can_always_end" | "can_always_end_safely":
+                ends = (
+                    ("success", "abort") if claim.kind.endswith("safely") else ("success", "failure", "abort")
+                )
+                return {}, self.can_always(self.ended(*ends), claim.holds)
+            case "can_always_go_on":
+                stuck = self.graph.dead & ~self.ended("success", "failure", "abort")
+                return {}, {} if claim.holds else {"run": self.run(stuck)}
+            case "nominal_success":
+                return self.nominal(claim.holds)
+        text, formula = self.formula(claim)
+        try:
+            return {"text": text, "formula": formula_entry(formula, self.mission_net)}, {}
+        except InputError as error:
+            raise Uncertified(str(error)) from error
+
+    def formula(self, claim: Claim) -> tuple[str, Formula]:
+        """The formula of a claim, as text and as it is understood."""
+        if claim.kind == "requirement":
+            (asked,) = (a.asked for a in self.check.requirements if a.asked.name == claim.subject[0])
+            if asked.requirement.fair:
+                raise Uncertified("fair requirements speak of some runs alone")
+            as_asked = asked.requirement.expected == "holds"
+            return (
+                asked.text if as_asked else f"not so: {asked.text}",
+                asked.formula if as_asked else ~asked.formula,
+            )
+        if not claim.formula:
+            raise Uncertified("no formula of the certificate says it")
+        return claim.formula, parse(claim.formula, MissionNames(self.mission_net))
+
+    def ended(self, *ends: str) -> Mask:
+        """The states in which the mission has ended so."""
+        known = self.mission_net.ends
+        return evidence.marking(self.graph, [known[end] for end in ends if end in known])
+
+    def run(self, goal: Mask) -> list[int]:
+        """A run from the start into a goal that some run leads to."""
+        found = evidence.run(self.graph, goal)
+        assert found is not None, "the check has found one"
+        return found
+
+    def can_always(self, goal: Mask, holds: bool) -> dict[str, Any]:
+        """Numbers that fall on the way to a goal; or a run to where there is no such way."""
+        far = evidence.distances(self.graph, goal)
+        return {"numbers": far.tolist()} if holds else {"run": self.run(far < 0)}
+
+    def nominal(self, holds: bool) -> tuple[dict[str, Any], dict[str, Any]]:
+        """What a nominal run is in this mission, and numbers that fall along these."""
+        if not holds:
+            raise Uncertified("a failure of nominal runs is not certified")
+        mission_net, graph = self.mission_net, self.graph
+        runs = NominalRuns(mission_net, ArraySpace(graph), settles=True)
+        copies, hardware = mission_net.graph.copies, mission_net.mission.hardware
+        optional, endless = copies.meant_as("optional"), copies.meant_as("endless")
+        stays = [place for place, name in mission_net.saying("objective").items() if name in endless]
+        within = runs.reached.mask & ~self.ended("success") & ~evidence.marking(graph, stays)
+        numbers = evidence.falling(graph, evidence.carrying(graph, runs.transitions), within)
+        assert numbers is not None, "nominal runs end but in what is meant to be endless"
+        said = {
+            "fails": sorted(copies.meant_as("fails")),
+            "endless": sorted(endless),
+            "meant": [name for name in meant_to_be_entered(mission_net) if name not in optional],
+            "repaired": [h.name for h in hardware if h.initial == "oos" and h.repairable],
+        }
+        return said, {"numbers": numbers.tolist()}
+
+
+def _entry(
+    key: str,
+    kind: str,
+    subject: tuple[str, ...],
+    holds: bool,
+    sentence: str,
+    statement: dict[str, Any],
+    shown: dict[str, Any],
+) -> dict[str, Any]:
+    return {
+        "key": key,
+        "kind": kind,
+        "subject": list(subject),
+        "holds": holds,
+        "sentence": sentence,
+        "statement": statement,
+        "evidence": shown,
+    }

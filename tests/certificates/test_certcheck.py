@@ -1,0 +1,134 @@
+"""Certificates of missions are checked by a program that imports nothing of mcpn."""
+
+from __future__ import annotations
+
+import ast
+import json
+import sys
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+
+from mcpn.certificates import certcheck
+from mcpn.certificates.writing import certificate_of
+from mcpn.errors import ConfluenceError, LimitError
+from mcpn.mission.model import Mission
+from mcpn.mission.xml import read_mission
+from mcpn.spaces.stable.alternatives import direct
+from mcpn.study import Study
+from mcpn.testing import missions
+from tests.certificates.files import rewritten
+from tests.conftest import ULYSSE
+from tests.draws import fewer
+from tests.logic.oracle import fragile_missions
+from tests.shares import returns_early
+
+
+@pytest.fixture(scope="module")
+def ulysse(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The certificate of the mission of the paper."""
+    path = tmp_path_factory.mktemp("certificate") / "ulysse"
+    path.write_bytes(certificate_of(Study(read_mission(ULYSSE)).verdicts()).to_bytes())
+    return path
+
+
+def test_the_checker_imports_python_alone() -> None:
+    nodes = list(ast.walk(ast.parse(Path(certcheck.__file__).read_text())))
+    names = {alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names}
+    names |= {str(node.module) for node in nodes if isinstance(node, ast.ImportFrom)}
+    assert {name.partition(".")[0] for name in names} <= sys.stdlib_module_names
+
+
+def test_every_claim_on_ulysse_is_proved(ulysse: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert certcheck.main([str(ulysse)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 18
+    assert all(line.startswith("proved") for line in lines)
+
+
+@fewer(0.1)
+@given(
+    missions(max_hardware=3, max_objectives=2, max_sections=4, events=2, timeouts=2, early=1)
+    | missions(max_hardware=2, max_objectives=2, max_sections=3, events=2, facts=1)
+    | fragile_missions(max_hardware=2, max_objectives=2, max_sections=3, crashes=True)
+)
+def test_every_claim_on_drawn_missions_is_proved(mission: Mission) -> None:
+    study = Study(mission)
+    try:
+        direct(study.mission_net.net, max_states=400)
+        certificate = certificate_of(study.verdicts())
+    except (LimitError, ConfluenceError) as error:
+        return returns_early(type(error).__name__)
+    with rewritten(certificate.to_bytes()) as path:
+        report = certcheck.checked(path)
+    assert [line for line in report if line[0] != "proved"] == []
+    assert len(report) == len(certificate.claims) >= 7
+    return None
+
+
+@pytest.mark.parametrize(
+    ("entry", "change", "said"),
+    [
+        ("claims.json", lambda d: d.update(version=2), "version: found 2"),
+        ("claims.json", lambda d: d["claims"][0].update(more=1), "expected an object with key, kind"),
+        ("claims.json", lambda d: d["claims"].append(d["claims"][0]), "two claims have one key"),
+        ("claims.json", lambda d: d["claims"][2]["evidence"].update(run=["1"]), "found"),
+        ("claims.json", lambda d: d["claims"][-1]["evidence"].update(numbers=[0.5]), "the number 0.5"),
+        ("claims.json", lambda d: d["claims"][-1]["evidence"].update(numbers=[10**30]), "at most 18 digits"),
+        ("net.json", lambda d: d["places"][0].update(initial=2), "2 tokens, expected 0 or 1"),
+        ("net.json", lambda d: d["transitions"][0].update(consume=[10**6]), "a place that there is not"),
+        ("net.json", lambda d: d["places"][0].update(name=d["places"][1]["name"]), "have one name"),
+    ],
+)
+def test_what_is_malformed_is_said(
+    ulysse: Path, capsys: pytest.CaptureFixture[str], entry: str, change: Callable[[Any], Any], said: str
+) -> None:
+    with rewritten(ulysse.read_bytes(), entry, change) as path:
+        assert certcheck.main([path]) == 2
+    assert said in capsys.readouterr().out
+
+
+def test_what_is_no_certificate_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "not"
+    assert certcheck.main([str(path)]) == 2
+    path.write_bytes(b"PK\x03\x04 no zip")
+    assert certcheck.main([str(path)]) == 2
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("net.json", "[" * 100_000)
+        archive.writestr("claims.json", "{}")
+    assert certcheck.main([str(path)]) == 2
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("net.json", b" " * (certcheck.MOST_BYTES + 1))
+    assert certcheck.main([str(path)]) == 2
+    out = capsys.readouterr().out.splitlines()
+    assert [line.startswith("not checked") for line in out] == [True] * 4
+    assert "more than" in out[3]
+
+
+def test_limits_name_what_is_missing(ulysse: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert certcheck.main([str(ulysse), "--max-states", "100"]) == 2
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 18
+    assert all(line.startswith("not checked") and "--max-states" in line for line in lines)
+
+
+@pytest.mark.parametrize("kind", ["can_succeed", "can_always_end", "requirement", "nominal_success"])
+def test_a_claim_turned_round_is_refuted(ulysse: Path, kind: str) -> None:
+    def turn(document: dict[str, Any]) -> None:
+        for claim in document["claims"]:
+            if claim["kind"] == kind:
+                claim["holds"] = not claim["holds"]
+                if kind == "can_succeed":
+                    claim["evidence"] = {}
+                elif kind == "can_always_end":
+                    claim["evidence"] = {"run": []}
+
+    with rewritten(ulysse.read_bytes(), "claims.json", turn) as path:
+        report = certcheck.checked(path)
+    claims = json.loads(zipfile.ZipFile(ulysse).read("claims.json"))["claims"]
+    turned = {claim["key"] for claim in claims if claim["kind"] == kind}
+    assert {key for how, key, _ in report if how == "refuted"} == turned
