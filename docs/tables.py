@@ -230,7 +230,14 @@ def claims(_: str) -> str:
     for each in KINDS.values():
         formula = f"`{each.formula}`".replace("|", "\\|") if each.formula else f"none: {each.why}"
         rows_.append(
-            (f"`{each.name}`", formula, each.holds, each.fails, each.evidence, ", ".join(each.shown))
+            (
+                f"`{each.name}`",
+                formula,
+                each.holds.replace("{given}", ","),
+                each.fails,
+                each.evidence,
+                ", ".join(each.shown),
+            )
         )
     return "\n".join(f"| {' | '.join(row)} |" for row in rows_)
 

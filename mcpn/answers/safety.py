@@ -222,11 +222,14 @@ def _does_not_apply(name: str, why: str) -> SafetyAnswer:
 
 def _by_verdict(name: str, checked: MissionCheck, *verdicts: str) -> SafetyAnswer:
     """The first of some verdicts that the mission has, where yes is yes."""
+    from mcpn.answers.claims.found import of_verdict
+
     verdict = next(checked.verdicts[each] for each in verdicts if each in checked.verdicts)
     if verdict.holds:
         return SafetyAnswer(name, True)
-    why = verdict.explanation if verdict.holds is False else f"not known: {verdict.explanation}"
-    return SafetyAnswer(name, verdict.holds, (why,), verdict.runs_of_events[0] if verdict.runs else None)
+    said = of_verdict(verdict).sentence, verdict.explanation
+    run = verdict.runs_of_events[0] if verdict.runs else None
+    return SafetyAnswer(name, verdict.holds, tuple(filter(None, said)), run)
 
 
 def _no_abort_by_failure(checked: MissionCheck) -> SafetyAnswer:

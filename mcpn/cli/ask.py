@@ -139,7 +139,7 @@ def _tell_safety(found: Sequence[SafetyAnswer], mission_net: MissionNet, as_json
             ]
         )
     else:
-        from mcpn.report.text import print_safety
+        from mcpn.report.checked import print_safety
 
         print_safety(found, mission_net)
     if any(each.is_open for each in found):

@@ -90,7 +90,7 @@ def check(
     if question.as_json:
         emit_json({**_check_object(found, seconds, internal), **({} if written is None else written.said)})
     else:
-        from mcpn.report.text import print_check
+        from mcpn.report.checked import print_check
 
         print_check(found, seconds, internal=internal, told=warned, strict=strict)
         if written is not None:

@@ -34,7 +34,7 @@ def require_verified(study: Study, question: Question, refused: str) -> None:
         unmet = [answer.asked.name for answer in found.requirements if not answer.met]
         emit_json({"mission": found.mission_net.mission.name, "failed": failed, "unmet": unmet})
     else:
-        from mcpn.report.text import print_check
+        from mcpn.report.checked import print_check
 
         print_check(found, time.perf_counter() - started, told=warned)
         click.echo(refused, err=True)

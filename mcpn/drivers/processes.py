@@ -247,7 +247,7 @@ class ProcessDriver:
             warden.send(self._row, number)
 
     def kill(self) -> None:
-        """Ends its group at once, also where this is asked a hundred times a second; :meth:`stop` ends the rest."""
+        """Ends its group at once, also if asked a hundred times a second; :meth:`stop` ends the rest."""
         if self._process is not None and not self._over.is_set():
             with suppress(ProcessLookupError, PermissionError):
                 os.killpg(self._process.pid, signal.SIGKILL)

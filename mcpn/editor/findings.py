@@ -17,6 +17,7 @@ from mcpn.errors import McpnError
 
 def findings(file: Path) -> dict[str, Any]:
     """Modes and cut sets by objective, what each hardware resource can make fail, and problems."""
+    from mcpn.answers.claims.found import of_verdict
     from mcpn.mission.expansion.copies import grouped
     from mcpn.report.words import modes_in_words
     from mcpn.sentences import enumeration
@@ -46,7 +47,7 @@ def findings(file: Path) -> dict[str, Any]:
         for at in (problem.source,)
     ]
     problems += [
-        {"file": str(file), "line": 1, "message": f"{name}: {checked.verdicts[name].explanation}"}
+        {"file": str(file), "line": 1, "message": of_verdict(checked.verdicts[name]).sentence}
         for name in checked.failing
     ]
     copies, every = study.mission_net.graph.copies, [answer.asked.name for answer in checked.requirements]

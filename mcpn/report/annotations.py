@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 from urllib.parse import quote
 
 from mcpn import __version__
+from mcpn.answers.claims.found import of_verdict
+from mcpn.answers.claims.kinds import OF_VERDICTS
 from mcpn.answers.verdicts.mission import required_of
 from mcpn.errors import Problem, Source
-from mcpn.report.text import SENTENCES
 from mcpn.report.words import in_words
 
 if TYPE_CHECKING:
@@ -50,8 +51,7 @@ def annotated(check: MissionCheck, path: str) -> Iterator[Annotation]:
     for name in required_of(net):
         verdict = check.verdicts[name]
         if not verdict.holds:
-            _, fails, unknown = SENTENCES[name]
-            said = fails if verdict.holds is False else unknown
+            said = of_verdict(verdict).sentence
             runs = verdict.runs_of_events[:1]
             yield Annotation("error", name, _with_run(check, said, *runs), net.mission.source or whole)
     for answer in check.requirements:
@@ -128,7 +128,8 @@ def sarif(found: Iterable[Annotation]) -> dict[str, Any]:
     """Annotations as a log of SARIF 2.1.0."""
     found = [*found]
     rules = {
-        name: SENTENCES[name][0] if name in SENTENCES else _RULES[name] for name in (a.rule for a in found)
+        name: OF_VERDICTS[name].holds if name in OF_VERDICTS else _RULES[name]
+        for name in (a.rule for a in found)
     }
     return {
         "$schema": SCHEMA,

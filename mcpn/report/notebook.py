@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from mcpn.answers.causes.find import Causes, GoalCauses
+from mcpn.answers.claims.found import of_verdict
 from mcpn.answers.names import MissionNames
 from mcpn.answers.verdicts.mission import MissionCheck, Verdict
 from mcpn.controller.hierarchy import TableController
@@ -20,7 +21,6 @@ from mcpn.report.pictures.graph import drawing
 from mcpn.report.pictures.machines import controller_drawing, graph_drawing
 from mcpn.report.pictures.nets import net_drawing, units_drawing
 from mcpn.report.pictures.objectives import mission_drawing, objectives_picture
-from mcpn.report.text import sentence_of
 from mcpn.report.words import in_words
 from mcpn.sentences import enumeration
 from mcpn.spaces.stable.alternatives import AlternativesGraph
@@ -86,7 +86,7 @@ def _check(check: MissionCheck) -> str:
     for name, verdict in check.verdicts.items():
         number = {True: 0, False: 1, None: 2}[verdict.holds]
         mark = ("✓", "✗", "?")[number] if verdict.required else "i"
-        rows.append((mark, sentence_of(verdict), name))
+        rows.append((mark, of_verdict(verdict).sentence, name))
     return _table(f"Verdicts of the mission {check.mission_net.mission.name}", ("", "says", "verdict"), rows)
 
 
@@ -110,7 +110,7 @@ def _verdict(verdict: Verdict) -> str:
         for number, run in enumerate(verdict.runs_of_events, 1)
         for step, text in enumerate([*map(str, run.events), *run.tail], 1)
     ]
-    caption = f"{sentence_of(verdict)} {verdict.explanation}"
+    caption = f"{of_verdict(verdict).sentence} {verdict.explanation}".strip()
     return _table(caption, ("run", "step", "what happens"), rows)
 
 

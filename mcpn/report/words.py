@@ -13,9 +13,7 @@ from mcpn.sentences import enumeration
 from mcpn.spaces.run import Run
 
 if TYPE_CHECKING:
-    from mcpn.answers.requirements import AskedRequirement
     from mcpn.answers.verdicts.mission import MissionCheck
-    from mcpn.answers.verdicts.unreachable import Ignored
     from mcpn.drawing.compose import MissionNet
     from mcpn.runtime.tables import Inside
 
@@ -91,19 +89,6 @@ def wrong_in_words(mission_net: MissionNet, run: Run) -> str:
     wrong = (event for event in run.events if event.what in _WRONG)
     said = dict.fromkeys(what_happens(event, mission_net.mission.name) for event in wrong)
     return f"on this run {enumeration([*said])}" if said else ""
-
-
-def unhandled_in_words(asked: AskedRequirement, idle: Sequence[Ignored]) -> Iterator[str]:
-    """Of each event that a requirement names, where it is not handled: what is asked does not speak of it."""
-    named = asked.events
-    for each in idle:
-        if each.event in named:
-            ignored, meanwhile = (
-                f"is ignored while {each.words}",
-                f"changes nothing while {each.answering_words}",
-            )
-            how = ignored if each.objectives else meanwhile
-            yield f"It holds of {each.event} where that is handled: it {how}."
 
 
 def changes(before: Situation, after: Situation) -> list[str]:

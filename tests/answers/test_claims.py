@@ -142,10 +142,10 @@ def test_a_second_emergency_interrupts_what_the_first_leads_to(tmp_path: Path) -
     )
     found = claims["interrupts_answer: low, land, critical"]
     assert found.holds
-    assert found.sentence == "Low interrupts land, to which critical leads."
+    assert found.sentence == "low interrupts land, to which critical leads."
     ever = claims["alternate_for_ever"]
     assert ever.holds
-    assert ever.sentence == "Low and critical may go on for ever, and nothing else happens."
+    assert ever.sentence == "low and critical may go on for ever, and nothing else happens."
 
 
 def test_keys_are_those_of_one_claim(tmp_path: Path) -> None:
@@ -159,4 +159,4 @@ def test_kinds_without_a_formula_say_why() -> None:
         assert kind.formula or kind.why
         for sentence in kind.sentences:
             named = {name for _, name, _, _ in Formatter().parse(sentence) if name is not None}
-            assert named <= {"0", "1", "2", "others"}
+            assert named <= {"0", "1", "2", "others", "given"}

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from mcpn.answers.causes.effects import Severity
 from mcpn.answers.causes.fmeca import fmeca
+from mcpn.answers.claims.found import of_verdict
 from mcpn.mission.xml import read_mission
 from mcpn.study import Study
 
@@ -26,7 +27,7 @@ OUT = (
 
 
 def nominal(study: Study) -> str:
-    return study.verdicts().verdicts["nominal_success"].sentence
+    return of_verdict(study.verdicts().verdicts["nominal_success"]).sentence
 
 
 def test_hardware_that_is_out_at_first_is_named_where_success_needs_it(tmp_path: Path) -> None:

@@ -88,9 +88,9 @@ def test_an_event_that_is_ignored(folder: Path, tmp_path: Path) -> None:
     assert ignored.answering == (final,)
     assert found.passed
     told = " ".join(mcpn("check", path).stdout.split())
-    assert f"Ignored: {event.name} while {last} runs" in told
-    assert f"Answered already: {event.name} while {final} runs" in told
-    assert f"It holds of {event.name} where that is handled" in told
+    assert f"{event.name} is ignored during {last}." in told
+    assert f"{event.name} changes nothing during {final}, where it leads." in told
+    assert f"is met, and says nothing of {event.name} where {event.name} is ignored." in told
     page = tmp_path / "page.html"
     assert mcpn("report", path, "-o", page).returncode == 0
     assert f"{event.name} is ignored in some objectives" in page.read_text()

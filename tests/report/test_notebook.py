@@ -72,7 +72,7 @@ def test_answers_verdicts_and_causes_are_tables() -> None:
     assert [event for event in events if event] == [str(event) for event in answer.witness.run.events]
     verdict = study.verdicts().verdicts["success_reachable"]
     table = etree.fromstring(verdict._repr_html_() or "")
-    assert (table.findtext("caption") or "").startswith("The mission can succeed. a run")
+    assert (table.findtext("caption") or "").startswith("The mission can succeed.")
     told = [row[2].text for row in table.iter("tr")][1:]
     assert told == [str(event) for event in verdict.runs_of_events[0].events]
     goal = study.causes().mission

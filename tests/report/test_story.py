@@ -147,7 +147,7 @@ def test_what_reassures_where_it_should_not_stands_first(tmp_path: Path) -> None
     assert "Test up: its failure ends in abort, too." in ticks
     assert "Accept that leak is ignored while work runs." in ticks
     text = page(found)
-    assert "It holds of leak where that is handled: it is ignored while work runs." in text
+    assert "is met, and says nothing of leak where leak is ignored." in text
 
 
 PHOTO = """<mission name="photo" xmlns="urn:mcpn:mission:1">

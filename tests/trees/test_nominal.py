@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from mcpn.answers.claims.found import of_verdict
 from mcpn.answers.verdicts.mission import MissionCheck
 from mcpn.cli.line import run
-from mcpn.report.text import SENTENCES, sentence_of
 from mcpn.study import open_study
 from tests.trees.test_import import A, B, C, node
 
@@ -30,14 +30,16 @@ def checked(folder: Path, tree: str, nominal: str = "unknown") -> MissionCheck:
 def test_a_condition_whose_success_may_be_no_good_news(tmp_path: Path) -> None:
     found = checked(tmp_path, node("Sequence", STUCK, A)).verdicts["nominal_success"]
     assert found.holds
-    assert sentence_of(found) == "While nothing fails, and IsStuck succeeds, the mission succeeds."
+    assert of_verdict(found).sentence.startswith(
+        "While nothing fails, and IsStuck succeeds, the mission succeeds"
+    )
     assert 'nominal="fails" if by failure' in found.explanation
 
 
 def test_what_depends_on_it_is_not_known(tmp_path: Path) -> None:
     found = checked(tmp_path, node("Sequence", node("Inverter", STUCK), A)).verdicts["nominal_success"]
     assert found.holds is None
-    assert sentence_of(found) == "Whether the mission succeeds while nothing fails is not known."
+    assert of_verdict(found).sentence == "Whether the mission succeeds while nothing fails is not known."
 
 
 @pytest.mark.parametrize(
@@ -54,8 +56,8 @@ def test_what_depends_on_it_is_not_known(tmp_path: Path) -> None:
 def test_what_the_author_says(tree: str, nominal: str, holds: bool, tmp_path: Path) -> None:
     found = checked(tmp_path, tree, nominal).verdicts["nominal_success"]
     assert found.holds is holds
-    succeeds = "While nothing fails, the mission succeeds."
-    assert sentence_of(found) == (succeeds if holds else SENTENCES["nominal_success"][1])
+    claim = of_verdict(found)
+    assert (claim.kind, claim.holds, claim.assumes.given) == ("nominal_success", holds, ())
 
 
 def test_a_tree_that_never_ends(tmp_path: Path) -> None:
@@ -64,5 +66,5 @@ def test_a_tree_that_never_ends(tmp_path: Path) -> None:
     verdicts = checked(tmp_path, tree).verdicts
     assert verdicts["nominal_success"].holds
     said = "While nothing fails, the mission goes on for ever, as it is meant to."
-    assert sentence_of(verdicts["nominal_success"]) == said
+    assert of_verdict(verdicts["nominal_success"]).sentence == said
     assert verdicts["success_reachable"].holds is False

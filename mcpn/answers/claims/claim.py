@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 from mcpn.answers.claims.kinds import KINDS, ClaimKind
-from mcpn.sentences import enumeration
+from mcpn.sentences import enumeration, shortened
 from mcpn.spaces.run import Run
 
 
@@ -19,15 +19,20 @@ class Assumes(NamedTuple):
         repairs: Which hardware may be repaired: ``all``, or that of ``others`` than the claim names.
         failures: Whether objectives fail at any time, or only where they can no longer succeed (``forced``).
         moment: When: from the ``start`` on, at ``some`` moment, or at ``every`` moment.
+        given: What it takes besides, in words: an objective that succeeds, hardware that works again.
     """
 
     help: Literal["none", "declared"] = "declared"
     repairs: Literal["others", "all"] = "all"
     failures: Literal["forced", "any"] = "any"
     moment: Literal["start", "some", "every"] = "some"
+    given: tuple[str, ...] = ()
 
 
+Severity: TypeAlias = Literal["required", "advice", "informative"]
 AT_SOME_MOMENT = Assumes()
+MOST_NAMED = 12
+"""Names of one sentence."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +48,7 @@ class Claim:
         reason: Why it is not known.
         refers_to: Other events that it names: of a claim that assumes no help those with whose help it would
             be otherwise.
+        severity: Whether a mission must be so, had better be so, or may be so.
         find_run: Looks for a run that shows it, where one does.
     """
 
@@ -53,6 +59,7 @@ class Claim:
     formula: str = ""
     reason: str = ""
     refers_to: tuple[str, ...] = ()
+    severity: Severity = "informative"
     find_run: Callable[[], Run | None] | None = field(default=None, compare=False, repr=False)
 
     @property
@@ -78,8 +85,9 @@ class Claim:
             "kind": self.kind,
             "subject": list(self.subject),
             "holds": self.holds,
+            "severity": self.severity,
             "reason": self.reason,
-            "assumes": self.assumes._asdict(),
+            "assumes": {**self.assumes._asdict(), "given": list(self.assumes.given)},
             "formula": self.formula or None,
             "refers_to": list(self.refers_to),
             "evidence": self.of.evidence,
@@ -87,17 +95,37 @@ class Claim:
         }
 
 
-def told(claims: list[Claim]) -> str:
-    """Claims of one kind with one answer, which differ in the first name of their subjects, as one sentence.
+def told(claims: Sequence[Claim], most: int = MOST_NAMED) -> str:
+    """Claims of one kind with one answer, which differ in one name of their subjects, as one sentence.
 
     Args:
         claims: At least one.
+        most: Names that it has; it says how many more there are.
     """
     first = claims[0]
     words = first.of.sentences[{True: 0, False: 1, None: 2}[first.holds]]
-    about = list(dict.fromkeys(claim.subject[0] for claim in claims if claim.subject))
-    names = f"any one of {enumeration(about)}" if len(about) > 1 else enumeration(about)
-    said = words.format(names, *first.subject[1:], others=enumeration(first.refers_to))
+    subject = [list(dict.fromkeys(names)) for names in zip(*(claim.subject for claim in claims), strict=True)]
+    shown = [
+        first.of.several.format(shortened(names, most)) if len(names) > 1 else names[0] for names in subject
+    ]
+    given = f", and {enumeration(first.assumes.given)}," if first.assumes.given else ","
+    said = words.format(*shown, given=given, others=enumeration(first.refers_to))
     help_ = enumeration(first.refers_to) or "declared events and timeouts"
     without = f" without the help of {help_}" if first.assumes.help == "none" else ""
-    return f"{said[:1].upper()}{said[1:]}{without}."
+    # Names are written as they are.
+    begin = said if words.startswith("{") else f"{said[:1].upper()}{said[1:]}"
+    return f"{begin}{without}."
+
+
+def told_together(claims: Iterable[Claim], by: int, most: int = MOST_NAMED) -> Iterator[str]:
+    """Claims of one kind with one answer in sentences, those together that have one name in common.
+
+    Args:
+        claims: Of one kind.
+        by: Which name of their subjects.
+        most: As of :func:`told`.
+    """
+    together: dict[str, list[Claim]] = {}
+    for claim in claims:
+        together.setdefault(claim.subject[by], []).append(claim)
+    return (told(same, most) for same in together.values())

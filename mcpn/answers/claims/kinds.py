@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-PAGE, JSON = "page", "JSON"
+TERMINAL, PAGE, JSON = "terminal", "page", "JSON"
+EVERYWHERE = (TERMINAL, PAGE, JSON)
 
 
 class ClaimKind(NamedTuple):
@@ -14,13 +15,16 @@ class ClaimKind(NamedTuple):
     Args:
         name: A stable name.
         formula: A template: it holds where the claim does. Empty where no formula says it.
-        holds: What is so where it holds; ``{0}``, ``{1}``: the names of the subject, in their order.
+        holds: What is so where it holds; ``{0}``, ``{1}``: the names of the subject, in their order;
+            ``{given}``: what is supposed.
         fails: What is so where it does not.
         unknown: What is said where that is not known.
         evidence: What shows it.
         shown: Where it is shown.
         why: Why there is no formula.
         good: Whether a mission is better where it holds; ``None`` of what is neither good nor bad.
+        verdict: The verdict that it is, if it is one.
+        several: How several names stand in the place of one.
     """
 
     name: str
@@ -32,6 +36,8 @@ class ClaimKind(NamedTuple):
     shown: tuple[str, ...] = (JSON,)
     why: str = ""
     good: bool | None = None
+    verdict: str = ""
+    several: str = "any one of {}"
 
     @property
     def sentences(self) -> tuple[str, str, str]:
@@ -41,9 +47,46 @@ class ClaimKind(NamedTuple):
 
 _SAFE_ENDS = "where an abort may come by the failure of what should make safe, safe ends are events"
 
+_UNSEEN = "it is asked of the present run of an objective, which no word of formulas names"
+_OF_MARKINGS = "formulas speak of stable states, and this is so of all markings"
+
 KINDS: Mapping[str, ClaimKind] = {
     kind.name: kind
     for kind in (
+        ClaimKind(
+            "nominal_success",
+            "",
+            "while nothing fails{given} the mission succeeds",
+            "while nothing fails, the mission does not do what its blocks say",
+            "whether the mission succeeds while nothing fails is not known",
+            "all runs of successes; where it fails, one of them",
+            EVERYWHERE,
+            "runs that only failures could continue are finite, and what is left out is a set of blocks",
+            verdict="nominal_success",
+            good=True,
+        ),
+        ClaimKind(
+            "nominal_endless",
+            "",
+            "while nothing fails{given} the mission goes on for ever, as it is meant to",
+            "while nothing fails, the mission does not do what its blocks say",
+            "whether the mission goes on for ever while nothing fails is not known",
+            "all runs of successes",
+            EVERYWHERE,
+            "runs that only failures could continue are finite, and what is left out is a set of blocks",
+            good=True,
+        ),
+        ClaimKind(
+            "nominal_either",
+            "",
+            "while nothing fails{given} the mission succeeds, or goes on for ever, as it is meant to",
+            "while nothing fails, the mission does not do what its blocks say",
+            "whether the mission succeeds while nothing fails is not known",
+            "all runs of successes",
+            EVERYWHERE,
+            "runs that only failures could continue are finite, and what is left out is a set of blocks",
+            good=True,
+        ),
         ClaimKind(
             "can_succeed",
             "EF success",
@@ -51,6 +94,8 @@ KINDS: Mapping[str, ClaimKind] = {
             "the mission can never succeed",
             "whether the mission can succeed is not known",
             "a run",
+            EVERYWHERE,
+            verdict="success_reachable",
             good=True,
         ),
         ClaimKind(
@@ -60,24 +105,31 @@ KINDS: Mapping[str, ClaimKind] = {
             "the mission can never end in failure",
             "whether the mission can end in failure is not known",
             "a run",
+            EVERYWHERE,
+            verdict="failure_reachable",
             good=False,
         ),
         ClaimKind(
             "can_be_aborted",
             "EF abort",
-            "the mission can be aborted",
+            "the mission can be aborted: not accomplished, and safe as far as its text says",
             "the mission is never aborted",
             "whether the mission can be aborted is not known",
             "a run",
+            EVERYWHERE,
+            verdict="abort_reachable",
         ),
         ClaimKind(
-            "can_always_end",
-            "AG EF ({ends})",
-            "whatever has happened, the mission can still end",
-            "the mission can reach a state from which it cannot end",
-            "whether the mission can always end is not known",
-            "all states; where it fails, a run",
-            good=True,
+            "aborted_by_failure",
+            "",
+            "the mission can be aborted by the failure of what should make the robot safe",
+            "no abort is reached by the failure of what should make the robot safe",
+            "whether an abort is reached by the failure of what should make the robot safe is not known",
+            "all states; where it holds, a run",
+            EVERYWHERE,
+            "which objectives should make safe is read from the runs of successes",
+            verdict="abort_by_failure",
+            good=False,
         ),
         ClaimKind(
             "can_always_end_safely",
@@ -86,7 +138,32 @@ KINDS: Mapping[str, ClaimKind] = {
             "the mission can reach a state from which it cannot end safely, in success or abort",
             "whether the mission can always end safely is not known",
             "all states; where it fails, a run",
-            why=_SAFE_ENDS,
+            EVERYWHERE,
+            _SAFE_ENDS,
+            verdict="can_always_end_safely",
+            good=True,
+        ),
+        ClaimKind(
+            "can_always_end",
+            "AG EF ({ends})",
+            "whatever has happened, the mission can still end",
+            "the mission can reach a state from which it cannot end",
+            "whether the mission can always end is not known",
+            "all states; where it fails, a run",
+            EVERYWHERE,
+            verdict="can_always_finish",
+            good=True,
+        ),
+        ClaimKind(
+            "required_events_handled",
+            "",
+            "every event that must be handled is handled, or changes nothing while its answer runs",
+            "an event that must be handled is ignored",
+            "whether every event that must be handled is handled is not known",
+            "all states",
+            EVERYWHERE,
+            "`ignored` says it of each event",
+            verdict="events_handled",
             good=True,
         ),
         ClaimKind(
@@ -96,7 +173,56 @@ KINDS: Mapping[str, ClaimKind] = {
             "the robot can get stuck: no event is possible, and the mission has not ended",
             "whether the robot can get stuck is not known",
             "all states; where it fails, a run",
+            EVERYWHERE,
+            verdict="deadlock_free",
             good=True,
+        ),
+        ClaimKind(
+            "reacts_in_one_way",
+            "",
+            "the reaction to an event is always the same, and ends",
+            "the reaction to an event depends on chance, or never ends",
+            "whether the reaction to an event is always the same is not known",
+            "all conflicts of internal transitions; where it fails, two runs",
+            EVERYWHERE,
+            "stable states, of which formulas speak, follow from it",
+            verdict="confluent",
+            good=True,
+        ),
+        ClaimKind(
+            "nothing_twice",
+            "",
+            "nothing is started or counted twice",
+            "something can be started or counted twice",
+            "whether something can be started twice is not known",
+            "all markings; where it fails, a run",
+            EVERYWHERE,
+            _OF_MARKINGS,
+            verdict="safe",
+            good=True,
+        ),
+        ClaimKind(
+            "nothing_piles_up",
+            "",
+            "nothing piles up without end",
+            "something can pile up without end",
+            "whether something can pile up is not known",
+            "all markings; where it fails, a run",
+            EVERYWHERE,
+            _OF_MARKINGS,
+            verdict="bounded",
+            good=True,
+        ),
+        ClaimKind(
+            "something_unused",
+            "",
+            "some parts of the mission can never be used; the warnings name them",
+            "every part of the mission can be used",
+            "whether every part of the mission can be used is not known",
+            "all states",
+            EVERYWHERE,
+            "what is never used is a set of elements, each with its line",
+            verdict="unselectable",
         ),
         ClaimKind(
             "succeeds_without",
@@ -141,19 +267,60 @@ KINDS: Mapping[str, ClaimKind] = {
         ClaimKind(
             "ignored",
             "EF (objective({1}) & !event({0}){not_led})",
-            "{0} is ignored while {1} runs",
-            "{0} is never ignored while {1} runs",
-            "whether {0} is ignored while {1} runs is not known",
+            "{0} is ignored during {1}",
+            "{0} is never ignored during {1}",
+            "whether {0} is ignored during {1} is not known",
             "a state",
+            EVERYWHERE,
+            several="{}",
             good=False,
         ),
         ClaimKind(
             "answered_already",
             "EF (objective({1}) & !event({0}))",
-            "{0} changes nothing while {1} runs, where it leads",
-            "{0} is handled while {1} runs",
-            "whether {0} is handled while {1} runs is not known",
+            "{0} changes nothing during {1}, where it leads",
+            "{0} is handled during {1}",
+            "whether {0} is handled during {1} is not known",
             "a state",
+            EVERYWHERE,
+            several="{}",
+        ),
+        ClaimKind(
+            "loss_unnoticed",
+            "",
+            "nothing notices the loss of {0} during {1}, which can then no longer succeed",
+            "the loss of {0} during {1} is noticed, or takes nothing",
+            "whether the loss of {0} during {1} is noticed is not known",
+            "all losses of it while nothing else has failed",
+            EVERYWHERE,
+            _UNSEEN,
+            several="{}",
+            good=False,
+        ),
+        ClaimKind(
+            "loss_unnoticed_later",
+            "",
+            "once other hardware has failed, nothing notices the loss of {0} during {1}, which can then no "
+            "longer succeed",
+            "the loss of {0} during {1} is noticed, or takes nothing",
+            "whether the loss of {0} during {1} is noticed is not known",
+            "all losses of it",
+            EVERYWHERE,
+            _UNSEEN,
+            several="{}",
+            good=False,
+        ),
+        ClaimKind(
+            "loss_found_in_time",
+            "",
+            "after the loss of {0}, {1} can succeed only if the loss is found in time",
+            "after the loss of {0}, {1} does not depend on whether the loss is found in time",
+            "whether {1} depends on the loss of {0} being found is not known",
+            "all losses of it while nothing else has failed",
+            EVERYWHERE,
+            _UNSEEN,
+            several="{}",
+            good=False,
         ),
         ClaimKind(
             "interrupts_answer",
@@ -197,7 +364,7 @@ KINDS: Mapping[str, ClaimKind] = {
         ClaimKind(
             "met_as_ignored",
             "({formula}) & EF ({running} & !event({1}))",
-            "requirement {0} is met, and {1}, of which it speaks, changes nothing in some states",
+            "requirement {0} is met, and says nothing of {1} where {1} is ignored",
             "requirement {0} speaks of {1}, which is handled whatever runs, or is not met",
             "whether requirement {0} is met is not known",
             "all runs, and a state",
@@ -225,16 +392,9 @@ KINDS: Mapping[str, ClaimKind] = {
             why=_SAFE_ENDS,
             good=False,
         ),
-        ClaimKind(
-            "nominal_success",
-            "",
-            "while nothing fails, the mission succeeds and leaves nothing out",
-            "even on runs on which nothing fails the mission does not do what its blocks say",
-            "whether the mission succeeds while nothing fails is not known",
-            "all runs of successes; where it fails, one of them",
-            why="runs that only failures could continue are finite, and what is left out is a set of blocks",
-            good=True,
-        ),
     )
 }
 """By name, in the order in which they are shown."""
+
+OF_VERDICTS: Mapping[str, ClaimKind] = {kind.verdict: kind for kind in KINDS.values() if kind.verdict}
+"""By verdict, in the order in which they are read."""

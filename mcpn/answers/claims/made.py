@@ -1,4 +1,4 @@
-"""Makes the claims of a mission: from its check, from its states, and from its FMECA."""
+"""Makes the claims of a mission: what its check has found, what its states say, what its FMECA has."""
 
 from __future__ import annotations
 
@@ -10,44 +10,28 @@ from typing import TYPE_CHECKING, Any, Generic, Literal
 
 from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.answers.claims.claim import Assumes, Claim
+from mcpn.answers.claims.found import claims_found, led_to, plain_names
 from mcpn.answers.claims.kinds import KINDS
 from mcpn.answers.verdicts.nominal import meant_to_be_entered
-from mcpn.answers.verdicts.unreachable import targets
 from mcpn.nets.events import Event, What
 from mcpn.spaces.algebra import S, Space
 from mcpn.spaces.run import Run, transitions_of
 
 if TYPE_CHECKING:
     from mcpn.answers.causes.fmeca import Row
-    from mcpn.answers.requirements import RequirementAnswer
     from mcpn.answers.verdicts.mission import MissionCheck
-    from mcpn.answers.verdicts.unreachable import Ignored
-    from mcpn.drawing.compose import MissionNet
-
-VERDICTS = {
-    "can_succeed": "success_reachable",
-    "can_fail": "failure_reachable",
-    "can_be_aborted": "abort_reachable",
-    "can_always_end": "can_always_finish",
-    "can_always_end_safely": "can_always_end_safely",
-    "can_always_go_on": "deadlock_free",
-    "nominal_success": "nominal_success",
-}
-"""By kind the verdict that answers it."""
 
 HELP = (What.DECLARED, What.TIMEOUT)
 """Events that may help, and need not happen."""
-MOST_RUNNING = 60
-"""Objectives up to which a formula names all that may run."""
 
 
 def claims_of(check: MissionCheck) -> list[Claim]:
     """The claims that follow from a check of a mission, in the order of their kinds."""
-    found = [*_of_verdicts(check), *_of_requirements(check)]
+    found = [*claims_found(check)]
     if check.alternatives is not None:
         made = _Made(Prospects(check.mission_net, check.alternatives))
         found += made.without()
-        found += made.events(check.changing_nothing)
+        found += made.events()
     return _in_order(found)
 
 
@@ -67,68 +51,17 @@ def _in_order(found: Iterable[Claim]) -> list[Claim]:
     return sorted(found, key=lambda claim: order[claim.kind])
 
 
-def _of_verdicts(check: MissionCheck) -> Iterator[Claim]:
-    ends = " | ".join(check.mission_net.ends)
-    for kind, name in VERDICTS.items():
-        if (verdict := check.verdicts.get(name)) is not None:
-            reason = verdict.explanation if verdict.holds is None else ""
-            formula = KINDS[kind].formula.format(ends=ends)
-            if kind == "can_always_end_safely" and check.verdicts["abort_by_failure"].holds:
-                formula = ""
-            moment: Literal["every", "some"] = "every" if kind.startswith("can_always") else "some"
-            yield Claim(kind, (), verdict.holds, Assumes(moment=moment), formula, reason)
-
-
-def _of_requirements(check: MissionCheck) -> Iterator[Claim]:
-    for answer in check.requirements:
-        name, formula = answer.asked.name, _asked(answer)
-        yield Claim("requirement", (name,), answer.met, Assumes(moment="start"), formula, answer.reason)
-        for each in check.changing_nothing:
-            if each.event in answer.asked.events and each.objectives:
-                running = _some("objective", _plain(check.mission_net, each.objectives))
-                idle = KINDS["met_as_ignored"].formula.format(
-                    name, each.event, formula=formula, running=running
-                )
-                holds = answer.met
-                yield Claim("met_as_ignored", (name, each.event), holds, formula=idle if formula else "")
-
-
-def _asked(answer: RequirementAnswer) -> str:
-    """What a requirement asks, as a formula of the whole mission; empty where its names are others."""
-    asked = answer.asked
-    if asked.requirement.fair or "." in asked.name:
-        return ""
-    # Of a formula on paths: not every run satisfies it. That no run does would be more.
-    return asked.text if asked.requirement.expected == "holds" else f"!A({asked.text})"
-
-
-def _some(word: str, names: Iterable[str]) -> str:
-    return f"({' | '.join(f'{word}({name})' for name in names)})"
-
-
-def _plain(mission_net: MissionNet, objectives: Iterable[str]) -> list[str]:
-    """Objectives by the names that mean all copies of each."""
-    copies = mission_net.graph.copies
-    return list(dict.fromkeys(copies.plain(name) for name in objectives))
-
-
 class _Made(Generic[S]):
     """The claims that are asked of stable states."""
 
     def __init__(self, prospects: Prospects[S]) -> None:
         self.prospects, self.net = prospects, prospects.mission_net
         self.space: Space[S] = prospects.space
-        self.objectives = _plain(self.net, prospects.sections)
-        answers = targets(self.net.mission)
+        self.led = led_to(self.net)
         self.declared = {
             name: self.prospects.carrying(What.DECLARED, name)
             for name in (e.name for e in self.net.mission.events if not e.changes_facts)
             if self.prospects.carrying(What.DECLARED, name)
-        }
-        copies = self.net.graph.copies
-        self.led = {
-            event: _plain(self.net, (n for n in copies.objectives if blocks & set(copies.around(n))))
-            for event, blocks in answers.items()
         }
 
     def running(self, name: str) -> S:
@@ -139,7 +72,7 @@ class _Made(Generic[S]):
     def without(self) -> Iterator[Claim]:
         """Which objectives success needs, of those that are meant to be entered."""
         space, prospects = self.space, self.prospects
-        for name in _plain(self.net, meant_to_be_entered(self.net)):
+        for name in plain_names(self.net, meant_to_be_entered(self.net)):
             copies = self.net.graph.copies.meant(name)
             needed = frozenset[int]().union(*(prospects.carrying(What.SUCCESS, copy) for copy in copies))
             if not needed:
@@ -152,9 +85,8 @@ class _Made(Generic[S]):
 
     # --- events ---
 
-    def events(self, changing_nothing: Sequence[Ignored]) -> Iterator[Claim]:
-        """What becomes of declared events that interrupt."""
-        yield from self._changing_nothing(changing_nothing)
+    def events(self) -> Iterator[Claim]:
+        """What declared events interrupt and end, and whether they go on for ever."""
         for event, own in self.declared.items():
             for other, led in self.led.items():
                 for name in led if other != event else ():
@@ -164,27 +96,6 @@ class _Made(Generic[S]):
                     yield self._ends(event, own, end)
         if self.declared:
             yield self._alternate()
-
-    def _changing_nothing(self, found: Sequence[Ignored]) -> Iterator[Claim]:
-        """Of each event where it is handled, where it leads already, and where nothing handles it."""
-        idle = {each.event: each for each in found}
-        few = len(self.objectives) <= MOST_RUNNING
-        for event in (e.name for e in self.net.mission.events if not e.changes_facts):
-            each, led = idle.get(event), self.led.get(event, ())
-            if few:
-                running = _some("objective", self.objectives)
-                formula = KINDS["handled_always"].formula.format(event, running=running)
-                yield Claim("handled_always", (event,), each is None, Assumes(moment="every"), formula)
-            not_led = "".join(f" & !objective({name})" for name in led)
-            ignored, answering = ((), ()) if each is None else (each.objectives, each.answering)
-            for kind, names, asked in (
-                ("ignored", ignored, self.objectives),
-                ("answered_already", answering, led),
-            ):
-                so = _plain(self.net, names)
-                for name in asked if few else so:
-                    formula = KINDS[kind].formula.format(event, name, not_led=not_led)
-                    yield Claim(kind, (event, name), name in so, formula=formula)
 
     def _interrupts(self, event: str, own: Collection[int], name: str, other: str) -> Claim:
         running = self.running(name)

@@ -64,7 +64,7 @@ def no_way_to_success(graph: ObjectivesGraph) -> str:
     if any(SUCCEED in section.routes for section in graph.sections):
         return ""
     return (
-        ': no route of the mission leads to succeed; a block after which all is done says success="succeed", '
+        'no route of the mission leads to succeed; a block after which all is done says success="succeed", '
         "by default success leads to the next block"
     )
 
@@ -98,27 +98,15 @@ UNDECIDED = {
 """Why nothing else is known where one of these verdicts fails and there is no space to be asked."""
 
 
-RUNS = {
-    "deadlock_free": (
-        False,
-        "a marking that is no end of the mission allows no event",
-        "every marking but the mission's ends allows some event",
-    ),
-    "success_reachable": (True, "a run leads to success", "no run leads to mission success"),
-    "can_always_finish": (
-        False,
-        "after this run the mission can no longer end",
-        "from every marking some run leads to an end of the mission",
-    ),
-    ENDS_SAFELY: (
-        False,
-        "after this run the mission can neither succeed nor abort",
-        "from every marking some run leads to success or abort",
-    ),
-    "failure_reachable": (True, "a run leads to failure", "no run leads to mission failure"),
-    ABORT_REACHABLE: (True, "a run leads to abort", "no run leads to mission abort"),
+HOLDS_IF_FOUND = {
+    "deadlock_free": False,
+    "success_reachable": True,
+    "can_always_finish": False,
+    ENDS_SAFELY: False,
+    "failure_reachable": True,
+    ABORT_REACHABLE: True,
 }
-"""By verdict: whether it holds if a run is found, and the explanations where one is found and where none."""
+"""By verdict that a run decides, whether it holds if one is found."""
 
 
 @dataclass(frozen=True)
@@ -128,12 +116,13 @@ class Verdict(Told):
     Args:
         name: One of :func:`required_of` or :func:`informative_of` a mission.
         holds: The answer, or ``None`` where it is not known.
-        explanation: One sentence on what was found.
+        explanation: What was found, where a claim on it does not say it.
         runs: Witness or counterexample runs, the shortest first; two where two are needed.
         skipped: Objectives that begin on the run that shows success, and never succeed on it.
         left_out: Objectives that no run enters on which nothing fails.
         cycle: Index of the event of the run with which the part begins that goes on for ever, if it does.
-        sentence: What is said of it in one line, where the usual sentence says too much.
+        kind: The kind of claim that says it, where that is not the usual one.
+        given: What it takes besides, in words.
     """
 
     name: str
@@ -143,7 +132,8 @@ class Verdict(Told):
     skipped: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
     cycle: int | None = None
-    sentence: str = ""
+    kind: str = ""
+    given: tuple[str, ...] = ()
 
     @property
     def runs_of_events(self) -> tuple[Run, ...]:
@@ -458,7 +448,8 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
         nominal_run,
         left_out=nominal.left_out,
         cycle=nominal.cycle,
-        sentence=nominal.sentence,
+        kind=nominal.kind,
+        given=nominal.given,
     )
     step(Doing.FINDING_STUCK)
     goals = {
@@ -473,7 +464,6 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
         yield _unsafe_abort(mission_net, space, settles=settles)
     for name, goal in goals.items():
         step(Doing.DECIDING, question=name)
-        holds_if_found, found, nothing = RUNS[name]
         if name == "success_reachable":
             yield _success(nominal_runs, goal)
             continue
@@ -481,10 +471,10 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
         if goal:
             run = space.run(space.initial.pick(), goal) if settles else run_of_fewest_events(space, goal)
         if run is None:
-            yield Verdict(name, not holds_if_found, nothing)
+            yield Verdict(name, not HOLDS_IF_FOUND[name])
         else:
             shown = Run(space.net, transitions_of(run), settles=settles)
-            yield Verdict(name, holds_if_found, found, (shown,))
+            yield Verdict(name, HOLDS_IF_FOUND[name], runs=(shown,))
 
 
 def _unsafe_abort(mission_net: MissionNet, space: Space[S], *, settles: bool) -> Verdict:
@@ -500,14 +490,11 @@ def _unsafe_abort(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
 def _success(nominal_runs: NominalRuns[S], goal: S) -> Verdict:
     """Whether the mission can succeed; nothing fails on the run that shows it if such a run succeeds."""
     mission_net, space, settles = nominal_runs.mission_net, nominal_runs.space, nominal_runs.settles
-    _, found, nothing = RUNS["success_reachable"]
     if not goal:
-        return Verdict("success_reachable", False, nothing + no_way_to_success(mission_net.graph))
+        return Verdict("success_reachable", False, no_way_to_success(mission_net.graph))
     shown = nominal_runs.succeeding(goal)
-    if shown is not None:
-        found = f"a run without failures or interruptions {found.removeprefix('a run ')}"
-    else:
+    if shown is None:
         run = space.run(space.initial.pick(), goal) if settles else run_of_fewest_events(space, goal)
         assert run is not None, "the goal is reachable"
         shown = Run(space.net, transitions_of(run), settles=settles)
-    return Verdict("success_reachable", True, found, (shown,), skipped(mission_net, shown))
+    return Verdict("success_reachable", True, runs=(shown,), skipped=skipped(mission_net, shown))

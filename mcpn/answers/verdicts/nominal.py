@@ -58,7 +58,8 @@ class Nominal(NamedTuple):
         run: A run that succeeds; or one that does not, if there is one.
         cycle: Index of the event of the run with which a loop begins, where it goes on for ever.
         left_out: Objectives that no nominal run enters, and that no text says may be left out.
-        sentence: What is said of it in one line, where it holds.
+        kind: The kind of claim that says it, where that is not its success.
+        given: What it takes besides that nothing fails, in words.
     """
 
     holds: bool | None
@@ -66,7 +67,8 @@ class Nominal(NamedTuple):
     run: Run | None = None
     cycle: int | None = None
     left_out: tuple[str, ...] = ()
-    sentence: str = ""
+    kind: str = ""
+    given: tuple[str, ...] = ()
 
 
 def nominal_transitions(mission_net: MissionNet) -> list[int]:
@@ -191,7 +193,9 @@ class NominalRuns(Generic[S]):
             if lasts:
                 explanation = f"{explanation}; it may go on for ever in a block that is meant to be endless"
             explanation += UNKNOWN.format(enumeration(supposed)) if supposed else ""
-            return Nominal(True, explanation, run, sentence=self._sentence(success, lasts, supposed))
+            given = tuple(self._given(supposed))
+            kind = "" if not lasts else "nominal_either" if self.reached & success else "nominal_endless"
+            return Nominal(True, explanation, run, kind=kind, given=given)
         explanation = f"while nothing fails the mission {' and '.join(said)}"
         if cycle is not None and (awaited := self._awaited(circling, success)):
             explanation += f"{HELD.format(enumeration(awaited))}{WAITS}"
@@ -209,16 +213,12 @@ class NominalRuns(Generic[S]):
         names = (name for name in names_of_objectives(self.mission_net.graph) if name in entered)
         return self.mission_net.graph.copies.told(names, names_of_objectives(self.mission_net.graph))
 
-    def _sentence(self, success: S, lasts: bool, supposed: list[str]) -> str:
-        """What is said where every run is as it is meant: what it needs, and how it ends."""
-        given = []
+    def _given(self, supposed: list[str]) -> Iterator[str]:
+        """What these runs need besides that nothing fails."""
         if repaired := self._needed_repairs():
-            given.append(f"once {enumeration(repaired)} work{'s' * (len(repaired) == 1)} again")
+            yield f"once {enumeration(repaired)} work{'s' * (len(repaired) == 1)} again"
         if supposed:
-            given.append(f"{shortened(supposed, MOST_TOLD)} succeed{'s' * (len(supposed) == 1)}")
-        does = ["succeeds"] * bool(self.reached & success) + ["goes on for ever, as it is meant to"] * lasts
-        condition = f", and {enumeration(given)}," if given else ","
-        return f"While nothing fails{condition} the mission {', or '.join(does)}."
+            yield f"{shortened(supposed, MOST_TOLD)} succeed{'s' * (len(supposed) == 1)}"
 
     def _awaited(self, circling: S, success: S) -> list[str]:
         """The declared events that change facts on a way from a loop to success; none where none does."""

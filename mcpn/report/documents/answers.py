@@ -43,6 +43,7 @@ CLAIM = ObjectOf(
         "kind": String("Its kind: the table of claims says what it means."),
         "subject": texts("What it is about, by name."),
         "holds": Nullable(Boolean("Whether it is so; null where it is not known.")),
+        "severity": String("required, advice or informative."),
         "reason": String("Why it is not known; else empty."),
         "assumes": ObjectOf(
             "What the runs may contain that it speaks of.",
@@ -51,6 +52,7 @@ CLAIM = ObjectOf(
                 "repairs": String("all, or others: what it names is not repaired."),
                 "failures": String("any: objectives may fail by themselves; forced: where they must."),
                 "moment": String("start, some or every."),
+                "given": texts("What else it takes, in words."),
             },
         ),
         "formula": Nullable(String("Holds on the stable states where it does; null where none says it.")),
@@ -226,7 +228,9 @@ CHECK = Document(
                 ),
             ),
             "undecided": MapOf("By verdict that is null: why.", String()),
-            "certificate?": MapOf("With --certificate: by claim without evidence, why it is trusted.", String()),
+            "certificate?": MapOf(
+                "With --certificate: by claim without evidence, why it is trusted.", String()
+            ),
             "claims": ListOf("All that is said of the mission, but for losses of hardware.", CLAIM),
             "warnings": ListOf(
                 "What is suspicious in the mission, by its text and by its states.",

@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.causes.cutsets import CutSet
 from mcpn.answers.claims.claim import Claim, told
+from mcpn.answers.claims.found import claims_found, of_verdict
+from mcpn.answers.claims.kinds import OF_VERDICTS
 from mcpn.answers.verdicts.mission import NOMINAL
 from mcpn.nets.events import Event
 from mcpn.report.failures.sentences import without_a_rate
 from mcpn.report.pages.nominal_run import nominal_run, strip
 from mcpn.report.pages.preflight import single_losses
-from mcpn.report.text import SENTENCES, sentence_of
 from mcpn.report.words import (
     folded,
     in_words,
     skipped_in_words,
-    unhandled_in_words,
     what_happens,
     wrong_in_words,
 )
@@ -118,7 +118,7 @@ def verdict_of_all(check: MissionCheck) -> StoryLine:
     """Whether the mission may go."""
     asked = "May it go?"
     if check.failing:
-        wrong = (SENTENCES[name][1].rstrip(".") for name in check.failing if name in SENTENCES)
+        wrong = (of_verdict(check.verdicts[name]).sentence.rstrip(".") for name in check.failing)
         return StoryLine("fails", asked, f"No. {'; '.join(wrong)}.")
     if check.violated:
         broken = enumeration(check.violated)
@@ -216,7 +216,7 @@ def _nominal(findings: Findings) -> Iterator[StoryLine]:
     verdict = findings.check.verdicts.get(NOMINAL)
     if verdict is None:
         return
-    said = sentence_of(verdict)
+    said = of_verdict(verdict).sentence
     state = {True: "holds", False: "fails", None: "unknown"}[verdict.holds]
     if verdict.holds is not False:
         yield StoryLine(state, "If nothing fails?", said)
@@ -242,7 +242,7 @@ def _success(findings: Findings) -> StoryLine:
     """Whether it can succeed, and the run without failures."""
     verdict = findings.check.verdicts["success_reachable"]
     number = {True: 0, False: 1, None: 2}[verdict.holds]
-    said, chips, events = SENTENCES["success_reachable"][number], list[str](), list[str]()
+    said, chips, events = of_verdict(verdict).sentence, list[str](), list[str]()
     if verdict.holds and findings.controller is not None:
         found = nominal_run(findings)
         if found is None and verdict.runs and not verdict.runs[0].tail:
@@ -479,9 +479,9 @@ def _never(check: MissionCheck) -> StoryLine:
     """What can never run."""
     asked, verdict = "What can never run?", check.verdicts["unselectable"]
     if verdict.holds is None:
-        return StoryLine("unknown", asked, SENTENCES["unselectable"][2])
+        return StoryLine("unknown", asked, of_verdict(verdict).sentence)
     if not check.unselectable:
-        return StoryLine("holds", asked, SENTENCES["unselectable"][1])
+        return StoryLine("holds", asked, of_verdict(verdict).sentence)
     told = "; ".join(problem.message for problem in check.unselectable[:3])
     more = len(check.unselectable) - 3
     return StoryLine("note", asked, f"{told}{f'; and {more} more, among the warnings' if more > 0 else ''}.")
@@ -491,7 +491,7 @@ def _unproved(findings: Findings) -> StoryLine:
     """What is not known, of what a page says elsewhere."""
     asked, check = "What is not proved?", findings.check
     if check.undecided:
-        wrong = " ".join(SENTENCES[name][2] for name in check.undecided if name in SENTENCES)
+        wrong = " ".join(of_verdict(check.verdicts[name]).sentence for name in check.undecided)
         return StoryLine("unknown", asked, wrong)
     if findings.notes:
         return StoryLine("note", asked, " ".join(findings.notes))
@@ -513,13 +513,14 @@ def runs_of(check: MissionCheck) -> Iterator[dict[str, Any]]:
 
 def _requirements(check: MissionCheck) -> Iterator[dict[str, Any]]:
     """Each requirement in its author's words, with the run that violates it."""
+    silent = [claim for claim in claims_found(check) if claim.kind == "met_as_ignored" and claim.holds]
     for answer in check.requirements:
         asked = answer.asked
         state = {True: "holds", False: "fails", None: "unknown"}[answer.met]
         runs, notes = [], [f"{'' if asked.requirement.expected == 'holds' else 'not: '}{asked.text}"]
         if asked.sentence not in asked.words:
             notes.insert(0, asked.sentence)
-        notes += unhandled_in_words(asked, check.changing_nothing)
+        notes += [told([claim]) for claim in silent if claim.subject[0] == asked.name]
         if answer.witness is not None and not answer.met:
             steps = [(str(event), words) for event, words in in_words(check.mission_net, answer.witness.run)]
             runs = [{"steps": steps, "events": json.dumps([event for event, _ in steps])}]
@@ -540,11 +541,11 @@ def _joined(parts: Iterable[str]) -> str:
 
 def _verdicts(check: MissionCheck) -> Iterator[dict[str, Any]]:
     """Each verdict as a sentence, with its runs in mission words."""
-    for name in (*SENTENCES, *(name for name in check.verdicts if name not in SENTENCES)):
+    for name in OF_VERDICTS:
         if name not in check.verdicts:
             continue
         verdict = check.verdicts[name]
-        sentences = SENTENCES.get(name, (verdict.explanation,) * 3)
+        skipped = skipped_in_words(verdict.skipped) if verdict.skipped else ""
         state = {True: "holds", False: "fails", None: "unknown"}[verdict.holds]
         runs = []
         for run in verdict.runs:
@@ -553,10 +554,8 @@ def _verdicts(check: MissionCheck) -> Iterator[dict[str, Any]]:
             runs.append({"steps": [(str(event), words) for event, words in steps], "events": events})
         yield {
             "name": name,
-            "sentence": sentences[{True: 0, False: 1, None: 2}[verdict.holds]],
+            "sentence": of_verdict(verdict).sentence,
             "state": state if verdict.required else "note",
-            "explanation": "; ".join(
-                [verdict.explanation, *([skipped_in_words(verdict.skipped)] if verdict.skipped else [])]
-            ),
+            "explanation": "; ".join(filter(None, (verdict.explanation, skipped))),
             "runs": runs,
         }

@@ -242,7 +242,8 @@ BROKEN = {
         "found a second place named p, expected",
     ),
     "event without a name": (
-        '<transition id="t"><toolspecific tool="mcpn" version="1"><event value=""/></toolspecific></transition>',
+        '<transition id="t"><toolspecific tool="mcpn" version="1"><event value=""/></toolspecific>'
+        "</transition>",
         3,
         "found an event without a name of transition t, expected one",
     ),
