@@ -299,8 +299,19 @@ def test_a_walk_at_random_starts_and_mostly_succeeds() -> None:
     assert sum(end["outcome"] == "success" for end in ends) >= 2
 
 
-def test_what_causes_count_as_a_way_is_said() -> None:
-    """Of a mission that is safe by an event that may never come, that all hardware may fail reassures."""
-    told = mcpn("causes", ROOT / "tests" / "natural" / "guard.xml").stdout
-    assert "declared events count as ways to these ends: person_near, person_gone, emergency_stop" in told
-    assert "declared events count" not in mcpn("causes", ULYSSE).stdout
+def test_what_defeats_a_mission_that_nothing_helps_comes_first(tmp_path: Path) -> None:
+    """Of a mission that a rescue alone saves, that all hardware may fail reassures."""
+    (tmp_path / "m.xml").write_text(
+        '<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r"><hardware name="motor"/>'
+        '<event name="rescue"/><activity name="drive" consumes="motor"/><activity name="wait"/></robot>'
+        '<objective name="go" activities="drive" failure="go" success="succeed">'
+        '<on event="rescue" goto="towed"/></objective>'
+        '<objective name="towed" activities="wait" failure="towed"/></mission>'
+    )
+    told = mcpn("causes", tmp_path / "m.xml").stdout.splitlines()
+    assert told[:2] == [
+        "m can no longer succeed after the loss of motor, without the help of rescue",
+        "with this help m can succeed whatever hardware fails",
+    ]
+    assert "what the mission survives, with this help" in told
+    assert "the help of" not in mcpn("causes", ULYSSE).stdout

@@ -11,7 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from enum import Enum
-from functools import cached_property
+from functools import cached_property, reduce
+from operator import or_
 from typing import NamedTuple
 
 from mcpn._kernel import Zdd
@@ -19,6 +20,7 @@ from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.permanent_loss import mortal
 from mcpn.mission.flatten import Section
+from mcpn.nets.events import Event, What
 from mcpn.spaces.algebra import Alike, S, Space
 from mcpn.spaces.memoized import memoized
 from mcpn.spaces.projections import ImageStore
@@ -62,6 +64,27 @@ class Found(NamedTuple):
 
     minimal: Mapping[Moment, list[CutSet]]
     nonmonotone: Nonmonotone | None
+
+
+HELP = (What.DECLARED, What.TIMEOUT)
+"""Events that may help, and need not happen."""
+
+
+def help_in_words(event: Event) -> str:
+    """An event that helps, as a sentence names it."""
+    return event.element if event.what is What.DECLARED else f"the end of the time of {event.element}"
+
+
+class Unaided(NamedTuple):
+    """What the loss of hardware before the start means where nothing helps.
+
+    Args:
+        cut_sets: Minimal cut sets.
+        helpers: What makes up for those of them that are none where it happens.
+    """
+
+    cut_sets: list[CutSet]
+    helpers: tuple[str, ...]
 
 
 class CutSets(Prospects[S]):
@@ -123,6 +146,30 @@ class CutSets(Prospects[S]):
         else:
             survived = goal.running & hopeful
         return self.images.everything - self._dead(survived)
+
+    def unaided(self, goal: Goal[S]) -> Unaided:
+        """What defeats a goal of the mission, lost before the start, where nothing helps.
+
+        Neither do declared events happen nor is a time over, before the start nor after it.
+        """
+        space, net = self.space, self.mission_net
+        helping = frozenset[int]().union(*(self._carrying[what] for what in HELP))
+        steps = self.everything - helping
+        before = space.marked([net.beginning]) & space.reached(space.initial, transitions=steps | self.dying)
+        won = goal.won
+        if goal.ends_from:
+            well = (states for t, states in goal.ends_from.items() if t not in helping)
+            won = reduce(or_, well, self.mission.won)
+        survived = space.reached(before, transitions=steps) & won
+        minimal, helpers = self.minimal(self.images.everything - self._dead(survived)), dict[str, None]()
+        aided = set(self.minimal(self.defeating(goal, Moment.START)))
+        for lost in (lost for lost in minimal if lost not in aided):
+            alive = [name for name in self.hardware if name not in lost]
+            there = space.restricted(before, self.places("dead", lost), self.places("dead", alive))
+            run = space.run(there.pick(), goal.won, transitions=self.everything) if there else None
+            events = (net.net.transitions[edge.transition].event for edge in run or ())
+            helpers |= dict.fromkeys(map(help_in_words, (e for e in events if e and e.what in HELP)))
+        return Unaided(minimal, tuple(helpers))
 
     def _failed(self, goal: Goal[S]) -> S:
         """States in which the mission has ended without success, and can lose it no more.

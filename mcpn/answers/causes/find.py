@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
-from mcpn.answers.causes.cutsets import CutSet, CutSets, Moment, Nonmonotone
+from mcpn.answers.causes.cutsets import CutSet, CutSets, Moment, Nonmonotone, Unaided
 from mcpn.answers.causes.prospects import CriticalEvent, Goal, Prospects
 from mcpn.answers.spaces import MissionSubject, spaces_of
 from mcpn.answers.verdicts.unreachable import selected_and_entered
@@ -38,6 +38,7 @@ class GoalCauses(Told):
         critical_with_repairs: The same where hardware may be repaired.
         nonmonotone: A pair of sets for which more failures are better, where there is one.
         find_run: Looks for a short run to failure by a cut set.
+        unaided: Of the mission: what defeats it where no declared event happens and no time is over.
     """
 
     name: str
@@ -46,6 +47,7 @@ class GoalCauses(Told):
     critical_with_repairs: list[CriticalEvent]
     nonmonotone: Nonmonotone | None
     find_run: Callable[[CutSet], Run | None]
+    unaided: Unaided | None = None
 
     @property
     def cut_sets(self) -> list[CutSet]:
@@ -209,6 +211,7 @@ def find_causes(
             prospects.critical(goal, repairs=True),
             found.nonmonotone,
             partial(prospects.to_failure, goal),
+            cuts.unaided(dying) if section is None else None,
         )
 
     def survival(section: Section | None) -> Survival:

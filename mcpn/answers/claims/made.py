@@ -178,8 +178,9 @@ class _Made(Generic[S]):
         space, prospects = self.space, self.prospects
         lost = self._losing(goal, hardware, helping)
         after = space.after(lost, prospects.carrying(What.OUT_OF_SERVICE, hardware))
-        after = after - self._hopeful(goal, prospects.everything - helping)
-        steps = prospects.everything - prospects.carrying(What.REPAIRED, hardware)
+        repairs = prospects.carrying(What.REPAIRED, hardware)
+        after = after - self._hopeful(goal, prospects.everything - helping - repairs)
+        steps = prospects.everything - repairs
         run = space.run(after.pick(), goal.won, transitions=steps) if after else None
         events = [space.net.transitions[edge.transition].event for edge in run or ()]
         told = (_event_in_words(event) for event in events if event is not None and event.what in HELP)

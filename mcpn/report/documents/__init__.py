@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from mcpn.report.documents import answers, graphs, nets, robots
+from mcpn.report.documents import answers, graphs, nets, robots, versions
 from mcpn.runtime.documents import READ_AGAIN
 from mcpn.runtime.shapes import (
     Boolean,
@@ -30,7 +30,7 @@ FORMATS: dict[str, Document] = {
     document.name: document
     for document in (
         *READ_AGAIN,
-        *(each for module in (answers, graphs, nets, robots) for each in vars(module).values()),
+        *(each for module in (answers, graphs, nets, robots, versions) for each in vars(module).values()),
     )
     if isinstance(document, Document)
 }

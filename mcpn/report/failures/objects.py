@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from mcpn.answers.causes.cutsets import CutSet
+from mcpn.answers.causes.cutsets import CutSet, Unaided
 from mcpn.answers.causes.find import Causes, GoalCauses, Survival
 from mcpn.answers.causes.prospects import CriticalEvent
 from mcpn.answers.claims import claims_of_losses
@@ -71,6 +71,7 @@ def _goal(
     return {
         "cut_sets": _lists(goal.cut_sets),
         "critical_events": _texts(goal.critical_events),
+        **({} if goal.unaided is None else {"unaided": _unaided(goal.unaided)}),
         "condition": sentence(goal.name, goal.cut_sets),
         "moments": {moment: _lists(cut_sets) for moment, cut_sets in goal.moments.items()},
         "critical": {
@@ -80,6 +81,10 @@ def _goal(
         **({"runs": _runs(goal)} if runs else {}),
         "monotone": goal.nonmonotone is None,
     }
+
+
+def _unaided(found: Unaided) -> dict[str, Any]:
+    return {"cut_sets": _lists(found.cut_sets), "helpers": list(found.helpers)}
 
 
 def _runs(goal: GoalCauses) -> list[dict[str, Any]]:

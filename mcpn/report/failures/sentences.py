@@ -62,13 +62,18 @@ def by_word_alone(causes: Causes) -> str:
 
 
 def headlines(causes: Causes) -> Iterator[str]:
-    """What keeps the mission from success and, where it can abort, from a safe end."""
-    mission, safety = causes.mission, causes.safety
-    yield condition(mission.name, mission.cut_sets)
-    if safety is not None:
-        yield safe(safety.name, safety.cut_sets)
-        if causes.unsafe_aborts:
-            yield f"{by_word_alone(causes)} is no safe end"
+    """What keeps the mission from success, and from a safe end if it can abort: first where nothing helps."""
+    goals = [(causes.mission, condition)] + [(causes.safety, safe)] * (causes.safety is not None)
+    for goal, sentence in goals:
+        assert goal is not None
+        said, alone = sentence(goal.name, goal.cut_sets), goal.unaided
+        if alone is None or not alone.helpers:
+            yield said
+        else:
+            yield f"{sentence(goal.name, alone.cut_sets)}, without the help of {enumeration(alone.helpers)}"
+            yield f"with this help {said}"
+    if causes.unsafe_aborts:
+        yield f"{by_word_alone(causes)} is no safe end"
 
 
 def survived(found: Survival) -> Iterator[str]:

@@ -15,8 +15,8 @@ from mcpn.nets.events import ENDING, Event, What
 from mcpn.report.failures.tables import STANDARD, Classes, fmeca_rows
 from mcpn.report.terminal import Terminal
 from mcpn.report.text import print_counts, print_steps
-from mcpn.report.words import MOST_NAMED, folded, in_words, of_all_copies, what_happens
-from mcpn.sentences import enumeration, shortened
+from mcpn.report.words import folded, in_words, of_all_copies, what_happens
+from mcpn.sentences import enumeration
 from mcpn.spaces.run import Run
 
 if TYPE_CHECKING:
@@ -40,9 +40,6 @@ def print_causes(causes: Causes) -> None:
     terminal, mission_net = Terminal(), causes.mission_net
     for told in headlines(causes):
         terminal.print(told, style="bold")
-    if events := [event.name for event in mission_net.mission.events if not event.changes_facts]:
-        told = f"declared events count as ways to these ends: {shortened(events, MOST_NAMED)}"
-        terminal.print(told, indent=2, style="dim")
     shared: dict[tuple[CutSet, ...], list[str]] = {}
     for name, goal in causes.objectives.items():
         shared.setdefault(tuple(goal.cut_sets), []).append(name)
@@ -76,7 +73,9 @@ def _print_survival(terminal: Terminal, causes: Causes) -> None:
     shared: dict[tuple[str, ...], list[str | None]] = {}
     for found in causes.survival:
         shared.setdefault(tuple(survived(found)), []).append(found.section)
-    terminal.print("what the mission survives", style="bold")
+    unaided = [goal.unaided for goal in (causes.mission, causes.safety) if goal is not None]
+    helped = any(each is not None and each.helpers for each in unaided)
+    terminal.print(f"what the mission survives{', with this help' * helped}", style="bold")
     for told, sections in shared.items():
         if len(shared) == 1:
             moments = "from its start and from each section on"
