@@ -189,7 +189,7 @@ FACTS = """<mission name="m" xmlns="urn:mcpn:mission:1">
       <alternative name="slow" consumes="motor radio"/>
     </activity>
   </robot>
-  <objective name="o" activities="map"/>
+  <objective name="o" activities="map"><sets fact="tide" to="low" on="failure"/></objective>
 </mission>
 """
 
@@ -210,5 +210,6 @@ def test_what_facts_ask_and_what_is_never_repaired_is_drawn(tmp_path: Path) -> N
         "never fails",
         "low or high, at first high",
         "set by tide_falls",
+        "failure sets tide=low",
     }
     assert all(x + text_width(text) <= float(picture.get("width", "0")) for text, x in texts.items())

@@ -23,6 +23,7 @@ from mcpn.report.pictures.objectives import mission_drawing
 from mcpn.testing import missions
 from mcpn.testing.shape import Shape
 from tests.conftest import ROOT, ULYSSE
+from tests.report.tabs import opened
 
 HOSPITAL = ROOT / "tests" / "natural" / "hospital.xml"
 BUSY = """<mission name="busy" xmlns="urn:mcpn:mission:1">
@@ -37,6 +38,8 @@ BUSY = """<mission name="busy" xmlns="urn:mcpn:mission:1">
 <objective name="shelter" activities="drive" abort="home"/>
 <objective name="home" activities="drive"/>
 </mission>"""
+A4 = 270 / 25.4 * 96
+"""Pixels that a sheet is high, without its margins."""
 MEASURE = """() => {
   const svg = document.querySelector("svg"), texts = [...svg.querySelectorAll("text")];
   const boxes = texts.map((text) => [text.textContent, text.getBoundingClientRect()]);
@@ -93,11 +96,32 @@ def test_a_page_prints_on_few_sheets(browser: Any, tmp_path: Path, path: Path, m
     tab.emulate_media(media="print")
     drawing = tab.locator(".drawing svg").first.bounding_box()
     heads = [head.bounding_box() for head in tab.locator("h2:visible").all()]
+    signed = tab.locator(".identity").bounding_box()
     tab.close()
     assert 2 <= sheets <= most
+    assert signed["y"] + signed["height"] < A4, "who signs has all that is signed on one sheet"
     below = [head["y"] for head in heads if head["y"] > drawing["y"]]
     assert len(below) > 2
     assert drawing["y"] + drawing["height"] <= min(below)
+
+
+def test_on_a_telephone_a_row_is_a_card(browser: Any, tmp_path: Path, ulysse_findings: Findings) -> None:
+    """No table is cut, each cell says what it is, and a filter hides rows as elsewhere."""
+    tab, wrong = opened(browser, page(ulysse_findings), tmp_path)
+    tab.set_viewport_size({"width": 360, "height": 800})
+    cut = "all => all.filter(each => each.scrollWidth > each.clientWidth).map(each => each.textContent)"
+    assert tab.eval_on_selector_all(".wide", cut) == []
+    said = "all => all.map(each => JSON.parse(getComputedStyle(each, '::before').content))"
+    assert tab.eval_on_selector_all("#rows2 tbody tr:first-child td", said) == [
+        head.text_content() for head in tab.locator("#rows2 th").all()
+    ]
+    rows = tab.locator("#rows2 tbody tr")
+    count = rows.count()
+    tab.locator("#table2 input").fill("no row has this")
+    assert [row.is_visible() for row in rows.all()] == [False] * count
+    tab.locator("#table2 input").fill("")
+    assert rows.first.is_visible()
+    assert wrong == []
 
 
 def test_keys_move_before_a_run_is_loaded(browser: Any, tmp_path: Path, ulysse_findings: Findings) -> None:

@@ -231,3 +231,5 @@ def _notes(block: Block, within: str) -> Iterator[str]:
         yield f"recovers {'once' if block.times == 1 else f'{block.times} times'}"
     if block.retries:
         yield f"up to {block.retries + 1} tries"
+    if isinstance(block, Objective):
+        yield from (f"{change.occasion} sets {change.fact}={change.to}" for change in block.sets)
