@@ -10,7 +10,7 @@ from lxml import etree
 
 from mcpn.report.pictures.runs import Message, Sequence, mermaid
 from tests.commands import mcpn, output
-from tests.conftest import ULYSSE
+from tests.conftest import ROOT, ULYSSE
 
 ENDLESS = """<mission name="endless" xmlns="urn:mcpn:mission:1">
   <robot name="auv">
@@ -62,6 +62,14 @@ def test_the_first_counterexample_is_drawn(tmp_path: Path, monkeypatch: pytest.M
     assert drawn == ["endless: quiet is not met", *names.values(), *(said for *_, said in messages)]
     marked = [path.get("marker-end") for path in root.iter("{*}path")]
     assert sum(marker is not None for marker in marked) == len(messages)
+
+
+def test_many_objectives_share_a_lifeline(tmp_path: Path) -> None:
+    path = tmp_path / "run.mmd"
+    output("convert", ROOT / "experiments" / "courier" / "mission.xml", path, "--draw", "run")
+    names, messages = diagram(path.read_text())
+    assert set(names.values()) == {"controller", "operator", "objectives"}
+    assert ("objectives", "controller", "objective ride_up succeeds") in messages
 
 
 def test_nothing_of_mermaids_own_stands_in_a_text() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from itertools import chain
 from typing import NamedTuple
 
@@ -19,6 +19,9 @@ from mcpn.spaces.run import Run
 CONTROLLER = "controller"
 _SENDERS = {What.START: "operator", What.DECLARED: "outside", What.TIMEOUT: "clock"}
 """Who reports an event that belongs to no element of the robot or the mission."""
+
+MOST_LINES = 8
+"""Objectives that have a lifeline each; more of them share one, so that the diagram fits a page."""
 
 ROW, MARGIN = 24, 16
 
@@ -74,16 +77,20 @@ def shown_run(found: MissionCheck) -> tuple[str, Run]:
 
 def sequence(mission_net: MissionNet, name: str, run: Run) -> Sequence:
     """The messages of a run."""
-    return Sequence(f"{mission_net.mission.name}: {name}", tuple(_messages(in_words(mission_net, run))))
+    return Sequence(f"{mission_net.mission.name}: {name}", tuple(_messages([*in_words(mission_net, run)])))
 
 
-def _messages(steps: Iterable[tuple[Event | str, str]]) -> Iterable[Message]:
+def _messages(steps: Collection[tuple[Event | str, str]]) -> Iterable[Message]:
+    ends = {e.element for e, _ in steps if isinstance(e, Event) and e.what in (What.SUCCESS, What.FAILURE)}
+    shared = dict.fromkeys(ends if len(ends) > MOST_LINES else (), "objectives")
     for event, words in steps:
         if not isinstance(event, Event):
             yield Message(CONTROLLER, words, "event")
             continue
         happens, _, changed = words.partition(": ")
-        yield Message(_SENDERS.get(event.what, event.element), happens, _kind(event))
+        yield Message(
+            shared.get(event.element, _SENDERS.get(event.what, event.element)), happens, _kind(event)
+        )
         yield from (Message(CONTROLLER, change, "event") for change in changed.split(", ") if change)
 
 
