@@ -185,8 +185,6 @@ class Net:
 class Listing:
     """All stable markings, in the order in which a breadth-first search finds them, with their edges."""
 
-    CHAIN = 4096
-
     def __init__(self, net: Net, most: int, until: float) -> None:
         self.net, self.most, self.until = net, most, until
         self.number = dict[int, State]()
@@ -227,15 +225,17 @@ class Listing:
     def chain(self, marking: int, covered: list[int]) -> tuple[int, list[int], list[int]]:
         """Fires while there is one choice; the marking where there are several or none, and these."""
         net, choices = self.net, list[int]()
-        for _ in range(self.CHAIN):
-            least = min((net.rank[t] for t in covered), default=0)
-            effects = {(net.consume[t], net.produce[t]): t for t in covered if net.rank[t] == least}
-            choices = list(effects.values())
+        for _ in range(4096):
+            choices = covered
+            if len(covered) > 1:  # of two with one effect one is enough
+                least = min(net.rank[t] for t in covered)
+                effects = {(net.consume[t], net.produce[t]): t for t in covered if net.rank[t] == least}
+                choices = list(effects.values())
             if len(choices) != 1:
                 break
             marking = net.fired(marking, choices[0])
             covered = self.covered(marking, covered, choices[0])
-        return marking, covered, choices if covered else []
+        return marking, covered, choices
 
     def settled(self, marking: int, covered: list[int]) -> int:
         """The stable marking in which every run of internal firings ends; refuted if there are several."""

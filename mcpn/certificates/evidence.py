@@ -32,15 +32,26 @@ def run(graph: AlternativesGraph, goal: Mask, start: int = 0, edges: Mask | None
     return None if found is None else [int(graph.labels[edge]) for edge in found]
 
 
-def distances(graph: AlternativesGraph, goal: Mask) -> Ints:
-    """How many events each state is away from a goal; -1 where no run leads to it."""
+def distances(graph: AlternativesGraph, goal: Mask, edges: Mask | None = None) -> Ints:
+    """How many events each state is away from a goal, along some edges; -1 where no run leads to it."""
     far = np.where(goal, 0, -1).astype(np.int64)
     frontier, step = goal.copy(), 0
     while frontier.any():
         step += 1
-        frontier = graph.before(frontier) & (far < 0)
+        frontier = graph.before(frontier, edges) & (far < 0)
         far[frontier] = step
     return far
+
+
+def nearer(graph: AlternativesGraph, far: Ints, start: int, edges: Mask) -> list[int]:
+    """A shortest run along some edges to where :func:`distances` along them are 0, as transitions."""
+    run = list[int]()
+    while far[start]:
+        here = range(int(graph.offsets[start]), int(graph.offsets[start + 1]))
+        edge = next(e for e in here if edges[e] and far[graph.targets[e]] == far[start] - 1)
+        run.append(int(graph.labels[edge]))
+        start = int(graph.targets[edge])
+    return run
 
 
 def falling(graph: AlternativesGraph, edges: Mask, within: Mask) -> Ints | None:

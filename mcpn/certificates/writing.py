@@ -4,19 +4,25 @@ from __future__ import annotations
 
 import json
 import zipfile
+from collections.abc import Iterable, Mapping
 from io import BytesIO
 from typing import Any, NamedTuple
 
-from mcpn.answers.claims import Claim, claims_of
+from mcpn.answers.causes.find import Causes
+from mcpn.answers.claims import Claim, claims_of, claims_of_losses
 from mcpn.answers.names import MissionNames
+from mcpn.answers.requirements import AskedRequirement
 from mcpn.answers.verdicts.mission import MissionCheck
 from mcpn.answers.verdicts.nominal import NominalRuns, meant_to_be_entered
 from mcpn.certificates import evidence
 from mcpn.certificates.certcheck import VERSION
+from mcpn.certificates.cut_sets import certified_cut_sets
 from mcpn.certificates.formula_entry import formula_entry
 from mcpn.certificates.net_entry import net_entry
+from mcpn.drawing.compose import MissionNet
 from mcpn.errors import ConfluenceError, InputError, LimitError
 from mcpn.logic.syntax import parse
+from mcpn.spaces.algebra import Space
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.markings.graph import Mask
 from mcpn.spaces.search.goal import Formula
@@ -27,6 +33,7 @@ MOST_LISTED = 200_000
 """Stable states up to which a certificate is written by listing them."""
 WHEN = (1980, 1, 1, 0, 0, 0)
 """The time of each entry, so that one mission has one certificate."""
+UNSAFE = "an abort by the failure of what should make the robot safe is no safe end"
 SENTENCES = {
     "safe": "No firing puts a second token in a place.",
     "confluent": "Each event has one outcome, whatever the order inside the net.",
@@ -88,27 +95,66 @@ def certificate_of(check: MissionCheck, max_states: int | None = None) -> Certif
     """
     if check.alternatives is None:
         raise ConfluenceError("no certificate: the mission is not safe or not confluent")
+    graph = _listed(check.alternatives, max_states)
+    asked = {answer.asked.name: answer.asked for answer in check.requirements}
+    return _Writer(check.mission_net, graph, asked).certificate(claims_of(check))
+
+
+def certificate_of_causes(causes: Causes, max_states: int | None = None) -> Certificate:
+    """The certificate of the minimal cut sets of a mission, and of what single losses do.
+
+    Args:
+        causes: What makes it fail.
+        max_states: As of :func:`certificate_of`.
+
+    Raises:
+        LimitError: As there; or there are too many sets that the mission survives.
+    """
+    mission_net, graph = causes.mission_net, _listed(causes.prospects.space, max_states)
+    made = _Writer(mission_net, graph, {}).certificate(claims_of_losses(causes.prospects))
+    asked = [(causes.mission.cut_sets, "success")]
+    trusted = dict[str, tuple[str, str]]()
+    if causes.safety is not None and not causes.unsafe_aborts:
+        asked.append((causes.safety.cut_sets, "success or abort"))
+    elif causes.safety is not None:
+        trusted["cut_sets: success or abort"] = "All minimal cut sets of a safe end.", UNSAFE
+    entries = [
+        _entry(
+            f"cut_sets: {ends}",
+            "cut_sets",
+            (),
+            True,
+            f"All minimal cut sets: lost before the start, each leaves no way to {ends}.",
+            *certified_cut_sets(graph, mission_net, cuts, ends.split(" or ")),
+        )
+        for cuts, ends in asked
+    ]
+    return made._replace(claims=[*made.claims, *entries], trusted=made.trusted | trusted)
+
+
+def _listed(space: Space[Any], max_states: int | None) -> AlternativesGraph:
+    """The stable states of a mission one by one, numbered as the checker numbers them."""
     step(Doing.EXPLAINING)
-    most, size = MOST_LISTED if max_states is None else max_states, check.alternatives.everything.count()
+    most, size = MOST_LISTED if max_states is None else max_states, space.everything.count()
     if size > most:
         raise LimitError(f"no certificate: it would list {size} stable states, and {most} are the limit")
-    graph = written_out(check.alternatives, "certificate", most)
-    return _Writer(check, graph).certificate()
+    return written_out(space, "certificate", most)
 
 
 class _Writer:
-    """The claims of a check, each with its evidence in the listed states."""
+    """Claims with their evidence in the listed states."""
 
-    def __init__(self, check: MissionCheck, graph: AlternativesGraph) -> None:
-        self.check, self.graph = check, graph
-        self.mission_net = check.mission_net
+    def __init__(
+        self, mission_net: MissionNet, graph: AlternativesGraph, asked: Mapping[str, AskedRequirement]
+    ) -> None:
+        self.mission_net, self.graph, self.asked = mission_net, graph, asked
 
-    def certificate(self) -> Certificate:
+    def certificate(self, made: Iterable[Claim]) -> Certificate:
         """All claims, those without evidence apart."""
         claims, trusted = dict[str, dict[str, Any]](), dict[str, tuple[str, str]]()
         for name, sentence in SENTENCES.items():
             claims[name] = _entry(name, name, (), True, sentence, {}, {})
-        for claim in claims_of(self.check):
+        for claim in made:
             if claim.key in claims or claim.key in trusted:
                 continue
             try:
@@ -131,6 +177,8 @@ class _Writer:
         """
         if claim.holds is None:
             raise Uncertified("whether it holds is not known")
+        if claim.kind == "can_always_end_safely" and not claim.formula:
+            raise Uncertified(UNSAFE)
         match claim.kind:
             case "can_succeed" | "can_fail" | "can_be_aborted":
                 end = {"can_succeed": "success", "can_fail": "failure", "can_be_aborted": "abort"}[claim.kind]
@@ -154,7 +202,7 @@ class _Writer:
     def formula(self, claim: Claim) -> tuple[str, Formula]:
         """The formula of a claim, as text and as it is understood."""
         if claim.kind == "requirement":
-            (asked,) = (a.asked for a in self.check.requirements if a.asked.name == claim.subject[0])
+            asked = self.asked[claim.subject[0]]
             if asked.requirement.fair:
                 raise Uncertified("fair requirements speak of some runs alone")
             as_asked = asked.requirement.expected == "holds"

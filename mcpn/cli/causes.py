@@ -29,6 +29,12 @@ MOST_TOLD = 50
 @click.option("--fmeca", type=FILE, help="Write the FMECA table: .csv or .json.")
 @click.option("--openpsa", type=FILE, help="Write a fault tree in the Open-PSA format (XML).")
 @click.option(
+    "--certificate",
+    type=FILE,
+    metavar="OUT",
+    help="Write the minimal cut sets to OUT, with evidence that certcheck checks.",
+)
+@click.option(
     "--rates",
     is_flag=True,
     help="Compute probabilities from the rates and durations of the mission (needs mcpn[risk]).",
@@ -59,6 +65,7 @@ def causes(
     objectives: tuple[str, ...],
     fmeca: Path | None,
     openpsa: Path | None,
+    certificate: Path | None,
     rates: bool,
     max_chain: int | None,
     within: str | None,
@@ -108,6 +115,13 @@ def causes(
                     by_then = ends_within(whole_chain(every.prospects, question.max_states), hours)
             except LimitError as error:  # all else is answered
                 unanswered = LimitError(f"numbers of risk: not computed: {error}")
+    written = None
+    if certificate is not None:
+        from mcpn.certificates.writing import certificate_of_causes
+
+        with question.progress():
+            written = certificate_of_causes(every, question.max_states)
+        write_atomically(certificate, written.to_bytes())
     if openpsa is not None:
         cut_sets = {name: goal.cut_sets for name, goal in every.objectives.items()}
         safety = None if every.safety is None else every.safety.cut_sets
@@ -133,11 +147,16 @@ def causes(
             document["bounds"] = {end: list(both) for end, both in bounded.items()}
         if by_then is not None:
             document["within"] = objects.given(by_then)
+        document |= {} if written is None else written.said
         emit_json(document | choice_object(every.choice) | {"seconds": time.perf_counter() - started})
         if unanswered is not None:
             raise unanswered
         return
     terminal.print_causes(found)
+    if written is not None:
+        from mcpn.report.certificates import print_certificate
+
+        print_certificate(written, certificate)
     if rows:
         asked = [row for row in rows if not objectives or row.objective in found.objectives]
         terminal.print_fmeca(asked, found.mission_net, classes)

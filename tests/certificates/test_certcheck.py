@@ -14,8 +14,8 @@ import pytest
 from hypothesis import given
 
 from mcpn.certificates import certcheck
-from mcpn.certificates.writing import certificate_of
-from mcpn.errors import ConfluenceError, LimitError
+from mcpn.certificates.writing import certificate_of, certificate_of_causes
+from mcpn.errors import ConfluenceError, LimitError, UnsafeError
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.spaces.stable.alternatives import direct
@@ -132,3 +132,53 @@ def test_a_claim_turned_round_is_refuted(ulysse: Path, kind: str) -> None:
     claims = json.loads(zipfile.ZipFile(ulysse).read("claims.json"))["claims"]
     turned = {claim["key"] for claim in claims if claim["kind"] == kind}
     assert {key for how, key, _ in report if how == "refuted"} == turned
+
+
+@fewer(0.1)
+@given(
+    missions(max_hardware=3, max_objectives=2, max_sections=3, events=1)
+    | fragile_missions(max_hardware=3, max_objectives=2, max_sections=3)
+)
+def test_cut_sets_of_drawn_missions_are_proved(mission: Mission) -> None:
+    study = Study(mission)
+    try:
+        direct(study.mission_net.net, max_states=400)
+        certificate = certificate_of_causes(study.causes())
+    except (LimitError, ConfluenceError, UnsafeError) as error:
+        return returns_early(type(error).__name__)
+    with rewritten(certificate.to_bytes()) as path:
+        report = certcheck.checked(path)
+    assert [line for line in report if line[0] != "proved"] == []
+    assert "cut_sets: success" in {key for _, key, _ in report}
+    return None
+
+
+def _drop(claim: dict[str, Any]) -> None:
+    claim["statement"]["cuts"].pop()
+
+
+def _enlarge(claim: dict[str, Any]) -> None:
+    cut = claim["statement"]["cuts"][-1]
+    cut.append(next(name for name in claim["statement"]["hardware"] if name not in cut))
+
+
+def _lessen(claim: dict[str, Any]) -> None:
+    claim["statement"]["cuts"][0].pop()
+
+
+def _forget(claim: dict[str, Any]) -> None:
+    claim["evidence"]["survived"].pop()
+
+
+def _repair(claim: dict[str, Any]) -> None:
+    claim["evidence"]["survived"][0]["by"] = 0
+
+
+@pytest.mark.parametrize("change", [_drop, _enlarge, _lessen, _forget, _repair])
+def test_cut_sets_that_are_not_all_minimal_and_proved_are_refuted(
+    change: Callable[[dict[str, Any]], None],
+) -> None:
+    data = certificate_of_causes(Study(read_mission(ULYSSE)).causes()).to_bytes()
+    with rewritten(data, change=lambda d: change(d["claims"][-1])) as path:
+        report = certcheck.checked(path)
+    assert [key for how, key, _ in report if how != "proved"] == ["cut_sets: success"]

@@ -182,9 +182,7 @@ CHECK = Document(
                 ),
             ),
             "undecided": MapOf("By verdict that is null: why.", String()),
-            "certificate?": MapOf(
-                "With --certificate: by claim without evidence, why it is trusted.", String()
-            ),
+            "certificate?": MapOf("With --certificate: why a claim has no evidence, by claim.", String()),
             "claims": ListOf("All that is said of the mission, but for losses of hardware.", CLAIM),
             "warnings": ListOf(
                 "What is suspicious in the mission, by its text and by its states.",
@@ -368,6 +366,7 @@ CAUSES = Document(
                     },
                 ),
             ),
+            "certificate?": MapOf("With --certificate: why a claim has no evidence, by claim.", String()),
             "no_risk?": String("With --rates: why there are no numbers of risk; the exit code is 2."),
             "risk?": ObjectOf(
                 "With --rates: numbers of risk.",
