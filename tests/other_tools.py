@@ -26,6 +26,7 @@ from mcpn.mission.model import Mission
 from mcpn.nets.formats import read_net, save_net
 from mcpn.report.failures.drn import drn
 from mcpn.testing import missions
+from mcpn.trees.nodes.versions import PY_TREES
 from tests.answers import test_whole_chain as chains
 from tests.answers.dense import any_missions, interrupted_missions
 from tests.answers.exact import scaled
@@ -37,8 +38,11 @@ from tests.logic.automata import judged
 from tests.nets.formats.test_pm4py import counted, counted_by_pm4py
 from tests.report.test_openpsa import FOR_SCRAM, compare_with_scram
 from tests.trees.languages import TooMuch
+from tests.trees.py_trees_library import played
 from tests.trees.test_judged import DRAWN as TREES
 from tests.trees.test_judged import agree
+from tests.trees.test_py_trees import trees as py_trees
+from tests.trees.test_py_trees import whole
 
 MOST_MARKINGS = 1000
 """Of a mission's net that pm4py counts."""
@@ -218,6 +222,14 @@ def by_library(tree: str, folder: Path) -> Mapping[str, int]:
         return {}
 
 
+def by_py_trees(tree: str, folder: Path) -> Mapping[str, int]:
+    """Runs of py_trees that are runs of the imported mission."""
+    try:
+        return {"runs": runs} if (runs := agree(folder, whole(tree), range(4), PY_TREES, played)) else {}
+    except TooMuch:
+        return {}
+
+
 ROWS = {
     "SCRAM": Row(
         {"SCRAM": of_program("scram", "--version")},
@@ -334,6 +346,16 @@ ROWS = {
         "the ledger names what is approximated",
         draws=TREES,
         judge=by_library,
+        of="trees",
+    ),
+    "py_trees": Row(
+        {"py_trees": of_python("py_trees", "py-trees")},
+        "trees",
+        "read",
+        "each run is one of the imported mission, tick by tick",
+        "the ledger names what is approximated",
+        draws=py_trees(),
+        judge=by_py_trees,
         of="trees",
     ),
 }

@@ -134,6 +134,7 @@ class _Turns:
         self.at, self.name, self.pieces, self.context, self.wraps = at, name, pieces, context, wraps
         self.steps = [piece.block.name for piece in pieces]
         self.fact = at.fact(f"{name}_next", self.steps, f"The child of {name} that is next")
+        self.may_fail = False in wraps or all(False in at.answers(piece) for piece in pieces)
 
     def made(self) -> Part:
         """The block."""
@@ -155,7 +156,7 @@ class _Turns:
                 self.last(piece, over) if last and False in self.wraps else self.child(place, piece, over)
             )
         blocks = [replace(block, success=block.success or SUCCEED) for block in blocks]
-        return Part(Recursive(name=name, blocks=(*blocks, over)))
+        return Part(Recursive(name=name, blocks=(*blocks, *([over] if self.may_fail else []))))
 
     def setting(self, wish: str, to: str, goto: str) -> Objective:
         return self.at.setting(wish, self.context, FactChange(fact=self.fact, to=to), goto)
@@ -164,10 +165,7 @@ class _Turns:
         """A child after which the next one is asked."""
         following = self.steps[(place + 1) % len(self.steps)]
         whole = FactRoute(when=(f"{self.fact}={following}",), goto=over.name, on="failure")
-        if self.wraps == {False}:
-            routes: tuple[FactRoute, ...] = ()
-        else:
-            routes = (whole,)
+        routes: tuple[FactRoute, ...] = (whole,) if True in self.wraps and self.may_fail else ()
         change = FactChange(fact=self.fact, to=following, on="success")
         with_mark = None if piece.skips else marked(piece, change)
         if with_mark is not None:

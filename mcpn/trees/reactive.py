@@ -31,6 +31,9 @@ from mcpn.trees.nodes.node import TreeNode
 from mcpn.trees.pieces import Part, Result, handled
 from mcpn.trees.translator import TURNS, Context, Rule, Translator, called
 
+BETWEEN_CONDITIONS = "when conditions answer, of a child that returns between them, is free"
+"""Why a node that halts its children has more runs: a condition that it asks answers before."""
+
 
 def reactive_sequence(at: Translator, node: TreeNode, context: Context) -> Result:
     """Later children run only as long as earlier ones succeed."""
@@ -64,6 +67,8 @@ def _reactive(at: Translator, node: TreeNode, context: Context, *, stops: bool) 
     if behind and isinstance(result, Part) and isinstance(result.block, Recursive):
         result = replace(result, block=replace(result.block, blocks=(*ended(result.block.blocks), *behind)))
     kind, why = Kind.EXACT, "an earlier child that runs again halts a later one" if sum(slow) > 1 else ""
+    if sum(slow) > 1 and any(map(at.returns_between, node.children[1:])):
+        kind, why = Kind.MORE, BETWEEN_CONDITIONS
     earlier = (child for place, child in enumerate(node.children) if slow[place] and place < last)
     if any(at.remembers(child) for child in earlier):
         kind = Kind.LEFT_OUT
@@ -129,8 +134,8 @@ def while_do_else(at: Translator, node: TreeNode, context: Context) -> Result:
     made = branching(name, asked, *branches)
     if asked.skips:
         at.note(node, name, *skipped_condition(asked))
-    elif any(at.at_once(each, rounds=False) and not at.at_once(each) for each in node.children[1:]):
-        at.note(node, name, Kind.MORE, "when conditions of a branch that returns between them answer is free")
+    elif any(map(at.returns_between, node.children[1:])):
+        at.note(node, name, Kind.MORE, BETWEEN_CONDITIONS)
     elif at.at_once(node.children[0]):
         at.note(node, name, Kind.EXACT)
     else:

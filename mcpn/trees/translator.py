@@ -30,7 +30,7 @@ from mcpn.trees.ledger import Kind, LedgerEntry
 from mcpn.trees.nodes.forest import Forest, tree_of
 from mcpn.trees.nodes.node import PRECONDITIONS, Tree, TreeNode
 from mcpn.trees.nodes.row import NodeRow
-from mcpn.trees.nodes.versions import told
+from mcpn.trees.nodes.versions import PY_TREES, told
 from mcpn.trees.pieces import Part, Result, answers, placed, sourced, tidied
 from mcpn.trees.tree_names import Lane, TreeNames, readable
 
@@ -389,6 +389,10 @@ class Translator:
             return not slow and all(self.at_once(child, rounds=rounds) for child in node.children)
         return rule == "asked" or rule in CONSTANT or self.condition(node)
 
+    def returns_between(self, node: TreeNode) -> bool:
+        """Whether a node runs on only because it returns between leaves that answer at once."""
+        return self.at_once(node, rounds=False) and not self.at_once(node)
+
     def asks(self, node: TreeNode) -> bool:
         """Whether a leaf of a node is a condition, or answers at once as one does."""
         if (tree := tree_of(self.forest, node)) is not None:
@@ -409,6 +413,8 @@ class Translator:
             count = int(node.ports.get(port, ""))
         except ValueError:
             return None
+        if row is not None and row.library == PY_TREES and count < 1:
+            return 1 if row.rule == "retry" else -1  # it counts up, and looks behind each round
         return count if count >= -1 else 0  # the library makes no round then
 
     def depends(self, node: TreeNode, rows: Sequence[NodeRow]) -> None:

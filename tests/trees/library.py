@@ -23,7 +23,7 @@ class Tick(NamedTuple):
         status: What the root returned.
         seen: The leaves that have answered, with what they did, in order.
         running: The leaves that run then, sorted.
-        beside: Places of answers that leaves gave as they were begun, while others ran.
+        beside: Places of answers that the mission need not have: what was asked is not seen to run there.
     """
 
     status: str
@@ -51,6 +51,7 @@ class _Played:
         self.seen: list[tuple[str, str]] = []
         self.beside: set[int] = set()
         self.ending: int | None = None
+        self.reactive = "<Reactive" in text
         self.factory = factory = self.bt.BehaviorTreeFactory()  # which must live as long as the tree
         for name in LEAVES:
             factory.register_simple_stateful_action(name, self.begun, self.asked, self.halted)
@@ -72,7 +73,8 @@ class _Played:
         if self.chance.randrange(3):
             self.running[node.uid()] = node.name()
             return self.bt.NodeStatus.RUNNING
-        self.beside |= {len(self.seen)} if self.running else set()
+        # Asked again by a reactive node, a leaf that answers at once is not seen to run in the mission.
+        self.beside |= {len(self.seen)} if self.running and self.reactive else set()
         return self.answer(node)
 
     def asked(self, node: Any) -> Any:

@@ -82,6 +82,7 @@ EXACT = {
         "RetryUntilSuccessful", node("RoundRobin", A, BADLY), num_attempts=2
     ),
     "round robin, asked behind one that runs": node("ReactiveSequence", A, node("RoundRobin", A, WELL)),
+    "reactive, a round robin that cannot fail": node("ReactiveSequence", node("RoundRobin", Y, WELL), A),
     "pipeline, a series that cannot fail": node("PipelineSequence", node("Fallback", X, WELL), A),
     "reactive, a series that cannot succeed": node("ReactiveFallback", node("Sequence", X, BADLY), A),
     "while, a condition that cannot fail": node("WhileDoElse", node("Fallback", X, WELL), A, B),
@@ -104,6 +105,7 @@ MORE = {
         "Parallel", C, node("SequenceWithMemory", A, BADLY), D, success_count=2, failure_count=1
     ),
     "memory, behind a stage that runs": node("PipelineSequence", A, node("SequenceWithMemory", B, WELL)),
+    "memory of conditions, asked again": node("ReactiveSequence", A, node("SequenceWithMemory", X, Y)),
     "memory of conditions, in a branch": node(
         "WhileDoElse", X, node("TryCatch", A, B), node("SequenceWithMemory", Y, WELL)
     ),

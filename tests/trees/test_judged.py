@@ -8,6 +8,7 @@ What is held: after each tick, answers in their order and what runs then; in the
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -20,7 +21,7 @@ from mcpn.trees.nodes.table import TABLE
 from mcpn.trees.nodes.versions import BTCPP
 from tests.shares import returns_early
 from tests.trees.languages import Side, TooMuch, sides
-from tests.trees.library import library, played, throws
+from tests.trees.library import Tick, library, played, throws
 from tests.trees.test_import import LEAVES, A, B, C, X, Y, imported, node, trees
 
 VERSION = "4.8"
@@ -32,13 +33,26 @@ SKIPPED = (
 )
 
 
-def agree(folder: Path, tree: str, seeds: range) -> int:
-    """How many runs of the library are runs of the mission.
+def agree(
+    folder: Path,
+    tree: str,
+    seeds: range,
+    read_as: str = f"btcpp={VERSION}",
+    play: Callable[[Path, int], list[Tick]] = played,
+) -> int:
+    """How many runs of a library are runs of the mission.
+
+    Args:
+        folder: Where the tree may be written.
+        tree: The tree, as a node or whole.
+        seeds: Of the runs.
+        read_as: The library as which it is read.
+        play: Plays a tree by that library.
 
     Raises:
         AssertionError: One is none.
     """
-    made, ticked = imported(folder, tree, (f"btcpp={VERSION}",))
+    made, ticked = imported(folder, tree, (read_as,))
     ticked.quick |= {"WasEntryUpdated", "ScriptCondition"}
     if made.ledger.kind is Kind.LEFT_OUT:
         return 0
@@ -46,11 +60,11 @@ def agree(folder: Path, tree: str, seeds: range) -> int:
     for seed in seeds:
         mission = Side(both.mission_moves, both.mission_rest)
         there = mission.closed([((), both.mission.initial)])
-        ticks = played(folder / "tree.xml", seed)
+        ticks = play(folder / "tree.xml", seed)
         for tick in ticks:
             for place, answer in enumerate(tick.seen):
                 # Asked again by a reactive node, a leaf that answers at once has not been seen to run.
-                unseen = there if place in tick.beside and "<Reactive" in tree else frozenset()
+                unseen = there if place in tick.beside else frozenset()
                 there = mission.behind(there).get(answer, frozenset()) | unseen
             assert there, (seed, ticks, tick)
             rests = mission.rests(there, both.mission_shows)
@@ -64,7 +78,7 @@ def agree(folder: Path, tree: str, seeds: range) -> int:
     return len(seeds)
 
 
-BETWEEN = ("SequenceWithMemory", "Async", "Retry", "Repeat", "KeepRunning", "Loop")
+BETWEEN = ("SequenceWithMemory", "Async", "Retry", "Repeat", "KeepRunning", "SuccessIsRunning", "Loop")
 """Nodes that return between their children or rounds, where in the mission the next one has begun."""
 
 

@@ -144,11 +144,11 @@ class _Choosing:
     def take(self, node: TreeNode) -> None:
         """Narrows versions to those that have a node with its ports, or says why there are none."""
         rules = [rule for rule in PRECONDITIONS if rule in node.rules]
-        if rules and BTCPP in self.allowed and not self.narrow(BTCPP, between(BTCPP, "4.0"), rules[0]):
-            self.wrong(
-                node,
-                f"{node.title} has {rules[0]} of BehaviorTree.CPP 4, the tree is for {self.is_for(BTCPP)}",
-            )
+        since = between(BTCPP, "4.0")
+        if rules and not (BTCPP in self.allowed and self.narrow(BTCPP, since, rules[0])):
+            library = BTCPP if BTCPP in self.allowed else PY_TREES
+            said = f"{node.title} has {rules[0]} of BehaviorTree.CPP 4"
+            self.wrong(node, f"{said}, the tree is for {self.is_for(library)}")
         rows = rows_of(node.id, self.libraries)
         if not rows:
             return

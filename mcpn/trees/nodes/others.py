@@ -215,7 +215,7 @@ _add(
     "Decorator",
     "num_failures:int",
     "retry",
-    "the child again while it fails, so many times; -1: for ever",
+    "the child again while it fails, so many times; below 1: once",
 )
 _add(
     "Repeat",
@@ -223,7 +223,7 @@ _add(
     "Decorator",
     "num_success:int",
     "repeat",
-    "the child again while it succeeds, so many times; -1: for ever",
+    "the child again while it succeeds, so many times; below 1: for ever",
 )
 _add("SuccessIsRunning", "2.6", "Decorator", "", "keep_running", "the child again and again, until it fails")
 _add(
@@ -247,7 +247,31 @@ _add(
     "more runs",
 )
 _add(
-    "OneShot EternalGuard ForEach", "2.6", "Decorator", None, "unknown", "as its child, some day", "more runs"
+    "OneShot",
+    "2.6",
+    "Decorator",
+    "policy:text",
+    "unknown",
+    "its child once, later what that returned",
+    "more runs",
+)
+_add(
+    "ForEach",
+    "2.6",
+    "Decorator",
+    "source_key:text target_key:text",
+    "unknown",
+    "the child once for each value of an entry, while it succeeds",
+    "more runs",
+)
+_add(
+    "EternalGuard",
+    "2.6",
+    "Decorator",
+    None,
+    "its condition is a function, which no attribute says",
+    "its child while a condition holds",
+    "refused",
 )
 
 OTHER_ROWS = (*_nav2.rows, *_plansys2.rows, *_py_trees.rows)
