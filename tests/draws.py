@@ -27,13 +27,14 @@ def composed(mission: Mission) -> MissionNet:
     return mission_net
 
 
-def fewer(share: float) -> settings:
+def fewer(share: float, least: int = 5) -> settings:
     """For a property that is costly to judge.
 
     Args:
         share: Of the examples that the profile draws elsewhere.
+        least: As many are drawn in each profile.
     """
-    return settings(max_examples=max(5, round(share * settings().max_examples)))
+    return settings(max_examples=max(least, round(share * settings().max_examples)))
 
 
 def campaign(strategy: SearchStrategy[Drawn], judge: Callable[[Drawn], str], number: int) -> Counter[str]:

@@ -60,7 +60,7 @@ SMALL = {
     "sizes": r".*",
     "times": r".*",
     "controllers": r".*",
-    "ways": r"ulysse|ladder 10|share 2|drivers 2",
+    "ways": r"ulysse|share 2|drivers 2",
     "proofs": r"(sites|hardware|data) \d",
     "growth": r"\w+ [1-4]",
     "sections": r"10|100",

@@ -34,14 +34,18 @@ class Verdict:
 class Judge(lockstep.Judge):
     """Holds the interpreter against all ways in which mcpn plays a mission."""
 
-    def judge(self, mission_net: MissionNet | None = None) -> Verdict:
+    def judge(self, mission_net: MissionNet | None = None, most: int = MOST_STATES) -> Verdict:
         """Judges the mission.
+
+        Args:
+            mission_net: Its net, where that has been made.
+            most: A mission of more stable states is too large.
 
         Raises:
             Mismatch: Somebody differs from the interpreter.
         """
         try:
-            determined = self.explore()
+            determined = self.explore(most)
             mission_net = mission_net or compose(self.mission)
             if len(mission_net.net.transitions) > MOST_TRANSITIONS:
                 return Verdict("too large")
@@ -50,7 +54,7 @@ class Judge(lockstep.Judge):
         verdict = Verdict("agree" if determined else "undetermined", len(self._after))
         try:
             for players in (graphs, controllers):
-                for who, player in players(mission_net, 4 * MOST_STATES):
+                for who, player in players(mission_net, 4 * most):
                     verdict.pairs[who] = self.lockstep(who, player)
         except SemanticsError as error:
             if determined:

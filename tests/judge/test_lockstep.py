@@ -20,10 +20,13 @@ from tests.judge.lockstep import Judge
 from tests.judge.players import MODULAR, OfGraph
 from tests.small import activity, hw, mission, robot
 
+MOST_STATES = 400
+"""A few larger missions took most of the time; ``experiments/judge.py`` draws missions of up to 3,000."""
 
-def check(of: Mission) -> str:
+
+def check(of: Mission, most: int = MOST_STATES) -> str:
     """All that play a mission agree with the interpreter; says how it was judged."""
-    verdict = Judge(of).judge(composed(of))
+    verdict = Judge(of).judge(composed(of), most)
     event(verdict.kind)
     event(f"{verdict.kind}, modular controller: {MODULAR in verdict.pairs}")
     return verdict.kind
@@ -161,10 +164,10 @@ def missions_of_much_late_hardware(draw: st.DrawFn) -> Mission:
     return mission(robot(tuple(hardware), *tasks, looking), both, again)
 
 
-@fewer(0.05)  # hundreds of states each
+@fewer(0.05, least=2)  # hundreds of states each
 @given(missions_of_much_late_hardware())
 def test_one_objective_may_use_much_hardware_that_is_detected_late(of: Mission) -> None:
-    assert check(of) != "undetermined"
+    assert check(of, most=2_000) != "undetermined"
 
 
 @given(drawn.RECOVERING)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ast
+import re
 import subprocess
 import sys
 import threading
@@ -14,6 +16,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mcpn import _kernel as kernel
 from mcpn._kernel import BudgetExceeded, Cancelled, MemoryLimit, SafeNet, Store, Zdd
 from tests.kernel.test_store import Sets, Touches, build, event, fire, permutations, read, switches, systems
 
@@ -192,7 +195,48 @@ def test_a_store_that_is_cancelled_gives_up() -> None:
         start | start
 
 
+def parameters(signature: str) -> list[str]:
+    """Their names in the head of a function."""
+    while (shorter := re.sub(r"\[[^][]*\]", "", signature)) != signature:
+        signature = shorter
+    inside = signature.partition("(")[2].rpartition(")")[0]
+    return [re.split("[:=]", one)[0].strip() for one in inside.split(",") if one.strip()]
+
+
+def declared(body: list[ast.stmt]) -> dict[str, ast.stmt]:
+    """What some lines of a stub declare, by name, but for operators and the like."""
+    named: dict[str, ast.stmt] = {n.name: n for n in body if isinstance(n, ast.FunctionDef | ast.ClassDef)}
+    named |= {n.target.id: n for n in body if isinstance(n, ast.AnnAssign) and isinstance(n.target, ast.Name)}
+    return {name: node for name, node in named.items() if not name.startswith("__")}
+
+
+def public(of: object) -> set[str]:
+    """Names of what a class or module of the kernel has."""
+    return {name for name in vars(of) if not name.startswith("__")}
+
+
+def test_the_stub_names_all_that_the_kernel_has() -> None:
+    """Functions, classes, methods, and the names of what they take."""
+    inside = declared(ast.parse((KERNEL.parent / "mcpn" / "_kernel.pyi").read_text()).body)
+    assert inside.keys() == public(kernel)
+    known = {(kernel, name): node for name, node in inside.items()}
+    for name, node in inside.items():
+        if isinstance(node, ast.ClassDef):
+            methods = declared(node.body)
+            assert methods.keys() == public(getattr(kernel, name)), name
+            known |= {(getattr(kernel, name), method): each for method, each in methods.items()}
+    compared = 0
+    for (owner, name), node in known.items():
+        heads = getattr(getattr(owner, name), "__nb_signature__", ())
+        if isinstance(node, ast.FunctionDef) and heads:
+            assert parameters(f"({ast.unparse(node.args)})") in [parameters(h) for h, *_ in heads], name
+            compared += 1
+    assert compared > 60
+
+
+@pytest.mark.slow
 def test_the_stub_says_what_the_kernel_has() -> None:
+    """Types and defaults, too: mypy looks at all of numpy for it, for half a minute."""
     pytest.importorskip("mypy.stubtest", reason="needs mypy: the extra test-all")
     command = [
         sys.executable,
