@@ -14,6 +14,8 @@ from typing import Any
 
 from mcpn.answers.claims import KINDS
 from mcpn.drawing.templates.interface import MEETINGS
+from mcpn.drivers.known import OF_DRIVERS
+from mcpn.drivers.mapping import KINDS as KINDS_OF_DRIVERS
 from mcpn.logic.contest import KNOWN as OF_PROPERTIES
 from mcpn.mission.language.forms import GROUPS, Field, form_of, inside, language, relax_ng
 from mcpn.mission.misfits import SCHEMA
@@ -21,6 +23,7 @@ from mcpn.mission.model import BlockElement
 from mcpn.mission.requirement import Absence
 from mcpn.mission.robot import Described, Element
 from mcpn.nets.formats.pnml import KNOWN as OF_PNML
+from mcpn.nets.formats.tina import ARCS, DECLARATIONS
 from mcpn.report.documents import FORMATS, json_schema
 from mcpn.report.documents.answers import NAMED
 from mcpn.report.documents.graphs import ANSWERED
@@ -61,6 +64,7 @@ PAGES = [
         "from-a-tree.md",
         "formats.md",
         "nets.md",
+        "drivers.md",
         "templates.md",
         "claims.md",
     )
@@ -242,6 +246,24 @@ def claims(_: str) -> str:
     return "\n".join(f"| {' | '.join(row)} |" for row in rows_)
 
 
+def drivers(_: str) -> str:
+    """The table of what a driver may say in a file of drivers."""
+    lines = ["| key | says | of drivers |", "|---|---|---|"]
+    for key, row in OF_DRIVERS.items():
+        which = "" if row.kinds == KINDS_OF_DRIVERS or key in KINDS_OF_DRIVERS else ", ".join(row.kinds)
+        lines.append(f"| `{key} = {row.value}` | {row.says} | {which} |")
+    return "\n".join(lines)
+
+
+def declarations(_: str) -> str:
+    """The declarations and the arcs of TINA's nets."""
+    lines = ["| declaration | means |", "|---|---|"]
+    lines += [f"| `{how}` | {says} |" for how, says in DECLARATIONS.values()]
+    lines += ["", "| arc | means |", "|---|---|"]
+    lines += [f"| `NAME{sign}{'WEIGHT' if sign else ''}` | {says} |" for sign, says in ARCS.items()]
+    return "\n".join(lines)
+
+
 def renewed(page: str) -> str:
     """The page with its tables written anew."""
     kinds = (
@@ -251,6 +273,8 @@ def renewed(page: str) -> str:
         ("known", r"\w+", known),
         ("nodes", r"\w+", nodes),
         ("claims", r"\w+", claims),
+        ("drivers", r"\w+", drivers),
+        ("declarations", r"\w+", declarations),
     )
     for word, name, make in kinds:
         page = re.sub(

@@ -1,4 +1,4 @@
-"""What is wrong with a text that is no XML, in sentences: the parser's own words reach nobody."""
+"""What is wrong with a text that is no XML or no TOML, in sentences: the parsers' own words reach nobody."""
 
 from __future__ import annotations
 
@@ -45,6 +45,43 @@ _SENTENCES = (
     (r"[Ll]imit exceeded|XML_PARSE_HUGE|too long", "a name, text or value is too long: the limit was hit"),
 )
 """By pattern of the parser's message, what to say; names and lines are those of its groups."""
+
+_OF_TOML = (
+    (r"Cannot declare .* twice", "found a table a second time, expected one"),
+    (r"Cannot overwrite a value", "found a key a second time, expected one value for it"),
+    (r"Duplicate inline table key '?([^'(]*)'?", "found the key {0} a second time, expected one"),
+    (r"Cannot mutate", "found more of a table that has ended, expected all of it in its braces"),
+    (r"Invalid statement|Invalid initial character", "found no key, expected key = value or [table]"),
+    (r"Expected '=' after a key", "found a key alone, expected = and a value behind it"),
+    (r"Invalid value", "found no value, expected a text in quotes, a number, true, false, [ or {{"),
+    (r"Unterminated string|Expected \"'\"", "found a text without its end, expected a quote"),
+    (r"Expected newline or end of document", "found more behind a value, expected the end of the line"),
+    (r"Unclosed array", "found a list without its end, expected , or ]"),
+    (r"Unclosed inline table", "found a table without its end, expected , or }}"),
+    (r"Expected ['\"](\]+)['\"] at the end of", "found a table's name without its end, expected {0}"),
+    (r"Illegal character|Found invalid character", "found a character that cannot stand here, expected text"),
+    (
+        r"Unescaped|Invalid hex|Escaped character",
+        "found an escape that is none, expected \\\\ for a backslash",
+    ),
+    (r"Invalid date", "found a date that is none, expected one or a text in quotes"),
+    (r"digits|int string conversion", "found a number of too many digits, expected fewer"),
+    (r"recursion", "found lists or tables too deep in each other: the limit was hit"),
+)
+
+
+def of_toml(message: str) -> str:
+    """What a message of Python's reader of TOML says, with the column where it has one.
+
+    >>> of_toml("Invalid value (at line 3, column 5)")
+    'not valid TOML: column 5: found no value, expected a text in quotes, a number, true, false, [ or {'
+    """
+    column = re.search(r"column (\d+)\)\s*\Z", message)
+    where = f": column {column[1]}" if column else ""
+    for pattern, said in _OF_TOML:
+        if found := re.search(pattern, message):
+            return f"not valid TOML{where}: {said.format(*found.groups())}"
+    return f"not valid TOML{where}: found something else, expected TOML"
 
 
 def sentence(message: str) -> str:

@@ -4,54 +4,22 @@ from __future__ import annotations
 
 import json
 import re
-import signal
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from mcpn.drivers.mapping import (
-    FAILURE,
-    KINDS,
-    OTHER,
-    REPEATS,
-    SUCCESS,
-    DriverSpec,
-    Kind,
-    Place,
-    Plan,
-    Repeat,
-    Topics,
-    endings,
-)
+from mcpn.drivers.known import EXIT, KNOWN, OF_DRIVERS, OPTIONS, shown, texts, typed
+from mcpn.drivers.mapping import FAILURE, KINDS, OTHER, SUCCESS, DriverSpec, Kind, Place, Plan, endings
+from mcpn.drivers.processes import NOT_STARTED
 from mcpn.errors import InputError, Problem, Source
 from mcpn.files import read_bounded
+from mcpn.misread import of_toml
 from mcpn.mission.did_you_mean import did_you_mean
 from mcpn.runtime.tables import START, Tables
 
 MAX_BYTES = 1 << 20
-MOST_SECONDS = 86_400
-MOST_SHOWN = 100
-TOP = ("activities", "sources", "release", "never", "mqtt", "zenoh")
-COMMON = (*KINDS, "lines", "ends", "stop", "grace", "repeat")
-MQTT: Mapping[str, type] = {
-    "host": str,
-    "port": int,
-    "keepalive": int,
-    "qos": int,
-    "version": int,
-    "username": str,
-    "password": str,
-}
-ZENOH = ("mode", "connect", "listen", "multicast")
-WORDS: Mapping[type, str] = {
-    str: "a text",
-    int: "a whole number",
-    bool: "true or false",
-    dict: "a table",
-    list: "a list of texts",
-}
 
 
 def read_drivers(path: Path) -> Plan:
@@ -66,12 +34,13 @@ def read_drivers(path: Path) -> Plan:
         said = tomllib.loads(text)
         lines = lines_of(text)
     except UnicodeDecodeError as error:
-        raise InputError.at(Source(str(path), data.count(b"\n", 0, error.start) + 1), "not UTF-8") from None
+        line = data.count(b"\n", 0, error.start) + 1
+        why = "found bytes that are not UTF-8, expected text in UTF-8"
+        raise InputError.at(Source(str(path), line), why) from None
     except (ValueError, RecursionError) as error:  # ValueError also of a number with too many digits
         at = re.search(r"\(at line (\d+)", str(error))
         end = text.count("\n") + 1 if "end of document" in str(error) else None
-        why, _, _ = str(error).partition("; use sys.")  # advice to who writes Python
-        raise InputError.at(Source(str(path), int(at[1]) if at else end), f"not valid TOML: {why}") from None
+        raise InputError.at(Source(str(path), int(at[1]) if at else end), of_toml(str(error))) from None
     reader = _DriversReader(lines)
     plan = reader.plan(path, said)
     if reader.problems:
@@ -146,7 +115,7 @@ class _DriversReader:
             self._wrong(place, str(error))
 
     def plan(self, path: Path, said: dict[str, Any]) -> Plan:
-        self._known((), said, TOP)
+        self._known((), said, KNOWN)
         activities: dict[tuple[str, str | None], DriverSpec] = {}
         for name, table in self._tables(said, "activities"):
             place: Place = ("activities", name)
@@ -163,9 +132,16 @@ class _DriversReader:
         releases = self._specs(said, "release")
         never: tuple[str, ...] = ()
         with self._at(("never",)):
-            never = _texts("never", said.get("never", []))
+            never = texts("never", said.get("never", []))
         return Plan(
-            path, self.lines, activities, sources, releases, never, self._mqtt(said), self._zenoh(said)
+            path,
+            self.lines,
+            activities,
+            sources,
+            releases,
+            never,
+            self._options(said, "mqtt"),
+            self._options(said, "zenoh"),
         )
 
     def _specs(self, said: dict[str, Any], key: str) -> dict[str, DriverSpec]:
@@ -176,21 +152,21 @@ class _DriversReader:
         """The tables inside of one, which must all be tables."""
         found = said.get(key, {})
         if not isinstance(found, dict):
-            self._wrong((*above, key), f"{key}: expected a table, found {_shown(found)}")
+            self._wrong((*above, key), f"{key}: expected a table, found {shown(found)}")
             return []
         tables = []
         for name, table in found.items():
             if isinstance(table, dict):
                 tables.append((name, table))
             else:
-                self._wrong((*above, key, name), f"{key}.{name}: expected a table, found {_shown(table)}")
+                self._wrong((*above, key, name), f"{key}.{name}: expected a table, found {shown(table)}")
         return tables
 
-    def _known(self, place: Place, table: Mapping[str, Any], known: tuple[str, ...]) -> None:
+    def _known(self, place: Place, table: Mapping[str, Any], known: Collection[str]) -> None:
         for key in table:
             if key not in known:
-                hint = did_you_mean(key, known) or f", expected one of {', '.join(known)}"
-                self._wrong((*place, key), f"unknown key {key!r}{hint}")
+                expected = f"expected one of {', '.join(known)}{did_you_mean(key, known)}"
+                self._wrong((*place, key), f"found the key {key!r}, {expected}")
 
     def _spec(
         self,
@@ -202,7 +178,7 @@ class _DriversReader:
         needed: bool = True,
     ) -> DriverSpec | None:
         """A driver, with what the table around it says and its own does not."""
-        self._known(place, own, (*COMMON, *more))
+        self._known(place, own, (*OF_DRIVERS, *more))
         table = {**(around or {}), **own}
         kinds: list[Kind] = [kind for kind in KINDS if kind in table]
         if len(kinds) != 1:
@@ -212,52 +188,31 @@ class _DriversReader:
             return None
         (kind,) = kinds
         values: dict[str, Any] = {}
-
-        def read(key: str, name: str, make: Callable[[str, Any], Any]) -> None:
+        for key, row in OF_DRIVERS.items():
             if key in table:
-                with self._at((*place, key) if key in own else place[:2]):
-                    values[name] = make(key, table[key])
-
-        read("process", "command", _command)
-        read("python", "function", _function)
-        read("nothing", "nothing", _nothing)
-        read(kind if kind in ("mqtt", "zenoh") else "", "topics", _topics)
-        read("lines", "lines", _lines)
-        read("ends", "ends", _ends)
-        read("stop", "stop", _signal)
-        read("grace", "grace", _seconds)
-        read("repeat", "repeat", _repeat)
-        if "stop" in table and kind != "process":
-            self._wrong((*place, "stop"), f"stop: a signal is for a process, not for {kind}")
-        if "ends" in table and kind not in ("process", "python"):
-            self._wrong((*place, "ends"), f"ends: {kind} does not end by itself")
-        values.pop("nothing", None)
+                here = (*place, key) if key in own else place[:2]
+                with self._at(here):
+                    values[row.field] = row.read(key, table[key])
+                if kind not in row.kinds and key in own:
+                    self._wrong(here, f"{key}: found it of {kind}, expected it of {' or '.join(row.kinds)}")
+        if (
+            kind == "process"
+            and "ends" in own
+            and (strange := [how for how in values.get("ends", ()) if not EXIT.fullmatch(how)])
+        ):
+            expected = f"an exit status, {OTHER} or {NOT_STARTED}"
+            self._wrong((*place, "ends", strange[0]), f"ends: expected {expected}, found {strange[0]}")
+        values.pop("", None)
         return DriverSpec(place, kind, **values)
 
-    def _mqtt(self, said: dict[str, Any]) -> dict[str, str | int]:
-        table, found = said.get("mqtt", {}), dict[str, str | int]()
-        with self._at(("mqtt",)):
-            self._known(("mqtt",), _typed("mqtt", table, dict), tuple(MQTT))
-            for key, value in table.items():
-                with self._at(("mqtt", key)):
-                    if key in MQTT:
-                        found[key] = _typed(key, value, MQTT[key])
-        for key, most in (("port", 65535), ("qos", 2), ("keepalive", 65535)):
-            if isinstance(found.get(key), int) and not 0 <= int(found[key]) <= most:
-                self._wrong(("mqtt", key), f"{key}: expected 0 to {most}, found {_shown(found[key])}")
-        if isinstance(found.get("version"), int) and found["version"] not in (3, 5):
-            shown = _shown(found["version"])
-            self._wrong(("mqtt", "version"), f"version: expected 5, or 3 for MQTT 3.1.1, found {shown}")
-        return found
-
-    def _zenoh(self, said: dict[str, Any]) -> dict[str, bool | str | tuple[str, ...]]:
-        table, found = said.get("zenoh", {}), dict[str, bool | str | tuple[str, ...]]()
-        with self._at(("zenoh",)):
-            self._known(("zenoh",), _typed("zenoh", table, dict), ZENOH)
-            for key, value in table.items():
-                with self._at(("zenoh", key)):
-                    kind = {"mode": str, "multicast": bool}.get(key)
-                    found[key] = _texts(key, value) if kind is None else _typed(key, value, kind)
+    def _options(self, said: dict[str, Any], name: str) -> dict[str, Any]:
+        """What a table of options says."""
+        table, found = said.get(name, {}), dict[str, Any]()
+        with self._at((name,)):
+            self._known((name,), typed(name, table, dict), OPTIONS[name])
+            for key in table.keys() & OPTIONS[name].keys():
+                with self._at((name, key)):
+                    found[key] = OPTIONS[name][key](key, table[key])
         return found
 
 
@@ -265,92 +220,6 @@ def _line(lines: Mapping[Place, int], place: Place) -> int:
     while place and place not in lines:
         place = place[:-1]
     return lines.get(place, 1)
-
-
-def _typed(key: str, value: Any, kind: type) -> Any:
-    if type(value) is not kind:
-        raise ValueError(f"{key}: expected {WORDS[kind]}, found {_shown(value)}")
-    return value
-
-
-def _texts(key: str, value: Any) -> tuple[str, ...]:
-    if not isinstance(value, list) or not all(isinstance(text, str) for text in value):
-        raise ValueError(f"{key}: expected {WORDS[list]}, found {_shown(value)}")
-    return tuple(value)
-
-
-def _command(key: str, value: Any) -> tuple[str, ...]:
-    command = _texts(key, value)
-    if not command or not command[0] or any("\0" in text for text in command):
-        raise ValueError(f"{key}: expected a command and its arguments, found {_shown(value)}")
-    return command
-
-
-def _function(key: str, value: Any) -> str:
-    text: str = _typed(key, value, str)
-    if not re.fullmatch(r"[^\W\d][\w.]*:[^\W\d]\w*", text):
-        raise ValueError(f"{key}: expected 'module:function', found {_shown(text)}")
-    return text
-
-
-def _nothing(key: str, value: Any) -> bool:
-    if value is not True:
-        raise ValueError(f"{key}: expected true, found {_shown(value)}")
-    return True
-
-
-def _topics(key: str, value: Any) -> Topics:
-    table: dict[str, Any] = _typed(key, value, dict)
-    if not table or table.keys() - {"start", "stop", "says"}:
-        raise ValueError(f"{key}: expected some of start, stop, says, found {', '.join(table) or 'none'}")
-    return Topics(**{name: _typed(f"{key}.{name}", text, str) for name, text in table.items()})
-
-
-def _lines(key: str, value: Any) -> dict[str, str]:
-    table: dict[str, Any] = _typed(key, value, dict)
-    for text, event in table.items():
-        _typed(f"{key}.{text!r}", event, str)
-        try:
-            re.compile(text)
-        except (re.error, RecursionError) as error:
-            raise ValueError(f"{key}: {text!r} is no regular expression: {error}") from None
-    return table
-
-
-def _ends(key: str, value: Any) -> dict[str, str]:
-    table: dict[str, Any] = _typed(key, value, dict)
-    return {how: _typed(f"{key}.{how}", event, str) for how, event in table.items()}
-
-
-def _repeat(key: str, value: Any) -> Repeat:
-    for known in REPEATS:
-        if value == known:
-            return known
-    raise ValueError(f"{key}: expected one of {', '.join(REPEATS)}, found {value!r}")
-
-
-def _signal(key: str, value: Any) -> signal.Signals:
-    try:
-        return signal.Signals[_typed(key, value, str)]
-    except KeyError:
-        raise ValueError(
-            f"{key}: expected the name of a signal such as SIGTERM, found {_shown(value)}"
-        ) from None
-
-
-def _seconds(key: str, value: Any) -> float:
-    if type(value) not in (int, float) or not 0 <= value <= MOST_SECONDS:
-        raise ValueError(f"{key}: expected seconds, from 0 to {MOST_SECONDS}, found {_shown(value)}")
-    return float(value)
-
-
-def _shown(value: Any) -> str:
-    """A value in an error: not all of a long one, which Python may refuse to write."""
-    try:
-        text = repr(value)
-    except ValueError:
-        return "a number of too many digits"
-    return text if len(text) <= MOST_SHOWN else f"{text[:MOST_SHOWN]}..."
 
 
 # A file of drivers to start from: each activity of a mission is a program that is still to be written.

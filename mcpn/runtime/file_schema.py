@@ -40,10 +40,20 @@ def parsed(text: bytes | str, error: type[DamagedFile] = ControllerFileError) ->
     try:
         document = json.loads(text)
     except (ValueError, RecursionError, OverflowError) as wrong:
-        raise error(f"no JSON: {wrong}") from wrong
+        raise error(f"no JSON: {_misread(wrong)}, expected a JSON object") from wrong
     if not isinstance(document, dict):
-        raise error(f"expected a JSON object, found {type(document).__name__}")
+        raise error(f"found {json.dumps(document)[:40]}, expected a JSON object")
     return document
+
+
+def _misread(wrong: Exception) -> str:
+    """What was found that is no JSON, and where."""
+    if isinstance(wrong, json.JSONDecodeError):
+        found = wrong.doc[wrong.pos : wrong.pos + 20].split("\n")[0] or "the end"
+        return f"line {wrong.lineno}, column {wrong.colno}: found {found!r}"
+    if isinstance(wrong, UnicodeDecodeError):
+        return f"found bytes that are not UTF-8, at byte {wrong.start + 1}"
+    return "found a number of too many digits, or lists and objects too deep in each other"
 
 
 def check_digest(document: Mapping[str, Any]) -> str:

@@ -7,6 +7,7 @@ tables of the page on formats are made of the same declarations.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from copy import copy
 from math import inf
@@ -36,7 +37,11 @@ class Misfit(ValueError):
         return self
 
     def __str__(self) -> str:
-        fault = f"found {repr(self.found)[:80]}, expected {self.expected}"
+        try:
+            found = json.dumps(self.found)
+        except (TypeError, ValueError):  # what no file says, but an object of Python may
+            found = repr(self.found)
+        fault = f"found {found[:80]}, expected {self.expected}"
         return f"{self.where.lstrip('.')}: {fault}" if self.where else fault
 
 
@@ -147,7 +152,8 @@ class OneOf(JsonShape):
 
     def _check(self, value: Any) -> None:
         if not any(type(value) is type(each) and value == each for each in self.values):
-            raise Misfit(value, "one of " + ", ".join(map(str, self.values)))
+            some = "one of " if len(self.values) > 1 else ""
+            raise Misfit(value, some + ", ".join(map(str, self.values)))
 
 
 class Nullable(JsonShape):

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
+from mcpn.drivers.known import KNOWN, OF_DRIVERS, OPTIONS
 from mcpn.drivers.mapping import check_plan
 from mcpn.drivers.reading import lines_of, read_drivers, skeleton
 from mcpn.errors import InputError, LimitError, SemanticsError
@@ -69,9 +70,15 @@ def test_a_good_one(tmp_path: Path) -> None:
             ": no driver reports the event OBJ_home_EV_FAIL",
         ]),
         ("nothing = true", "nothing = false", [":6: nothing: expected true, found False"]),
-        ("nothing = true", "noting = true", [":6: unknown key 'noting' (did you mean nothing?)", ":5: "]),
-        ("nothing = true", "nothing = true\nstop = 'SIGTERM'", [":7: stop: a signal is for a process"]),
-        ("nothing = true", "nothing = true\nends = {}", [":7: ends: nothing does not end by itself"]),
+        ("nothing = true", "noting = true", [
+            ":6: found the key 'noting', expected one of process, python, mqtt", ":5: ",
+        ]),
+        ("nothing = true", "nothing = true\nstop = 'SIGTERM'", [
+            ":7: stop: found it of nothing, expected it of process",
+        ]),
+        ("nothing = true", "nothing = true\nends = {}", [
+            ":7: ends: found it of nothing, expected it of process or python",
+        ]),
         ("nothing = true", "nothing = true\npython = 'a:b'", [":5: activities.localisation: expected one"]),
         ("nothing = true", "nothing = true\ngrace = -1", [":7: grace: expected seconds, from 0 to 86400"]),
         ('["true"]', '["true"]\nstop = "SIGHURRY"', [":4: stop: expected the name of a signal"]),
@@ -90,6 +97,9 @@ def test_a_good_one(tmp_path: Path) -> None:
         ]),
         ('0 = "success"', '0 = "OBJ_travel_EV_OK"', [": no driver reports the event OBJ_home_EV_OK"]),
         ('{0 = "success"', '{0 = 5', [":9: ends.0: expected a text, found 5"]),
+        ('{0 = "success"', '{zero = "success"', [
+            ":9: ends: expected an exit status, other or not_started, found zero",
+        ]),
         ("{true", "{raised", []),
         ('"hand:over"', '"hand"', [":11: python: expected 'module:function', found 'hand'"]),
         ('"hand:over"', '"hand:under"', [":10: hand:under: AttributeError"]),
@@ -106,13 +116,14 @@ def test_a_good_one(tmp_path: Path) -> None:
         ]),
         ("[activities.hand", "[mqtt]\nport = 70000\nhosts = 'a'\n[activities.hand", [
             ":11: port: expected 0 to 65535, found 70000",
-            ":12: unknown key 'hosts' (did you mean host?)",
+            ":12: found the key 'hosts', expected one of host, port, keepalive, qos, version, username, password",
         ]),
         ("[activities.hand", "[sources.x]\nmqtt = {say = 'a'}\n[activities.hand", [
             ":11: mqtt: expected some of start, stop, says, found say",
         ]),
         ("[activities.hand", "[sources.x]\nnothing = true\nlines = {'(' = 'called_back'}\n[activities.hand", [
-            ":12: lines: '(' is no regular expression",
+            ":12: lines: found '(', wrong at column 1, expected a regular expression of Python",
+            ":12: lines: found it of nothing, expected it of process or python or mqtt or zenoh",
         ]),
         ("[activities.hand", "[sources.x]\nprocess = ['true', '{room}']\n[activities.hand", [
             ":10: {room}: sources.x belongs to no activity",
@@ -128,6 +139,93 @@ def test_what_is_wrong_is_told(tmp_path: Path, old: str, new: str, expected: lis
         assert any(line.startswith(message) for line in found), found
     if not expected:
         assert found == []
+
+
+WHOLE = """never = []
+[activities.drive]
+process = ["true"]
+lines = {}
+[activities.look.alternatives.far]
+mqtt = {start = "a"}
+[activities.look.alternatives.near]
+zenoh = {says = "a"}
+[sources.clock]
+python = "a:b"
+[release.wheels]
+nothing = true
+[mqtt]
+port = 1
+[zenoh]
+multicast = true
+"""
+
+
+@given(data=st.data())
+def test_a_key_that_no_table_declares_is_refused_everywhere(
+    tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
+) -> None:
+    known = {
+        *KNOWN,
+        *OF_DRIVERS,
+        *(key for of in OPTIONS.values() for key in of),
+        "start",
+        "says",
+        "alternatives",
+    }
+    key = data.draw(st.from_regex(r"[a-z_]{3,8}", fullmatch=True).filter(lambda key: key not in known))
+    lines = WHOLE.splitlines()
+    number = data.draw(st.integers(0, len(lines) - 1))
+    if lines[number].startswith("["):
+        lines.insert(number + 1, f"{key} = 1")
+    elif "{" in lines[number] and "lines" not in lines[number]:
+        lines[number] = lines[number].replace("}", f', {key} = "b"}}')
+    else:
+        lines.insert(number, f"{key} = 1")
+    path = tmp_path_factory.mktemp("unknown") / "drivers.toml"
+    path.write_text("\n".join(lines))
+    with pytest.raises(InputError, match=rf"drivers\.toml:\d+: .*{key}.*") as caught:
+        read_drivers(path)
+    (problem,) = caught.value.problems
+    assert problem.source is not None
+    assert problem.source.line is not None
+    assert key in lines[problem.source.line - 1]
+    assert "found" in problem.message
+    assert "expected" in problem.message
+
+
+def test_no_word_of_the_parser_reaches_a_person(tmp_path: Path) -> None:
+    path = tmp_path / "drivers.toml"
+    wrong = [
+        "a",
+        "a =",
+        "= 1",
+        "a = 'x",
+        'a = "x',
+        "a = [1",
+        "a = {b = 1",
+        "a = 1\na = 2",
+        "[a]\n[a]",
+        "[a",
+        "[[a]",
+    ]
+    wrong += [
+        "a = 1 2",
+        'a = "\\q"',
+        "a = 2020-13-01",
+        "a = {b = 1, b = 2}",
+        "a = {b = 1}\na.c = 1",
+        "a = \x01",
+        "\x00",
+    ]
+    wrong += ['a = "\\ud800"', "a = 1" + "0" * 5000, "a = " + "[" * 5000, "a = 'x\ny'"]
+    for text in wrong:
+        path.write_text(text)
+        with pytest.raises(InputError, match=r"not valid TOML: .*(found|limit)") as caught:
+            read_drivers(path)
+        said = str(caught.value)
+        assert "expected" in said or "limit was hit" in said
+        for word in ("Invalid", "Expected", "Cannot", "Un", "at line", "document", "namespace", "statement"):
+            assert word not in said, said
 
 
 def test_an_alternative_of_its_own_keeps_what_its_activity_says(tmp_path: Path) -> None:
@@ -219,7 +317,7 @@ def test_long_lists_are_read_in_linear_time(tmp_path: Path) -> None:
     """A list of 3,000 lines was read once for each of them."""
     long = "never = [\n" + '"lidar_EV_OOS", # [\n' * 30_000 + "]\nmisspelt = 1\n"
     (tmp_path / "drivers.toml").write_text(long)
-    with at_most(SECONDS), pytest.raises(InputError, match=":30003: unknown key 'misspelt'"):
+    with at_most(SECONDS), pytest.raises(InputError, match=":30003: found the key 'misspelt'"):
         read_drivers(tmp_path / "drivers.toml")
 
 

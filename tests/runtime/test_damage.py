@@ -85,7 +85,7 @@ def test_the_digest_is_that_of_the_plain_text(watch: MissionNet) -> None:
     [
         (lambda said: said["types"][0]["edges"][3].update(to=10**6), r"types\[0\]\.edges\[3\]\.to: found 1"),
         (lambda said: said.pop("hardware"), "expected the key hardware"),
-        (lambda said: said["sections"][1].update(type="0"), r"sections\[1\]\.type: found '0'"),
+        (lambda said: said["sections"][1].update(type="0"), r"sections\[1\]\.type: found \"0\""),
         (lambda said: said.update(initial="nowhere"), "initial: found 'nowhere'"),
         (lambda said: said["sections"][0]["routes"].update(success="nowhere"), r"sections\[0\]\.routes"),
         (lambda said: said.update(version=True), "version True found"),
@@ -137,7 +137,7 @@ def test_a_snapshot_names_what_the_controller_has(key: str, found: dict[str, Any
 @pytest.mark.parametrize("text", ["[]", "null", "7", '"format"'])
 def test_a_file_is_an_object(text: str, tmp_path: Path) -> None:
     (tmp_path / "controller.json").write_text(text)
-    with pytest.raises(ControllerFileError, match="expected a JSON object, found"):
+    with pytest.raises(ControllerFileError, match=r"found .*, expected a JSON object"):
         Controller.load(tmp_path / "controller.json")
 
 

@@ -22,7 +22,7 @@ from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.model import Mission
 from mcpn.runtime import Action, Controller, Journal, Refused
 from mcpn.runtime.file_schema import signed_line
-from mcpn.runtime.journal import read_journal
+from mcpn.runtime.journal import JournalError, read_journal
 from mcpn.runtime.restoring import _producers_first
 from mcpn.testing import missions
 from tests.conftest import ULYSSE
@@ -181,6 +181,33 @@ def test_a_journal_that_the_mission_does_not_allow(
     with contextlib.redirect_stderr(error):
         assert run(["simulate", str(ULYSSE), "--events", str(path)]) == 2
     assert expected in error.getvalue()
+
+
+@given(st.data())
+def test_a_key_that_is_not_declared_is_refused_or_without_meaning(data: st.DataObject) -> None:
+    """A line of another program may say more of an event; of places, and of runs that go on, nothing may."""
+    place = {"phase": "running", "section": "o", "state": 0, "objectives": ["o"], "mode": {"a": "x"}}
+    step = {
+        "time": 0.5,
+        "event": "e",
+        "refused": False,
+        "from": place,
+        "to": dict(place),
+        "actions": ["start a x"],
+    }
+    resumed = {"time": 0.5, "resumed": 3}
+    where = data.draw(st.sampled_from(["event", "from", "to", "resumed"]))
+    known = {*step, *place, *resumed, "number", "digest"}
+    key = data.draw(st.from_regex("[a-z]{3,9}", fullmatch=True).filter(lambda key: key not in known))
+    target: Any = {"event": step, "resumed": resumed}.get(where) or step[where]
+    target[key] = data.draw(st.sampled_from([0, None, True, "x", {"y": 1}]))
+    line = json.dumps(resumed if where == "resumed" else step)
+    if where == "event":
+        assert [(told.event, told.refused) for told in read_journal([line])] == [("e", False)]
+        return
+    with pytest.raises(JournalError, match=f'found "{key}", expected one of the keys') as caught:
+        [*read_journal(["", line])]
+    assert caught.value.line == 2
 
 
 @given(st.data())

@@ -145,7 +145,7 @@ def _begun(path: Path, said: Mapping[str, Any]) -> tuple[int, tuple[StopMessage,
 
 
 def _rows(path: Path, said: Any) -> list[ProcessGroup]:
-    from mcpn.drivers.reading import MOST_SECONDS
+    from mcpn.drivers.known import MOST_SECONDS
     from mcpn.drivers.warden import ProcessGroup
 
     if said is None:

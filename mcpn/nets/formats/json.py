@@ -1,6 +1,6 @@
 """Nets as JSON: the one reader and the one writer.
 
-One object, whose keys :data:`KNOWN` declares: any other is refused. Places and transitions of missions carry
+One object, which :data:`SHAPE` declares: other keys are refused. Places and transitions of missions carry
 ``from``: the ``kind``, ``name``, ``file`` and ``line`` of the element that made them. Numbers are exact up to
 :data:`MAX_DIGITS` digits.
 """
@@ -10,29 +10,80 @@ from __future__ import annotations
 import json
 import re
 from bisect import bisect
-from collections.abc import Callable, Container, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable
 from json.scanner import py_make_scanner  # type: ignore[attr-defined]
-from math import inf
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 from mcpn.errors import InputError, Source
 from mcpn.nets.events import Event
 from mcpn.nets.formats.counts import check_counts
 from mcpn.nets.petri import EVENTS, Arcs, NetBuilder, PetriNet, Provenance
+from mcpn.runtime.shapes import Boolean, Integer, ListOf, MapOf, Misfit, Nullable, ObjectOf, OneOf, String
 from mcpn.sentences import quoted
 
 MAX_DIGITS = 4_000
 """Of a number: Python reads no more without being asked to."""
 
-KNOWN = {
-    "net": "format version name priorities places transitions units",
-    "place": "name initial label? from?",
-    "transition": "name event rank? label? consume produce read from?",
-    "origin": "kind name file? line?",
-}
-"""By object its keys; one with a question mark may be missing."""
+_WEIGHTS = MapOf("Weights by place.", Integer("A weight.", least=1))
+_LABEL = Nullable(String("What people call it."))
+_MADE_BY = Nullable(
+    ObjectOf(
+        "The element of the mission that made it.",
+        {
+            "kind": String("Its kind."),
+            "name": String("Its name."),
+            "file?": Nullable(String("Its file.")),
+            "line?": Nullable(Integer("Its line.", least=1)),
+        },
+    )
+)
+SHAPE = ObjectOf(
+    "A Petri net with priorities; read and written by mcpn convert.",
+    {
+        "format": OneOf("Always this.", "mcpn-net"),
+        "version": OneOf("Always this.", 1),
+        "name": String("Its name."),
+        "priorities": Boolean("Internal transitions come before events."),
+        "places": ListOf(
+            "Places, whose names differ.",
+            ObjectOf(
+                "One place.",
+                {
+                    "name": String("Its name."),
+                    "initial": Integer("Its tokens at first."),
+                    "label?": _LABEL,
+                    "from?": _MADE_BY,
+                },
+            ),
+        ),
+        "transitions": ListOf(
+            "Transitions, whose names differ.",
+            ObjectOf(
+                "One transition.",
+                {
+                    "name": String("Its name."),
+                    "event": Nullable(String("Its event; null for an internal one.")),
+                    "rank?": Nullable(
+                        Integer(
+                            "Of an internal transition: those of a lower rank fire before it. 0 where it is "
+                            "left out."
+                        )
+                    ),
+                    "label?": _LABEL,
+                    "consume": _WEIGHTS,
+                    "produce": _WEIGHTS,
+                    "read": _WEIGHTS,
+                    "from?": _MADE_BY,
+                },
+            ),
+        ),
+        "units": ListOf(
+            "Groups of places of which one is marked at most.", ListOf("Places.", String("A place."))
+        ),
+    },
+)
+"""What the file may be, and what that means."""
 
 
 def write_json(net: PetriNet) -> str:
@@ -111,7 +162,7 @@ def read_json(path: Path, data: bytes) -> PetriNet:
         InputError: It is no JSON, or not of this format; says where in the document.
     """
     try:
-        return _net(_Value(json.loads(data, object_pairs_hook=_object), "the document"))
+        return _net(json.loads(data, object_pairs_hook=_object))
     except json.JSONDecodeError as error:
         line, said = error.lineno, _misread(error)
     except UnicodeDecodeError as error:
@@ -121,7 +172,7 @@ def read_json(path: Path, data: bytes) -> PetriNet:
         line, said = 1, "not JSON: found lists or objects too deep in each other: the limit was hit"
     except _GivenTwice as error:
         line, said = _line_of(data), f"not JSON: found {error}, expected keys that differ"
-    except InputError as error:
+    except (Misfit, InputError) as error:
         line, said = _line_of(data, str(error)), str(error)
     except ValueError:
         line = _line_of(data)
@@ -208,120 +259,46 @@ def _misread(error: json.JSONDecodeError) -> str:
     return f"not JSON: column {error.colno}: found {found}, expected {expected}"
 
 
-@dataclass(frozen=True, slots=True)
-class _Value:
-    """A value with the way to it, for messages; each method is one expectation."""
-
-    value: Any
-    way: str
-
-    def fail(self, expected: str) -> NoReturn:
-        if isinstance(self.value, dict | list):
-            kind = "an object" if isinstance(self.value, dict) else "a list"
-        else:
-            shown = json.dumps(self.value)
-            kind = shown if len(shown) < 40 else f"{shown[:40]}…"
-        raise InputError.at(None, f"{self.way}: found {kind}, expected {expected}")
-
-    def known(self, kind: str) -> _Value:
-        """Itself, an object of some kind with the keys that it must have and no others."""
-        if not isinstance(self.value, dict):
-            self.fail("an object")
-        words = KNOWN[kind].split()
-        names = [word.removesuffix("?") for word in words]
-        for key in self.value:
-            if key not in names:
-                said = f"{self.way}: found the key {quoted(key, 40)}, expected one of {', '.join(names)}"
-                raise InputError.at(None, said)
-        for word in words:
-            if word not in self.value and not word.endswith("?"):
-                raise InputError.at(None, f"{self.way}: found no key {word!r}, expected it")
-        return self
-
-    def get(self, key: str) -> _Value:
-        if not isinstance(self.value, dict):
-            self.fail("an object")
-        return _Value(self.value.get(key), f"{self.way}.{key}".removeprefix("the document."))
-
-    def items(self) -> Iterator[_Value]:
-        if not isinstance(self.value, list):
-            self.fail("a list")
-        return (_Value(item, f"{self.way}[{number}]") for number, item in enumerate(self.value))
-
-    def text(self) -> str:
-        if not isinstance(self.value, str):
-            self.fail("a text")
-        return self.value
-
-    def truth(self) -> bool:
-        if not isinstance(self.value, bool):
-            self.fail("true or false")
-        return self.value
-
-    def count(self, least: int, below: float = inf) -> int:
-        number = self.value
-        if not isinstance(number, int) or isinstance(number, bool) or not least <= number < below:
-            self.fail(f"a whole number from {least}" + (f", less than {below}" if below < inf else ""))
-        return number
-
-    def label(self) -> str | None:
-        return None if self.value is None else self.text()
-
-    def new(self, names: Container[str]) -> str:
-        """A name that none before has."""
-        if self.text() in names:
-            self.fail("a name that no other has")
-        return self.text()
-
-    def place(self, known: NetBuilder) -> str:
-        if not known.has_place(self.text()):
-            self.fail("the name of a place")
-        return self.text()
-
-    def weights(self, known: NetBuilder) -> dict[str, int]:
-        if not isinstance(self.value, dict):
-            self.fail("an object of weights by place")
-        return {_Value(p, self.way).place(known): self.get(p).count(1) for p in self.value}
-
-
-def _net(document: _Value) -> PetriNet:
-    if document.get("format").value != "mcpn-net":
-        document.fail('an object with "format": "mcpn-net"')
-    if type(version := document.get("version").value) is not int or version != 1:
-        document.get("version").fail("1")
-    document.known("net")
-    builder = NetBuilder(document.get("name").text(), priorities=document.get("priorities").truth())
-    named = set[str]()
-    for place in document.get("places").items():
-        name = place.known("place").get("name").new(named)
-        initial, label = place.get("initial").count(0), place.get("label").label()
-        named.add(builder.place(name, initial=initial, provenance=_provenance(place), label=label))
-    named.clear()
-    for t in document.get("transitions").items():
-        event = t.known("transition").get("event")
-        rank = t.get("rank")
-        builder.transition(
-            name := t.get("name").new(named),
-            consume=t.get("consume").weights(builder),
-            produce=t.get("produce").weights(builder),
-            read=t.get("read").weights(builder),
-            event=None if event.value is None else Event.parse(event.text() or event.fail("a name")),
-            rank=0 if rank.value is None else rank.count(0, EVENTS),
-            provenance=_provenance(t),
-        )
-        builder.label(name, t.get("label").label())
+def _net(document: Any) -> PetriNet:
+    SHAPE.check(document)
+    builder = NetBuilder(document["name"], priorities=document["priorities"])
+    known, named = set[str](), set[str]()
+    for number, place in enumerate(document["places"]):
+        name, at = place["name"], f"places[{number}]"
+        _one(name not in known, f"{at}.name", name, "a name that no other place has")
+        known.add(name)
+        builder.place(name, initial=place["initial"], provenance=_provenance(place), label=place.get("label"))
+    for number, t in enumerate(document["transitions"]):
+        name, event, rank, at = t["name"], t["event"], t.get("rank") or 0, f"transitions[{number}]"
+        _one(name not in named, f"{at}.name", name, "a name that no other transition has")
         named.add(name)
-    for unit in document.get("units").items():
-        builder.unit(place.place(builder) for place in unit.items())
+        _one(event != "", f"{at}.event", event, "a name, or null")
+        _one(rank < EVENTS, f"{at}.rank", rank, f"less than {EVENTS}")
+        for side in _SIDES:
+            for place in t[side].keys() - known:
+                _one(False, f"{at}.{side}", place, "the name of a place")
+        event = None if event is None else Event.parse(event)
+        sides = {side: t[side] for side in _SIDES}
+        builder.transition(name, **sides, event=event, rank=rank, provenance=_provenance(t))
+        builder.label(name, t.get("label"))
+    for number, unit in enumerate(document["units"]):
+        for place in unit:
+            _one(place in known, f"units[{number}]", place, "the name of a place")
+        builder.unit(unit)
     return builder.build()
 
 
-def _provenance(node: _Value) -> Provenance | None:
-    origin = node.get("from")
-    if origin.value is None:
+_SIDES = ("consume", "produce", "read")
+
+
+def _one(holds: bool, where: str, found: object, expected: str) -> None:
+    if not holds:
+        raise Misfit(found, expected).below(where)
+
+
+def _provenance(node: dict[str, Any]) -> Provenance | None:
+    if (origin := node.get("from")) is None:
         return None
-    file, line = origin.known("origin").get("file"), origin.get("line")
-    source = None
-    if file.value is not None:
-        source = Source(file.text(), None if line.value is None else line.count(1))
-    return Provenance(origin.get("kind").text(), origin.get("name").text(), source)
+    file = origin.get("file")
+    source = None if file is None else Source(file, origin.get("line"))
+    return Provenance(origin["kind"], origin["name"], source)

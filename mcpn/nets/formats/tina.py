@@ -45,9 +45,27 @@ _TOKEN = re.compile(
     r"|(?P<symbol>->|\?-?|!-?|[:<>()\[\],*])|(?P<word>(?:[^\s{}()\[\]:<>,*?!\#-]|-(?!>))+)"
 )
 _PLAIN = re.compile(r"[A-Za-z_'][A-Za-z0-9_']*\Z")
-_KEYWORDS = ("net", "pl", "tr", "pr", "lb", "nt")
+DECLARATIONS = {
+    "net": ("net NAME", "the name of the net"),
+    "pl": ("pl NAME : LABEL (MARKING) INPUTS -> OUTPUTS", "a place; all but its name may be left out"),
+    "tr": ("tr NAME : LABEL [0,w[ INPUTS -> OUTPUTS", "a transition; no other interval of time is read"),
+    "pr": ("pr NAMES > NAMES, pr NAMES < NAMES", "transitions that have priority over others"),
+    "lb": ("lb NAME LABEL", "the label of a place or a transition; the last one counts"),
+    "nt": ("nt NAME 0 TEXT, nt NAME 1 TEXT", "a note: without meaning"),
+}
+"""By keyword how a declaration is written, and what it means: there are no others."""
+ARCS = {
+    "": "of weight 1",
+    "*": "takes or gives as many tokens",
+    "?": "reads: needs them and leaves them, into transitions alone",
+    "?-": "inhibitor arc: needs fewer, of a place with a proved bound",
+    "!": "stopwatch arc: refused",
+    "!-": "stopwatch inhibitor arc: refused",
+}
+"""By the sign between a name and a weight, what the arc does."""
+_KEYWORDS = tuple(DECLARATIONS)
 _SCALE = {"K": 10**3, "M": 10**6, "G": 10**9, "T": 10**12, "P": 10**15, "E": 10**18}
-_REFUSED = {"!": "stopwatch", "!-": "stopwatch inhibitor"}
+_REFUSED = {sign: said.removesuffix(" arc: refused") for sign, said in ARCS.items() if "refused" in said}
 
 
 class _TinaToken(NamedTuple):
@@ -173,7 +191,7 @@ class _Tokens:
 
     def arc(self, of: str) -> tuple[str, str, int]:
         name = self.name(f"an arc {of}, {of}*WEIGHT, {of}?WEIGHT or {of}?-WEIGHT")
-        kind = self.skip("*", "?", "?-", "!", "!-")
+        kind = self.skip(*ARCS)
         if kind is None:
             return name, "*", 1
         if kind.text in _REFUSED:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mcpn.nets.formats.json import SHAPE
 from mcpn.runtime.documents import texts
 from mcpn.runtime.shapes import (
     Anything,
@@ -14,19 +15,9 @@ from mcpn.runtime.shapes import (
     Nullable,
     Number,
     ObjectOf,
-    OneOf,
     String,
 )
 
-_MADE_BY = ObjectOf(
-    "The element of the mission that made it.",
-    {
-        "kind": String("Its kind."),
-        "name": String("Its name."),
-        "file?": Nullable(String("Its file.")),
-        "line?": Nullable(Integer("Its line.", least=None)),
-    },
-)
 _SIZES = ObjectOf(
     "Its counts; null where it gave up.",
     {
@@ -129,51 +120,7 @@ CHECK_STRUCTURE = Document(
     ),
 )
 
-NET = Document(
-    "net",
-    "a net as .json",
-    ObjectOf(
-        "A Petri net with priorities; read and written by mcpn convert.",
-        {
-            "format": OneOf("Always this.", "mcpn-net"),
-            "version": OneOf("Always this.", 1),
-            "name": String("Its name."),
-            "priorities": Boolean("Internal transitions come before events."),
-            "places": ListOf(
-                "Places.",
-                ObjectOf(
-                    "One place.",
-                    {
-                        "name": String("Its name."),
-                        "initial": Integer("Its tokens at first."),
-                        "label?": Nullable(String("What people call it.")),
-                        "from?": _MADE_BY,
-                    },
-                ),
-            ),
-            "transitions": ListOf(
-                "Transitions.",
-                ObjectOf(
-                    "One transition.",
-                    {
-                        "name": String("Its name."),
-                        "event": Nullable(String("Its event; null for an internal one.")),
-                        "rank?": Integer(
-                            "Of an internal transition: those of a lower rank fire before it. 0 where it is "
-                            "left out."
-                        ),
-                        "label?": Nullable(String("What people call it.")),
-                        "consume": MapOf("Weights by place.", Integer("A weight.", least=1)),
-                        "produce": MapOf("Weights by place.", Integer("A weight.", least=1)),
-                        "read": MapOf("Weights by place.", Integer("A weight.", least=1)),
-                        "from?": _MADE_BY,
-                    },
-                ),
-            ),
-            "units": ListOf("Groups of places of which one is marked at most.", texts("Places.")),
-        },
-    ),
-)
+NET = Document("net", "a net as .json", SHAPE)
 
 CONVERT = Document(
     "convert",

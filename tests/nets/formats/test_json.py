@@ -92,38 +92,38 @@ BROKEN = {
     "places[0].initial: found -1": broken("places", 0, "initial", value=-1),
     "places[1].initial: found 1.5": broken("places", 1, "initial", value=1.5),
     "places[1].initial: found true": broken("places", 1, "initial", value=True),
-    "the document: found the key 'extra', expected one of format, version": broken("extra", value=1),
-    "places[1]: found the key 'capacity', expected one of name, initial": broken(
+    'found "extra", expected one of the keys format, version': broken("extra", value=1),
+    'places[1]: found "capacity", expected one of the keys name, initial': broken(
         "places", 1, "capacity", value=1
     ),
-    "transitions[0]: found the key 'inhibit'": broken("transitions", 0, "inhibit", value={"q": 1}),
-    "places[0].from: found the key 'column'": broken("places", 0, "from", "column", value=1),
+    'transitions[0]: found "inhibit"': broken("transitions", 0, "inhibit", value={"q": 1}),
+    'places[0].from: found "column"': broken("places", 0, "from", "column", value=1),
     "places[0].label: found 1, expected a text": broken("places", 0, "label", value=1),
     "places[0].name: found null": broken("places", 0, "name", value=None),
-    "places: found an object, expected a list": broken("places", value={}),
+    "places: found {}, expected a list": broken("places", value={}),
     "places[0]: found 3, expected an object": broken("places", 0, value=3),
     "transitions[0].consume.p: found 0": broken("transitions", 0, "consume", value={"p": 0}),
-    "transitions[0].read: found a list": broken("transitions", 0, "read", value=["p"]),
+    'transitions[0].read: found ["p"], expected an object': broken("transitions", 0, "read", value=["p"]),
     "transitions[0].event: found 1": broken("transitions", 0, "event", value=1),
-    "transitions[0]: found no key 'event'": broken("transitions", 0, value={"name": "t"}),
+    'transitions[0]: found ["name"], expected the key event': broken("transitions", 0, value={"name": "t"}),
     'transitions[0].produce: found "z", expected the name of a place': broken(
         "transitions", 0, "produce", value={"z": 1}
     ),
-    'units[0][0]: found "z", expected the name of a place': broken("units", 0, value=["z"]),
-    'places[1].name: found "p", expected a name that no other has': broken("places", 1, "name", value="p"),
+    'units[0]: found "z", expected the name of a place': broken("units", 0, value=["z"]),
+    'places[1].name: found "p", expected a name that no other place has': broken(
+        "places", 1, "name", value="p"
+    ),
     'priorities: found "yes", expected true or false': broken("priorities", value="yes"),
     "places[0].from.line: found 0": broken("places", 0, "from", "line", value=0),
     "places[0].from.kind: found 1": broken("places", 0, "from", "kind", value=1),
     "version: found 2, expected 1": broken("version", value=2),
-    "an object with": b"{}",
-    "the document: found no key 'name'": b'{"format": "mcpn-net", "version": 1}',
+    "found [], expected the key format": b"{}",
+    'found ["format", "version"], expected the key name': b'{"format": "mcpn-net", "version": 1}',
     "found the key 'a' twice in an object": b'{"a": 1, "a": 2}',
     "expected an object": b"[]",
     "n.json:2: not JSON: found the key 'b' twice in an object, expected": b'{"a":\n{"b": 1, "b": 2}}',
     'transitions[0].event: found "", expected a name': broken("transitions", 0, "event", value=""),
-    "transitions[0].rank: found -1, expected a whole number from 0": broken(
-        "transitions", 0, "rank", value=-1
-    ),
+    "transitions[0].rank: found -1, expected an integer from 0": broken("transitions", 0, "rank", value=-1),
     "version: found true, expected 1": broken("version", value=True),
     "n.json:2: not JSON: column 6: found '}', expected a value": b'{\n"a": }',
     "not JSON: column 10: found 'oops', expected the end of the file": b'{"a": 1} oops',
@@ -160,19 +160,19 @@ def test_the_line_is_that_of_the_object(begin: str, way: tuple[str | int, ...], 
     with pytest.raises(InputError) as caught:
         read_json(HERE, data)
     assert str(caught.value).startswith(f"n.json:{opening}: ")
-    assert f": found the key '{key}'" in str(caught.value)
+    assert f'found "{key}", expected one of the keys' in str(caught.value)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "utf-32"])
 def test_an_error_has_its_line_in_any_encoding_of_json(encoding: str) -> None:
     text = broken("places", 0, value={"extra": 1}).replace(b'[{"e', b'[\n{"e').decode()
-    with pytest.raises(InputError, match=r"n\.json:2: places\[0\]: found the key"):
+    with pytest.raises(InputError, match=r"n\.json:2: places\[0\]: found \[.extra"):
         read_json(HERE, text.encode(encoding))
 
 
 def test_an_error_in_a_deep_document_is_told() -> None:
     deep = b'{"format": "mcpn-net", "version": 1, "extra": ' + b"[" * 900 + b"]" * 900 + b"}"
-    with pytest.raises(InputError, match=r"the document: found the key 'extra'|too deep"):
+    with pytest.raises(InputError, match=r"expected the key name|too deep"):
         read_json(HERE, deep)
 
 
