@@ -20,6 +20,8 @@ from mcpn.runtime.documents import FORMS
 LONGEST_PREFIX = 20
 LARGEST_TABLE = 32_767
 """Bytes of the largest table that avr-gcc takes."""
+NEAR_FLASH = 64_000
+"""Bytes of tables that lie within the 64 KiB that ``__flash`` of an AVR reaches: other things come before."""
 FRAMES = 512
 """Bytes of the frames of all calls inside one, without what holds a controller: measured, rounded up."""
 
@@ -134,6 +136,7 @@ def written(document: Mapping[str, Any]) -> tuple[InC, dict[str, str], dict[str,
         "arrays": arrays,
         "memory": Footprint.of(numbers, arrays),
         "largest_table": LARGEST_TABLE,
+        "near_flash": NEAR_FLASH,
         "table_bytes": sum(array.bytes for array in arrays),
         "name_bytes": sum(len(name.encode()) + 1 for names in kinds.values() for name in names),
         "oos_bytes": _bytes_of_bits(len(numbers.faulty)) or 1,
