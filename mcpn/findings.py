@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.causes.find import Causes, find_causes
 from mcpn.answers.causes.fmeca import Row, fmeca
-from mcpn.answers.claims import Claim, claims_of, claims_of_losses
+from mcpn.answers.claims import Claim, claims_of, claims_of_causes
 from mcpn.answers.spaces import MissionSpaces, MissionSubject, spaces_of
 from mcpn.answers.verdicts.mission import MissionCheck, check
 from mcpn.controller.document import document
@@ -89,6 +89,10 @@ class Findings:
     unlisted: Sequence[str] = ()
     claims: Sequence[Claim] = ()
 
+    def held(self, kind: str) -> list[Claim]:
+        """The claims of a kind that hold."""
+        return [claim for claim in self.claims if claim.kind == kind and claim.holds]
+
     @cached_property
     def tables(self) -> Tables | None:
         """Those of the controller, which whatever runs it shares."""
@@ -154,7 +158,7 @@ def findings(
             notes.append(f"Numbers of risk are {means}; mcpn causes --rates tells bounds.")
     with timed("claims"):
         claims = claims_of(checked)
-        claims += [] if causes is None else claims_of_losses(causes.prospects, rows or ())
+        claims += [] if causes is None else claims_of_causes(causes, rows or ())
     return Findings(
         checked, causes, rows, controller, notes, warnings, chosen, seconds, risk, local, unlisted, claims
     )

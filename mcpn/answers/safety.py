@@ -10,11 +10,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from mcpn.answers.claims.claim import sentences, told_together
+from mcpn.answers.claims.found import claims_found, of_verdict
 from mcpn.errors import SemanticsError
-from mcpn.sentences import enumeration
+from mcpn.sentences import enumeration, shortened
 
 if TYPE_CHECKING:
     from mcpn.answers.causes.find import GoalCauses
+    from mcpn.answers.claims.claim import Claim
     from mcpn.answers.spaces import MissionSpaces, MissionSubject
     from mcpn.answers.verdicts.mission import MissionCheck
     from mcpn.spaces.engine_names import Asked
@@ -109,6 +112,7 @@ def robot_safety(
     for alone in (*(f"happens({stop})" for stop in stops), *(f"activity({each})" for each in dangerous)):
         parse(alone, names)
     checked = check(spaces, engine=engine, max_states=max_states)
+    claims = [*claims_found(checked)]
 
     def after_stop() -> SafetyAnswer:
         if not meant:
@@ -119,13 +123,13 @@ def robot_safety(
             return SafetyAnswer("dark_after_stop", None, ("not known: the stable states are not",))
         evaluation, run = Evaluation(checked.alternatives), None
         # What is ignored never happens in formulas, so that they would be met there.
-        why = [each.sentence for each in checked.ignored if each.event in stops]
+        why = [*told_together((c for c in _held(claims, "ignored") if c.subject[0] in stops), 0)]
         for each in (each for each in checked.changing_nothing if each.event in stops):
             for activity in dangerous if each.answering else ():
                 here = " | ".join(f"objective({name})" for name in each.answering)
                 later = f"AG (({here}) & !event({each.event}) -> AG !activity({activity}))"
                 if not evaluation.holds(parse(later, names)):
-                    why.append(f"{activity} may run after {each.event} while {each.answering_words}")
+                    why.append(f"{activity} may run after {each.event} during {shortened(each.answering)}")
         for (stop, activity), formula in meant.items():
             if not evaluation.holds(formula):
                 why.append(f"{activity} may run after {stop}")
@@ -138,8 +142,8 @@ def robot_safety(
         _by_verdict("ends_safely", checked, ENDS_SAFELY, "can_always_finish")._with(
             () if spaces.mission.abort is not None else cannot_abort
         ),
-        _by_verdict("events_answered", checked, "confluent")._with(_where_handled(checked)),
-        _listed("no_event_ignored", [each.sentence for each in checked.ignored]),
+        _by_verdict("events_answered", checked, "confluent")._with(_where_handled(claims)),
+        _listed("no_event_ignored", [*told_together(_held(claims, "ignored"), 0)]),
         after_stop(),
         single,
         _late_losses(checked, lost_alone),
@@ -195,25 +199,23 @@ def _late_losses(checked: MissionCheck, alone: Sequence[str] | None) -> SafetyAn
     name, late = "no_late_loss_endangers", [each.name for each in checked.mission_net.mission.late]
     if not late:
         return _does_not_apply(name, "all losses are noticed at once")
-    why = [line for each in checked.late for line in each.sentences]
+    kinds = ("loss_unnoticed", "loss_unnoticed_later", "loss_found_in_time")
+    why = sentences(claim for kind in kinds for claim in _held([*claims_found(checked)], kind))
     why += [f"the loss of {each} alone leaves no safe end" for each in late if each in (alone or ())]
     if alone is None and not why:
         return SafetyAnswer(name, None, ("not known: the effects of single losses are not",))
     return _listed(name, why)
 
 
-def _where_handled(checked: MissionCheck) -> tuple[str, ...]:
+def _where_handled(claims: Sequence[Claim]) -> tuple[str, ...]:
     """Of which events an answer on handled events speaks."""
-    idle = {each.event: each for each in checked.changing_nothing}
-    every = [event.name for event in checked.mission_net.mission.events if not event.changes_facts]
-    always = [name for name in every if name not in idle]
-    lines = [f"{enumeration(always)}: handled whatever runs"] if always else []
-    for name, each in idle.items():
-        if each.objectives:
-            lines.append(f"not of {name} while {each.words}: it is ignored there")
-        if each.answering:
-            lines.append(f"not of {name} while {each.answering_words}: it leads there already")
-    return tuple(lines)
+    always = sentences(_held(claims, "handled_always"))
+    idle = (told_together(_held(claims, kind), 0) for kind in ("ignored", "answered_already"))
+    return (*always, *(sentence for each in idle for sentence in each))
+
+
+def _held(claims: Sequence[Claim], kind: str) -> list[Claim]:
+    return [claim for claim in claims if claim.kind == kind and claim.holds]
 
 
 def _does_not_apply(name: str, why: str) -> SafetyAnswer:
@@ -222,8 +224,6 @@ def _does_not_apply(name: str, why: str) -> SafetyAnswer:
 
 def _by_verdict(name: str, checked: MissionCheck, *verdicts: str) -> SafetyAnswer:
     """The first of some verdicts that the mission has, where yes is yes."""
-    from mcpn.answers.claims.found import of_verdict
-
     verdict = next(checked.verdicts[each] for each in verdicts if each in checked.verdicts)
     if verdict.holds:
         return SafetyAnswer(name, True)

@@ -12,9 +12,7 @@ from dataclasses import dataclass, replace
 
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.drawing.compose import MissionNet
-from mcpn.mission.static.warnings import names_of_objectives
 from mcpn.nets.events import What
-from mcpn.sentences import shortened
 from mcpn.spaces.algebra import S, Space, Without
 
 
@@ -28,14 +26,12 @@ class LateLoss:
             in document order. No other hardware has failed.
         unnoticed_later: Other objectives of which the same is so once other hardware has failed too.
         in_time: Those that can succeed after its loss alone only if it is found out while they run.
-        sentences: The same for a reader: copies of one objective are said together.
     """
 
     hardware: str
     unnoticed: tuple[str, ...]
     unnoticed_later: tuple[str, ...]
     in_time: tuple[str, ...]
-    sentences: tuple[str, ...]
 
 
 def late_losses(mission_net: MissionNet, space: Space[S]) -> Iterator[LateLoss]:
@@ -49,8 +45,7 @@ def late_losses(mission_net: MissionNet, space: Space[S]) -> Iterator[LateLoss]:
     if not late:
         return
     prospects = Prospects(mission_net, space)
-    goals, copies = prospects.objectives, mission_net.graph.copies
-    every = names_of_objectives(mission_net.graph)
+    goals = prospects.objectives
     for name in late:
         oos, known = (list(mission_net.by_role[role, name]) for role in ("oos", "known"))
         others = [place for place in prospects.places("oos", prospects.hardware) if place not in oos]
@@ -78,16 +73,5 @@ def late_losses(mission_net: MissionNet, space: Space[S]) -> Iterator[LateLoss]:
                 blind = replace(goal, ends=goal.ends | finding)
                 if (lost & hopeful & goal.running) - prospects.hopeful(blind, repairs=False):
                     in_time.append(objective)
-        said = list[str]()
-        for told, when in ((unnoticed, ""), (later, "once other hardware has failed, ")):
-            if told:
-                words = copies.told(told, every)
-                runs = "runs and" if len(words) == 1 else "run and"
-                said.append(
-                    f"{when}nobody notices the loss of {name} while {shortened(words)} {runs} can only fail"
-                )
-        if in_time:
-            objectives = shortened(copies.told(in_time, every))
-            said.append(f"{objectives} can succeed after the loss of {name} only if it is found in time")
-        if said:
-            yield LateLoss(name, tuple(unnoticed), tuple(later), tuple(in_time), tuple(said))
+        if unnoticed or later or in_time:
+            yield LateLoss(name, tuple(unnoticed), tuple(later), tuple(in_time))

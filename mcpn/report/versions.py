@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from mcpn.answers.claims import Claim
-from mcpn.answers.claims.claim import told
+from mcpn.answers.claims.claim import sentences
 from mcpn.answers.versions import Apart, Changed, VersionDifference
 from mcpn.report.terminal import Terminal
 from mcpn.sentences import enumeration, shortened
@@ -63,14 +62,14 @@ def print_difference(found: VersionDifference, first: str, second: str) -> None:
     if found.same:
         terminal.print(f"{second} loses and gains nothing over {first}", style="bold")
     sections: dict[str, Sequence[str]] = {
-        f"what {second} loses": _sentences([each.after for each in found.lost]),
-        f"what {second} gains": _sentences([each.after for each in found.gained]),
+        f"what {second} loses": sentences([each.after for each in found.lost]),
+        f"what {second} gains": sentences([each.after for each in found.gained]),
         "what changes otherwise": [
-            f"{'; '.join(_sentences([each.before]))} Now: {'; '.join(_sentences([each.after]))}"
+            f"{'; '.join(sentences([each.before]))} Now: {'; '.join(sentences([each.after]))}"
             for each in found.changed
         ],
-        f"what is said of {first} alone": _sentences([c for c in found.claims.first if c.holds is not False]),
-        f"what is said of {second} alone": _sentences(
+        f"what is said of {first} alone": sentences([c for c in found.claims.first if c.holds is not False]),
+        f"what is said of {second} alone": sentences(
             [c for c in found.claims.second if c.holds is not False]
         ),
         "verdicts": [
@@ -92,15 +91,6 @@ def print_difference(found: VersionDifference, first: str, second: str) -> None:
 
 def _answer(holds: bool | None) -> str:
     return {True: "holds", False: "fails", None: "not known"}[holds]
-
-
-def _sentences(claims: Sequence[Claim]) -> list[str]:
-    """Claims that differ in one name alone are said together."""
-    together: dict[Any, list[Claim]] = {}
-    for claim in claims:
-        key = claim.kind, claim.subject[1:], claim.holds, claim.assumes, claim.refers_to
-        together.setdefault(key, []).append(claim)
-    return [told(same) for same in together.values()]
 
 
 def _apart(found: Mapping[str, Apart[Any]], first: str, second: str) -> Iterator[str]:

@@ -9,7 +9,7 @@ from hypothesis import event, given
 from hypothesis import strategies as st
 
 from mcpn.answers.causes.fmeca import fmeca
-from mcpn.answers.claims import KINDS, Claim, claims_of, claims_of_losses
+from mcpn.answers.claims import KINDS, Claim, claims_of, claims_of_causes
 from mcpn.errors import ConfluenceError, LimitError, UnsafeError
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
@@ -28,8 +28,8 @@ def made(study: Study, engine: Engine) -> list[Claim]:
     checked = study.verdicts(engine=engine)
     if checked.alternatives is None:
         return []
-    prospects = study.causes(engine=engine).prospects
-    return [*claims_of(checked), *claims_of_losses(prospects, fmeca(prospects))]
+    causes = study.causes(engine=engine)
+    return [*claims_of(checked), *claims_of_causes(causes, fmeca(causes.prospects))]
 
 
 def confirm(mission: Mission, claims: list[Claim], engine: Engine) -> None:

@@ -84,7 +84,7 @@ def test_a_stop_that_is_ignored_stops_nothing(tmp_path: Path) -> None:
     path.write_text(mission_of('<objective name="go" activities="shine" failure="go"/>'))
     found = robot_safety(compose(read_mission(path)), dangerous=["shine"], stops=["stop"])
     (dark,) = [each for each in found if each.name == "dark_after_stop"]
-    assert (dark.holds, dark.why) == (False, ("stop is ignored while go runs",))
+    assert (dark.holds, dark.why) == (False, ("stop is ignored during go.",))
 
 
 @pytest.mark.parametrize("after", ["light", "abort"])
@@ -103,7 +103,7 @@ def test_a_stop_that_is_answered_already_still_stops(after: str, tmp_path: Path)
     assert said["no_event_ignored"].holds
     dark = said["dark_after_stop"]
     if after == "light":
-        assert (dark.holds, dark.why) == (False, ("shine may run after stop while halt runs",))
+        assert (dark.holds, dark.why) == (False, ("shine may run after stop during halt",))
     else:
         assert dark.holds
 
@@ -135,8 +135,8 @@ def test_of_which_events_the_answer_speaks(tmp_path: Path) -> None:
     answered = found["events_answered"]
     assert answered.holds
     assert answered.notes == (
-        "stop: handled whatever runs",
-        "not of leak while home runs: it leads there already",
+        "Whatever runs, the mission handles stop.",
+        "leak changes nothing during home, where it leads.",
     )
 
 

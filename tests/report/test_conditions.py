@@ -110,10 +110,9 @@ def test_what_each_failure_costs(causes: Causes) -> None:
 def test_the_page_does_not_count_an_abort_as_success(survey: Path) -> None:
     html = page(findings(compose(read_mission(survey))))
     for told in (
-        "Lost before it starts and not repaired, this leaves no way to success: motor; sonar.",
-        "Lost before it starts and not repaired, this leaves no way to succeed or be aborted: motor.",
-        "It can still succeed after the loss of any one of these alone: rudder.",
-        "After the loss of any one of these alone it can only be aborted: sonar.",
+        "The loss of sonar, or of motor before the start, not repaired, leaves no way to success.",
+        "The loss of motor before the start, not repaired, leaves no way to a safe end.",
+        "After the loss of rudder alone, whenever it comes, success stays possible.",
         "probability of abort",
         "robot lost unless repaired",
     ):

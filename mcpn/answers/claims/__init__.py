@@ -12,3 +12,4 @@ from mcpn.answers.claims.kinds import KINDS as KINDS
 from mcpn.answers.claims.kinds import ClaimKind as ClaimKind
 from mcpn.answers.claims.made import claims_of as claims_of
 from mcpn.answers.claims.made import claims_of_losses as claims_of_losses
+from mcpn.answers.claims.sets import claims_of_causes as claims_of_causes

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 from mcpn.answers.claims.kinds import KINDS, ClaimKind
-from mcpn.sentences import enumeration, shortened
+from mcpn.sentences import enumeration
 from mcpn.spaces.run import Run
 
 
@@ -105,9 +105,7 @@ def told(claims: Sequence[Claim], most: int = MOST_NAMED) -> str:
     first = claims[0]
     words = first.of.sentences[{True: 0, False: 1, None: 2}[first.holds]]
     subject = [list(dict.fromkeys(names)) for names in zip(*(claim.subject for claim in claims), strict=True)]
-    shown = [
-        first.of.several.format(shortened(names, most)) if len(names) > 1 else names[0] for names in subject
-    ]
+    shown = [names[0] if len(names) == 1 else _several(first.of, names, most) for names in subject]
     given = f", and {enumeration(first.assumes.given)}," if first.assumes.given else ","
     said = words.format(*shown, given=given, others=enumeration(first.refers_to))
     help_ = enumeration(first.refers_to) or "declared events and timeouts"
@@ -115,6 +113,24 @@ def told(claims: Sequence[Claim], most: int = MOST_NAMED) -> str:
     # Names are written as they are.
     begin = said if words.startswith("{") else f"{said[:1].upper()}{said[1:]}"
     return f"{begin}{without}."
+
+
+def _several(kind: ClaimKind, names: Sequence[str], most: int) -> str:
+    """Several names in the place of one."""
+    more = f"{kind.joint if len(kind.joint) > 2 else ' and '}{len(names) - most} more"
+    listed = enumeration(names) if kind.joint == ", " else kind.joint.join(names)
+    if len(names) > most:
+        listed = kind.joint.join(names[:most]) + more
+    return kind.several.format(listed)
+
+
+def sentences(claims: Iterable[Claim], most: int = MOST_NAMED) -> list[str]:
+    """Claims in sentences; those that differ in their first name alone are said together."""
+    together: dict[Any, list[Claim]] = {}
+    for claim in claims:
+        key = claim.kind, claim.subject[1:], claim.holds, claim.assumes, claim.refers_to
+        together.setdefault(key, []).append(claim)
+    return [told(same, most) for same in together.values()]
 
 
 def told_together(claims: Iterable[Claim], by: int, most: int = MOST_NAMED) -> Iterator[str]:

@@ -25,6 +25,7 @@ class ClaimKind(NamedTuple):
         good: Whether a mission is better where it holds; ``None`` of what is neither good nor bad.
         verdict: The verdict that it is, if it is one.
         several: How several names stand in the place of one.
+        joint: What stands between them.
     """
 
     name: str
@@ -38,6 +39,7 @@ class ClaimKind(NamedTuple):
     good: bool | None = None
     verdict: str = ""
     several: str = "any one of {}"
+    joint: str = ", "
 
     @property
     def sentences(self) -> tuple[str, str, str]:
@@ -235,6 +237,29 @@ KINDS: Mapping[str, ClaimKind] = {
             good=False,
         ),
         ClaimKind(
+            "without_repair_defeated",
+            "",
+            "there is no way to success without a repair",
+            "some way to success needs no repair",
+            "whether the mission needs a repair for success is not known",
+            "all states",
+            EVERYWHERE,
+            "that nothing fails, and that nothing is repaired, is asked of the mission's start alone",
+            good=False,
+        ),
+        ClaimKind(
+            "loss_before_defeats",
+            "E(happens({0}_EV_OOS) & X {then})",
+            "the loss of {0} before the start, not repaired, leaves no way to success",
+            "the loss of {0} before the start, not repaired, leaves a way to success",
+            "whether the loss of {0} before the start leaves a way to success is not known",
+            "all states after the loss",
+            EVERYWHERE,
+            joint=", or of ",
+            several="{}",
+            good=False,
+        ),
+        ClaimKind(
             "loss_defeats",
             "EF ({sound} & {wins} & E(happens({0}_EV_OOS) & X !{wins_unrepaired}))",
             "the loss of {0} alone, at its worst moment, leaves no way to success",
@@ -242,6 +267,43 @@ KINDS: Mapping[str, ClaimKind] = {
             "whether the loss of {0} alone leaves a way to success is not known",
             "all states in which no hardware is lost, and the loss in each",
             shown=(PAGE, JSON),
+            good=False,
+        ),
+        ClaimKind(
+            "losses_defeat",
+            "",
+            "the losses of {0}, at their worst moments, leave no way to success",
+            "the losses of {0}, whenever they come, leave a way to success",
+            "whether the losses of {0} leave a way to success is not known",
+            "all states, and the losses in each",
+            EVERYWHERE,
+            "several losses come at several moments, which a formula would have to order",
+            joint=", or of ",
+            several="{}",
+            good=False,
+        ),
+        ClaimKind(
+            "without_repair_endangered",
+            "",
+            "there is no way to a safe end without a repair",
+            "some way to a safe end needs no repair",
+            "whether the mission needs a repair for a safe end is not known",
+            "all states",
+            EVERYWHERE,
+            "that nothing fails, and that nothing is repaired, is asked of the mission's start alone",
+            good=False,
+        ),
+        ClaimKind(
+            "loss_before_endangers",
+            "E(happens({0}_EV_OOS) & X {then})",
+            "the loss of {0} before the start, not repaired, leaves no way to a safe end",
+            "the loss of {0} before the start, not repaired, leaves a way to a safe end",
+            "whether the loss of {0} before the start leaves a way to a safe end is not known",
+            "all states after the loss",
+            EVERYWHERE,
+            _SAFE_ENDS,
+            joint=", or of ",
+            several="{}",
             good=False,
         ),
         ClaimKind(
@@ -256,13 +318,51 @@ KINDS: Mapping[str, ClaimKind] = {
             good=False,
         ),
         ClaimKind(
+            "losses_endanger",
+            "",
+            "the losses of {0}, at their worst moments, leave no way to a safe end",
+            "the losses of {0}, whenever they come, leave a way to a safe end",
+            "whether the losses of {0} leave a way to a safe end is not known",
+            "all states, and the losses in each",
+            EVERYWHERE,
+            "several losses come at several moments, which a formula would have to order",
+            joint=", or of ",
+            several="{}",
+            good=False,
+        ),
+        ClaimKind(
+            "abort_after",
+            "",
+            "the mission is aborted where {0} fails, which should make the robot safe: no such abort counts "
+            "as a safe end, but in probabilities it counts as an abort",
+            "the mission is not aborted by the failure of {0}",
+            "whether the mission is aborted by the failure of {0} is not known",
+            "all states in which it aborts",
+            EVERYWHERE,
+            "which objectives should make safe is read from the runs of successes",
+            several="one of {}",
+            good=False,
+        ),
+        ClaimKind(
+            "says_what_is_safe",
+            "",
+            "the mission says by its aborts which ends are safe besides success",
+            "the mission has no abort, so that nothing says which of its failures are safe",
+            "whether the mission has an abort is not known",
+            "its text",
+            EVERYWHERE,
+            "it is a question to the text",
+            good=True,
+        ),
+        ClaimKind(
             "handled_always",
             "AG (({running}) -> event({0}))",
-            "{0} is handled whatever runs",
-            "{0} changes nothing while some objectives run",
+            "whatever runs, the mission handles {0}",
+            "while some objectives run, {0} changes nothing",
             "whether {0} is always handled is not known",
             "all states",
             good=True,
+            several="{}",
         ),
         ClaimKind(
             "ignored",

@@ -32,7 +32,7 @@ def claims_of(check: MissionCheck) -> list[Claim]:
         made = _Made(Prospects(check.mission_net, check.alternatives))
         found += made.without()
         found += made.events()
-    return _in_order(found)
+    return in_order(found)
 
 
 def claims_of_losses(prospects: Prospects[Any], rows: Sequence[Row] = ()) -> list[Claim]:
@@ -43,10 +43,11 @@ def claims_of_losses(prospects: Prospects[Any], rows: Sequence[Row] = ()) -> lis
         rows: Its FMECA table, where there is one.
     """
     made = _Made(prospects)
-    return _in_order([*made.losses(), *made.failures(rows)])
+    return in_order([*made.losses(), *made.failures(rows)])
 
 
-def _in_order(found: Iterable[Claim]) -> list[Claim]:
+def in_order(found: Iterable[Claim]) -> list[Claim]:
+    """Claims in the order of their kinds."""
     order = {name: number for number, name in enumerate(KINDS)}
     return sorted(found, key=lambda claim: order[claim.kind])
 
@@ -157,8 +158,8 @@ class _Made(Generic[S]):
             formula = KINDS[kind].formula.format(
                 hardware,
                 sound=self._sound(),
-                wins=_wins(quiet, words),
-                wins_unrepaired=_wins(quiet + [f"{hardware}_EV_RD"] * bool(repairs), words),
+                wins=some_run(quiet, words),
+                wins_unrepaired=some_run(quiet + [f"{hardware}_EV_RD"] * bool(repairs), words),
             )
         aid: Literal["none", "declared"] = "none" if helping else "declared"
         run = partial(self._run_to_loss, lost, hardware) if lost else None
@@ -231,7 +232,7 @@ def _event_in_words(event: Event) -> str:
     return event.element if event.what is What.DECLARED else f"the end of the time of {event.element}"
 
 
-def _wins(left_out: Sequence[str], goal: str) -> str:
+def some_run(left_out: Sequence[str], goal: str) -> str:
     """That some run reaches a goal without some events."""
     steps = " & ".join(f"!happens({event})" for event in left_out) or "true"
     return f"E(({steps}) U {goal})"

@@ -19,13 +19,11 @@ from mcpn.mission.model import ABORT, Block, Holder, Mission, Use, walk
 from mcpn.mission.static.resource_use import Usage
 from mcpn.mission.static.warnings import (
     in_order,
-    names_of_objectives,
     never_entered,
     never_used,
     of_objectives,
 )
 from mcpn.nets.events import Event, What
-from mcpn.sentences import shortened
 from mcpn.spaces.algebra import Piece, S, Space
 
 
@@ -141,10 +139,6 @@ def _held(usage: Usage, activity: str, consumed: Sequence[str]) -> str:
     return ""
 
 
-MOST_TOLD = 12
-"""Objectives that a sentence on an ignored event names; copies of one block count as one."""
-
-
 class Ignored(NamedTuple):
     """A declared event that changes nothing in some state in which an objective runs.
 
@@ -152,23 +146,14 @@ class Ignored(NamedTuple):
         event: Its name.
         objectives: Those that run in some state in which it is ignored, in document order.
         required: Whether its declaration says that it must always be handled.
-        words: The same for a reader, without the event: copies of one objective are said together.
         answering: The objectives in what its handlers lead to that run in some state in which it is answered
             already and no longer handled, in document order.
-        answering_words: The same for a reader.
     """
 
     event: str
     objectives: tuple[str, ...]
     required: bool
-    words: str
     answering: tuple[str, ...] = ()
-    answering_words: str = ""
-
-    @property
-    def sentence(self) -> str:
-        """What is ignored, and while what runs."""
-        return f"{self.event} is ignored while {self.words}"
 
 
 def changing_nothing(mission_net: MissionNet, space: Space[S]) -> Iterator[Ignored]:
@@ -196,19 +181,12 @@ def changing_nothing(mission_net: MissionNet, space: Space[S]) -> Iterator[Ignor
             for names in (running, meanwhile)
         )
         if ignored or answering:
-            every = names_of_objectives(graph)
-            words, during = (_while(graph.copies, names, every) for names in (ignored, answering))
-            yield Ignored(declared.name, ignored, declared.required, words, answering, during)
+            yield Ignored(declared.name, ignored, declared.required, answering)
 
 
 def _inside(copies: Copies, blocks: frozenset[Written]) -> set[str]:
     """The objectives in some blocks, in all copies of them."""
     return {name for name in copies.objectives if blocks and not blocks.isdisjoint(copies.around(name))}
-
-
-def _while(copies: Copies, names: tuple[str, ...], every: list[str]) -> str:
-    told = copies.told(names, every)
-    return f"{shortened(told, MOST_TOLD)} {'runs' if len(told) == 1 else 'run'}"
 
 
 def targets(mission: Mission) -> Mapping[str, frozenset[Written]]:

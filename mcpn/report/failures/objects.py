@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from mcpn.answers.causes.cutsets import CutSet, Unaided
 from mcpn.answers.causes.find import Causes, GoalCauses, Survival
 from mcpn.answers.causes.prospects import CriticalEvent
-from mcpn.answers.claims import claims_of_losses
+from mcpn.answers.claims import claims_of_causes
 from mcpn.nets.events import Event
 from mcpn.report.failures.sentences import condition, safe
 from mcpn.spaces.run import Run
@@ -38,7 +38,7 @@ def causes_object(causes: Causes, *, runs: bool = True, rows: Sequence[Row] = ()
         **({} if causes.safety is None else {"safety": _goal(causes.safety, runs, safe)}),
         **({"unsafe_aborts": list(causes.unsafe_aborts)} if causes.unsafe_aborts else {}),
         "objectives": {name: _goal(goal, runs) for name, goal in causes.objectives.items()},
-        "claims": [claim.to_json() for claim in claims_of_losses(causes.prospects, rows)],
+        "claims": [claim.to_json() for claim in claims_of_causes(causes, rows)],
         "survival": [_survival(found, runs) for found in causes.survival],
     }
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from mcpn.report.words import folded
+from mcpn.answers.claims.claim import Claim, sentences, told, told_together
+from mcpn.report.pages.story import late_losses
 from mcpn.sentences import enumeration
 
 if TYPE_CHECKING:
@@ -43,81 +44,48 @@ def preflight(findings: Findings) -> Iterator[Tick]:
     )
 
 
-@dataclass(frozen=True)
-class SingleLosses:
-    """Hardware whose loss alone does harm.
-
-    Args:
-        defeats: What is lost before the start leaves no success.
-        later: What does so only where it is lost at the worst moment.
-        endangers: What leaves no safe end where it is lost at the worst moment, and nothing helps.
-        helped: What leaves success only with the help of a declared event or a timeout, each with what helps.
-    """
-
-    defeats: Sequence[str] = ()
-    later: Sequence[str] = ()
-    endangers: Sequence[str] = ()
-    helped: Mapping[str, Sequence[str]] = field(default_factory=dict)
-
-
-def single_losses(findings: Findings) -> SingleLosses:
-    """Hardware whose loss alone does harm, by what it does."""
-    causes = findings.causes
-    if causes is None:
-        return SingleLosses()
-    defeats = [lost[0] for lost in causes.mission.cut_sets if len(lost) == 1]
-
-    held = [claim for claim in findings.claims if claim.holds]
-    aided = [c.subject[0] for c in held if c.kind == "loss_defeats" and c.assumes.help == "declared"]
-    later = [name for name in aided if name not in defeats]
-    helped = {c.subject[0]: c.refers_to for c in held if c.kind == "loss_defeats" and c.refers_to}
-    endangers = dict.fromkeys(c.subject[0] for c in held if c.kind == "loss_endangers")
-    return SingleLosses(defeats, later, list(endangers), helped)
-
-
 def _single_losses(findings: Findings) -> Iterator[Tick]:
-    lost = single_losses(findings)
-    if endangers := lost.endangers:
-        why = f"{_each(endangers)} alone, at its worst moment, leaves no success and no safe abort."
-        yield Tick(f"Test {_named(endangers)}: single points of failure.", why)
-    if only := [name for name in lost.defeats if name not in endangers]:
-        yield Tick(f"Test {_named(only)}.", f"{_each(only)} alone leaves no way to success.")
-    if only := [name for name in lost.later if name not in endangers]:
-        why = f"{_each(only)} alone leaves no way to success where it comes at the worst moment."
-        yield Tick(f"Test {_named(only)}.", why)
-    by_help: dict[tuple[str, ...], list[str]] = {}
-    for name, helpers in lost.helped.items():
-        by_help.setdefault(tuple(helpers), []).append(name)
-    for helpers, names in by_help.items():
-        why = f"Only they help after {_each(names)[:1].lower()}{_each(names)[1:]} at the worst moment."
-        yield Tick(f"Test {_named(names)} with {_named(helpers)}.", why)
+    told = set[str]()
+    for kind in ("loss_endangers", "loss_before_defeats", "loss_defeats"):
+        lost = [c for c in findings.held(kind) if c.assumes.help == "declared" or c.refers_to]
+        lost = [c for c in lost if c.subject[0] not in told and c.subject[0] in _hardware(findings)]
+        told |= {claim.subject[0] for claim in lost}
+        for sentence, names in _together(lost):
+            yield Tick(f"Test {_named(names)}.", sentence)
+
+
+def _hardware(findings: Findings) -> set[str]:
+    return {hardware.name for hardware in findings.check.mission_net.mission.hardware}
+
+
+def _together(claims: Sequence[Claim]) -> Iterator[tuple[str, list[str]]]:
+    """Claims of one kind that differ in their first name, in a sentence, and these names and what helps."""
+    by_help: dict[tuple[str, ...], list[Claim]] = {}
+    for claim in claims:
+        by_help.setdefault(claim.refers_to, []).append(claim)
+    for helpers, same in by_help.items():
+        yield told(same), [*(claim.subject[0] for claim in same), *helpers]
 
 
 def _aborts(findings: Findings) -> Iterator[Tick]:
-    causes = findings.causes
-    if causes is not None and (names := folded(causes.mission_net, causes.unsafe_aborts)):
-        yield Tick(
-            f"Test {_named(names)}: {'its' if len(names) == 1 else 'their'} failure ends in abort, too.",
-            "The mission calls this abort safe, though what should make it safe has failed.",
-        )
+    for sentence, names in _together(findings.held("abort_after")):
+        yield Tick(f"Test {_named(names)}.", sentence)
 
 
 def _ignored(findings: Findings) -> Iterator[Tick]:
-    for ignored in findings.check.ignored[:MOST_NAMED]:
-        yield Tick(f"Accept that {ignored.sentence}.", "Nothing around handles it there: it changes nothing.")
+    for sentence in list(told_together(findings.held("ignored"), 0))[:MOST_NAMED]:
+        yield Tick(f"Accept this: {sentence}", "Nothing around handles it there: it changes nothing.")
 
 
 def _late(findings: Findings) -> Iterator[Tick]:
     mission = findings.check.mission_net.mission
-    costs = {each.hardware: "; ".join(each.sentences) for each in findings.check.late}
     for hardware in mission.late:
         finders = [a.name for a in mission.activities if hardware.name in a.detects]
         by = f"{_named(finders)} runs, or " if finders else ""
-        cost = costs.get(hardware.name, "")
+        costs = sentences(claim for claim in late_losses(findings) if claim.subject[0] == hardware.name)
         yield Tick(
             f"Test {hardware.name}: its loss is noticed late.",
-            f"The robot learns of it only while {by}as an objective fails; until then it goes on"
-            f"{': ' * bool(cost)}{cost}.",
+            " ".join([f"The robot learns of it only while {by}as an objective fails.", *costs]),
         )
 
 
@@ -150,10 +118,6 @@ def _open(findings: Findings) -> Iterator[Tick]:
             f"Read the {f'{count} warnings' if count > 1 else 'warning'} below.",
             f"{'They are' if count > 1 else 'It is'} legal, and often not meant.",
         )
-
-
-def _each(names: Sequence[str]) -> str:
-    return "Its loss" if len(names) == 1 else "The loss of any one of them"
 
 
 def _named(names: Sequence[str]) -> str:

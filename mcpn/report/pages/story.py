@@ -3,42 +3,35 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from mcpn.answers.causes.cutsets import CutSet
-from mcpn.answers.claims.claim import Claim, told
+from mcpn.answers.claims.claim import Claim, sentences, told, told_together
 from mcpn.answers.claims.found import claims_found, of_verdict
 from mcpn.answers.claims.kinds import OF_VERDICTS
 from mcpn.answers.verdicts.mission import NOMINAL
-from mcpn.nets.events import Event
 from mcpn.report.failures.sentences import without_a_rate
 from mcpn.report.pages.nominal_run import nominal_run, strip
-from mcpn.report.pages.preflight import single_losses
 from mcpn.report.words import (
     folded,
     in_words,
     skipped_in_words,
-    what_happens,
     wrong_in_words,
 )
-from mcpn.sentences import enumeration
+from mcpn.sentences import enumeration, shortened
 
 if TYPE_CHECKING:
-    from mcpn.answers.causes.find import Causes, GoalCauses
+    from mcpn.answers.causes.find import Causes
     from mcpn.answers.requirements import RequirementAnswer
-    from mcpn.answers.verdicts.mission import MissionCheck
+    from mcpn.answers.verdicts.mission import MissionCheck, Verdict
     from mcpn.findings import Findings
-    from mcpn.spaces.run import Run
 
 MOST_TOLD = 8
 """Cut sets, or names, of one sentence; the tables have all."""
 
-ABORTED = "it ends in a safe way, not accomplished"
-
-MOST_LAST = 3
-"""Events of a run that one sentence has."""
+MOST_FIRST = 3
+"""Names of one sentence of the headline."""
 
 
 @dataclass(frozen=True)
@@ -65,53 +58,42 @@ def headline(findings: Findings) -> StoryLine:
     line = verdict_of_all(findings.check)
     if line.state != "holds":
         return line
-    conditions = "; ".join(_conditions(findings))
-    return replace(
-        line, said=f"{line.said} {conditions[0].upper()}{conditions[1:]}." if conditions else line.said
-    )
+    return replace(line, said=" ".join([line.said, *_conditions(findings)]))
 
 
 def _conditions(findings: Findings) -> Iterator[str]:
-    """What a yes depends on, each in a few words."""
-    causes = findings.causes
-    if causes is not None:
-        alone = single_losses(findings)
-        defeats, endangers = alone.defeats, alone.endangers
-        worst = f"that of {_few(alone.later)} at the worst moment" if alone.later else ""
-        also = f", {worst} too" if worst else ""
-        helpers = list(dict.fromkeys(name for helping in alone.helped.values() for name in helping))
-        helped = f"; without the help of {_few(helpers)} that of {_few([*alone.helped])} as well" * bool(
-            helpers
-        )
-        if len(defeats) == 1:
-            yield f"the loss of {defeats[0]} alone defeats it{also}{helped}"
-        elif defeats:
-            yield f"{len(defeats)} losses, each alone, defeat it ({_few(defeats)}){also}{helped}"
-        elif worst:
-            yield f"no loss before the start defeats it alone, {worst} does{helped}"
-        elif helped:
-            lost = f"the loss of {_few([*alone.helped])} alone defeats it without the help of {_few(helpers)}"
-            yield f"{lost}; with it no single loss does"
-        else:
-            yield "no single loss defeats it"
-        if causes.safety is None:
-            yield "it has no abort, so nothing says which failures are safe"
-        elif endangers:
-            yield f"the loss of {_few(endangers)} alone, at its worst moment, endangers the robot"
-        else:
-            yield "no single loss endangers the robot"
-        if unsafe := folded(causes.mission_net, causes.unsafe_aborts):
-            yield f"abort is called safe although {_few(unsafe)} failed"
-    check = findings.check
-    if ignored := [each.event for each in check.ignored]:
-        some = ignored[0] if len(ignored) == 1 else f"{len(ignored)} events"
-        yield f"{some} {'is' if len(ignored) == 1 else 'are'} ignored in some objectives"
-    if late := [h.name for h in check.mission_net.mission.late]:
-        yield f"the loss of {_few(late)} is noticed late"
+    """What a yes depends on, in sentences."""
+    if findings.causes is not None:
+        for verb in ("defeat", "endanger"):
+            yield from losses(findings, verb, MOST_FIRST) or kept(findings, verb, MOST_FIRST)
+        unsaid = [c for c in findings.claims if c.kind == "says_what_is_safe" and not c.holds]
+        yield from sentences([*unsaid, *findings.held("abort_after")], MOST_FIRST)
+    yield from told_together(findings.held("ignored"), 0, MOST_FIRST)
+    if late := [h.name for h in findings.check.mission_net.mission.late]:
+        yield f"The loss of {shortened(late)} is noticed late."
 
 
-def _few(names: Sequence[str]) -> str:
-    return enumeration(names if len(names) <= 3 else [*names[:2], f"{len(names) - 2} more"])
+def losses(findings: Findings, verb: str, most: int = MOST_TOLD) -> list[str]:
+    """The losses that defeat a mission or endanger the robot: before the start, later, and without help.
+
+    What needs a worse moment, or lacks help, is said where nothing less does the same harm.
+    """
+    before = findings.held(f"loss_before_{verb}s")
+    known = {claim.subject for claim in before}
+    aided = [c for c in findings.held(f"loss_{verb}s") if c.assumes.help == "declared"]
+    later = [claim for claim in aided if claim.subject not in known]
+    unaided = [claim for claim in findings.held(f"loss_{verb}s") if claim.refers_to]
+    several = findings.held(f"losses_{verb}")
+    return sentences([*findings.held(f"without_repair_{verb}ed"), *before, *later, *several, *unaided], most)
+
+
+def kept(findings: Findings, verb: str, most: int = MOST_TOLD) -> list[str]:
+    """The losses, each alone, that are survived whenever they come, and without help."""
+    claims = [claim for claim in findings.claims if claim.kind == f"loss_{verb}s"]
+    lost = {claim.subject for claim in claims if claim.holds is not False}
+    unused = set() if findings.causes is None else set(findings.causes.unused)
+    aided = [c for c in claims if c.assumes.help == "declared" and c.subject not in lost]
+    return sentences((claim for claim in aided if unused.isdisjoint(claim.subject)), most)
 
 
 def verdict_of_all(check: MissionCheck) -> StoryLine:
@@ -157,14 +139,13 @@ def story(findings: Findings) -> Iterator[StoryLine]:
     yield from _nominal(findings)
     yield _success(findings)
     if findings.causes is not None:
-        mission, safety = findings.causes.mission, findings.causes.safety
-        yield _safety(findings, safety)
-        yield from _by_word(findings.causes)
-        yield _lost(mission, single_losses(findings).helped)
-        yield from _survived(findings)
+        yield _safety(findings)
+        yield from _noted(findings.held("abort_after"), "Is every abort safe?", "fails")
+        yield _lost(findings)
+        yield from _survived(findings, findings.causes)
     yield from _claimed(findings.claims)
-    yield from _ignored(findings.check)
-    yield from _unnoticed(findings.check)
+    yield from _ignored(findings)
+    yield from _noted(late_losses(findings), "What goes unnoticed?", "note")
     yield from _required(findings.check)
     yield from _granted(findings.check)
     if (chance := findings.risk) is not None:
@@ -199,10 +180,7 @@ def _claimed(claims: Sequence[Claim]) -> Iterator[StoryLine]:
                 apart = claim.subject if kind != "succeeds_without" else ()
                 together.setdefault(apart, []).append(claim)
         if together:
-            said = [told(same) for same in together.values()]
-            more = len(said) - MOST_TOLD
-            said = [*said[:MOST_TOLD], *([f"And {more} more, which check --json lists."] if more > 0 else [])]
-            yield StoryLine("note", asked, " ".join(said))
+            yield StoryLine("note", asked, " ".join(_first([told(same) for same in together.values()])))
 
 
 def _near_one(chance: float) -> str:
@@ -257,69 +235,35 @@ def _success(findings: Findings) -> StoryLine:
     return StoryLine(state, "Can it succeed?", said, chips, json.dumps(events) if events else "")
 
 
-def _lost(goal: GoalCauses, helped: Mapping[str, Sequence[str]]) -> StoryLine:
+def _noted(claims: Sequence[Claim], asked: str, state: str) -> Iterator[StoryLine]:
+    """Claims that hold, where there are some."""
+    if claims:
+        yield StoryLine(state, asked, " ".join(sentences(claims, MOST_TOLD)))
+
+
+def late_losses(findings: Findings) -> list[Claim]:
+    """What losses that are noticed late cost."""
+    kinds = ("loss_unnoticed", "loss_unnoticed_later", "loss_found_in_time")
+    return [claim for kind in kinds for claim in findings.held(kind)]
+
+
+def _lost(findings: Findings) -> StoryLine:
     """What keeps a mission from success."""
-    asked, cut_sets, worst = "What defeats it?", goal.cut_sets, goal.only_at_worst
-    if () in cut_sets:
-        said = "It can never succeed, whatever the hardware does."
-        return StoryLine("fails", asked, said)
-    also = " too" if cut_sets else ""
-    later = f" Lost at the worst moment, this defeats it{also}: {_listed(worst)}." if worst else ""
-    if cut_sets:
-        lost = _listed(cut_sets)
-        said = f"Lost before it starts and not repaired, this leaves no way to success: {lost}.{later}"
-        return StoryLine("note", asked, said)
-    if later:
-        return StoryLine("note", asked, f"Lost before the start, no hardware defeats it.{later}")
-    if helped:
-        helpers = enumeration(list(dict.fromkeys(name for helping in helped.values() for name in helping)))
-        said = f"At its worst moment, and without the help of {helpers}, the loss of one of these: "
-        return StoryLine("note", asked, f"{said}{', '.join(helped)}. With this help no loss does.")
-    return StoryLine("holds", asked, "No loss of hardware alone keeps it from success.")
+    asked = "What defeats it?"
+    if said := losses(findings, "defeat"):
+        state = "fails" if findings.held("without_repair_defeated") else "note"
+        return StoryLine(state, asked, " ".join(said))
+    return StoryLine("holds", asked, NO_HARDWARE)
 
 
-def _listed(cut_sets: Sequence[CutSet]) -> str:
-    lost = "; ".join(map(_together, cut_sets[:MOST_TOLD]))
-    more = len(cut_sets) - MOST_TOLD
-    return lost if more <= 0 else f"{lost}; and {more} more, which the table of causes lists"
-
-
-def _survived(findings: Findings) -> Iterator[StoryLine]:
-    """Which hardware may be lost alone: so that success is still possible, and so that only an abort is."""
-    causes, mission_net = findings.causes, findings.check.mission_net
-    if causes is None:
-        return
-    faulty = [h for h in mission_net.mission.hardware if h.faulty and h.name not in causes.unused]
-    asked = "What does it survive?"
-
-    def left(cut_sets: Sequence[CutSet]) -> list[str]:
-        alone = {lost[0] for lost in cut_sets if len(lost) == 1}
-        return [] if () in cut_sets else [h.name for h in faulty if h.name not in alone]
-
-    succeeding, lost = left(causes.mission.cut_sets), single_losses(findings)
-    if succeeding:
-        always = [name for name in succeeding if name not in (*lost.later, *lost.helped)]
-        helped = [name for name in succeeding if name in lost.helped and name not in lost.later]
-        said = (
-            f"It can still succeed after the loss of any one of these alone: {', '.join(always)}."
-            if always
-            else "At the worst moment, no loss."
-        )
-        if lost.later:
-            said += f" Only where they are lost before the start: {', '.join(lost.later)}."
-        if helped:
-            by = enumeration(list(dict.fromkeys(each for name in helped for each in lost.helped[name])))
-            said += f" Only with the help of {by}: {', '.join(helped)}."
-        yield StoryLine("holds" if always else "note", asked, said)
-        yield from _left_out(findings, causes, succeeding)
-    if causes.safety is None:
-        return
-    known = {*succeeding, *lost.endangers}
-    aborting = [name for name in left(causes.safety.cut_sets) if name not in known]
-    if aborting:
-        names = ", ".join(aborting)
-        said = f"After the loss of any one of these alone it can only be aborted: {names}."
-        yield StoryLine("note", "What makes it give up?", said)
+def _survived(findings: Findings, causes: Causes) -> Iterator[StoryLine]:
+    """Which hardware may be lost alone, and which objectives cannot succeed then."""
+    if said := kept(findings, "defeat"):
+        yield StoryLine("holds", "What does it survive?", " ".join(said))
+    alone = {lost[0] for lost in causes.mission.cut_sets if len(lost) == 1}
+    faulty = [h.name for h in findings.check.mission_net.mission.hardware if h.faulty]
+    if () not in causes.mission.cut_sets:
+        yield from _left_out(findings, causes, [name for name in faulty if name not in alone])
 
 
 def _left_out(findings: Findings, causes: Causes, hardware: Sequence[str]) -> Iterator[StoryLine]:
@@ -338,109 +282,46 @@ def _left_out(findings: Findings, causes: Causes, hardware: Sequence[str]) -> It
     yield StoryLine("note", "What is lost then?", said)
 
 
-def _together(lost: CutSet) -> str:
-    return enumeration(lost) + (" together" if len(lost) > 1 else "")
+def _safety(findings: Findings) -> StoryLine:
+    """What leaves a mission that can abort no safe end."""
+    asked, verdict = "What endangers the robot?", findings.check.verdicts.get("can_always_end_safely")
+    if verdict is None:
+        unsaid = [claim for claim in findings.claims if claim.kind == "says_what_is_safe"]
+        return StoryLine("note", asked, " ".join(sentences(unsaid)))
+    if said := losses(findings, "endanger"):
+        state = "fails" if findings.held("without_repair_endangered") else "note"
+        return StoryLine(state, asked, " ".join(said))
+    if verdict.holds is False:
+        return _shown(findings, verdict)
+    return StoryLine("holds", asked, " ".join(kept(findings, "endanger")) or NO_HARDWARE)
 
 
-def _safety(findings: Findings, goal: GoalCauses | None) -> StoryLine:
-    """What makes a mission that can abort end in neither success nor abort."""
-    asked = "What endangers the robot?"
-    if goal is None:
-        said = "Not known: the mission has no abort, so nothing says which of its failures are safe."
-        return StoryLine("note", asked, said)
-    verdict, cut_sets, worst = (
-        findings.check.verdicts["can_always_end_safely"],
-        goal.cut_sets,
-        goal.only_at_worst,
-    )
-    if () in cut_sets:
-        return StoryLine("fails", asked, "It can never succeed, and never be aborted.")
-    if not cut_sets and verdict.holds is False:
-        return _unsafe(findings, verdict.runs)
-    end = "reach a safe abort" if findings.causes and findings.causes.unsafe_aborts else "be aborted"
-    if worst:
-        said = (
-            f"At the worst moment it can neither succeed nor {end} after the loss of this: {_listed(worst)}."
-        )
-        if cut_sets:
-            said += f" And lost before it starts and not repaired: {_listed(cut_sets)}."
-        return StoryLine("note", asked, said)
-    if not cut_sets:
-        said = f"Whatever hardware is lost, it can still succeed or be aborted: {ABORTED}."
-        if findings.causes and findings.causes.unsafe_aborts:
-            return StoryLine("note", asked, "No loss of hardware alone, but failures of what makes it safe.")
-        return StoryLine("holds", asked, said)
-    said = f"Lost before it starts and not repaired, this leaves no way to succeed or {end}:"
-    return StoryLine("note", asked, f"{said} {_listed(cut_sets)}.")
+NO_HARDWARE = "No hardware that may fail is used."
 
 
-def _by_word(causes: Causes) -> Iterator[StoryLine]:
-    """Aborts that are reached by the failure of what should make the robot safe."""
-    if names := folded(causes.mission_net, causes.unsafe_aborts):
-        several = len(names) > 1
-        said = (
-            f"{_few(names)} should make the robot safe, and where {'one of them' if several else 'it'} fails "
-            "the mission is aborted all the same. The answers of this page count no such abort as safe; "
-            "probabilities of an abort count it."
-        )
-        yield StoryLine("fails", "Is every abort safe?", said)
+def _shown(findings: Findings, verdict: Verdict) -> StoryLine:
+    """A verdict that fails, with its run where that has no internal firings."""
+    said, run = of_verdict(verdict).sentence, verdict.runs[0] if verdict.runs else None
+    if run is None or run.tail or findings.controller is None:
+        return StoryLine("fails", "What endangers the robot?", said)
+    texts = [str(event) for event, _ in in_words(findings.check.mission_net, run.of_events)]
+    chips = strip(findings, texts)
+    return StoryLine("fails", "What endangers the robot?", said, chips, json.dumps(texts))
 
 
-def _ignored(check: MissionCheck) -> Iterator[StoryLine]:
+def _ignored(findings: Findings) -> Iterator[StoryLine]:
     """Where the declared events are ignored, of missions that declare some."""
-    asked, events = (
-        "What is ignored?",
-        [e.name for e in check.mission_net.mission.events if not e.changes_facts],
-    )
-    if check.ignored:
-        told = "; ".join(f"{each.event} while {each.words}" for each in check.ignored[:MOST_TOLD])
-        more = len(check.ignored) - MOST_TOLD
-        told += f"; and {more} more, which check lists" if more > 0 else ""
-        said = f"{told}. What is required of these events holds only where they are handled."
-        yield StoryLine("note", asked, said)
-    elif events and (check.alternatives is not None or check.markings is not None):
-        again = [each.event for each in check.changing_nothing]
-        always = [name for name in events if name not in again]
-        said = f"No event: {_few(always)} {_is(always)} handled whatever runs" if always else "No event"
-        if again:
-            they = "it leads" if len(again) == 1 else "they lead"
-            nothing = "changes nothing" if len(again) == 1 else "change nothing"
-            said += (
-                f"{', and' if always else ':'} {_few(again)} {nothing} only while what {they} to runs already"
-            )
-        yield StoryLine("holds", asked, f"{said}.")
+    asked = "What is ignored?"
+    if ignored := [*told_together(findings.held("ignored"), 0, MOST_TOLD)]:
+        yield StoryLine("note", asked, " ".join(_first(ignored)))
+    elif handled := [*findings.held("handled_always"), *findings.held("answered_already")]:
+        yield StoryLine("holds", asked, " ".join(_first(sentences(handled, MOST_TOLD))))
 
 
-def _unnoticed(check: MissionCheck) -> Iterator[StoryLine]:
-    """What losses that are noticed late cost, of missions with such hardware."""
-    asked, late = "What goes unnoticed?", [h.name for h in check.mission_net.mission.late]
-    if check.late:
-        said = "; ".join(sentence for each in check.late[:MOST_TOLD] for sentence in each.sentences)
-        yield StoryLine("note", asked, f"{said[:1].upper()}{said[1:]}.")
-    elif late and check.alternatives is not None:
-        yield StoryLine(
-            "holds", asked, f"The loss of {_few(late)} is noticed late; no objective fails for that."
-        )
-
-
-def _is(names: Sequence[str]) -> str:
-    return "is" if len(names) == 1 else "are"
-
-
-def _unsafe(findings: Findings, runs: Sequence[Run]) -> StoryLine:
-    """Says by a run that a mission can end in neither success nor abort with all hardware in service."""
-    asked, said = (
-        "What endangers the robot?",
-        "It can reach a state from which it can neither succeed nor be aborted",
-    )
-    if not runs or runs[0].tail:
-        return StoryLine("fails", asked, f"{said}, whatever the hardware does.")
-    mission_net = findings.check.mission_net
-    events = [event for event, _ in in_words(mission_net, runs[0].of_events) if isinstance(event, Event)]
-    last = ", then ".join(what_happens(event, mission_net.mission.name) for event in events[-MOST_LAST:])
-    texts = list(map(str, events))
-    chips = () if findings.controller is None else strip(findings, texts)
-    return StoryLine("fails", asked, f"{said}, for example when {last}.", chips, json.dumps(texts))
+def _first(said: Sequence[str]) -> list[str]:
+    """The first sentences, and how many more there are."""
+    more = len(said) - MOST_TOLD
+    return [*said[:MOST_TOLD], *([f"And {more} more, which check --json lists."] if more > 0 else [])]
 
 
 def _required(check: MissionCheck) -> Iterator[StoryLine]:
