@@ -302,17 +302,8 @@ def parallel_node(at: Translator, node: TreeNode, context: Context) -> Result:
     if len(branches) == 1:
         made = _alone(at, branches[0])
     else:
-        made = parallel(name, branches, success, "any" if losing == 1 else "all")
-        if 1 < losing < len(branches):
-            # Where all children have ended and too few have succeeded, the block has failed anyway.
-            event = at.event(f"{name}_fails", f"{losing} children of {name} have failed")
-            made = replace(made, handlers=(Handler(event=event, goto=FAIL),))
-            made = Recursive(name=at.names.fresh(f"{name}_counted"), blocks=(made,))
-            kind, why = max(
-                (kind, why),
-                (Kind.MORE, f"that {losing} have failed is an event, which may happen before"),
-                key=lambda each: list(Kind).index(each[0]),
-            )
+        failure = "any" if losing == 1 else str(losing) if losing < len(branches) else "all"
+        made = parallel(name, branches, success, failure)
     at.note(node, made.name, kind, why)
     return Part(made)
 

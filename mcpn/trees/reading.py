@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 from types import MappingProxyType
@@ -16,10 +17,11 @@ from lxml import etree
 
 from mcpn.errors import InputError, Problem, Source
 from mcpn.files import OutsideError, file_inside, read_bounded
+from mcpn.trees.doubts import doubts
 from mcpn.trees.nodes.choosing import choose
 from mcpn.trees.nodes.forest import Forest, tree_of
 from mcpn.trees.nodes.node import ATTRIBUTES, OF_EDITORS, Tree, TreeNode
-from mcpn.trees.nodes.table import TABLE
+from mcpn.trees.nodes.table import TABLE, rows_of
 from mcpn.trees.nodes.versions import BTCPP, NAV2
 from mcpn.trees.nodes.versions import asked as asked_for
 from mcpn.trees.tolerant import escaped
@@ -112,11 +114,12 @@ def read_forest(
     executed = trees[_main(reader, main, Source(str(path), reader.root_line))]
     nodes = [node for tree in trees.values() for node in tree.root.walk()]
     choice, problems = choose(nodes, frozenset(trees), reader.formats, wanted)
-    forest = Forest(trees, executed, reader.categories, choice, tuple(reader.warnings))
-    problems += _cycles(forest)
+    forest = Forest(trees, executed, reader.categories, choice)
+    problems += [*_cycles(forest), *_named_as_nodes(forest)]
     if problems:
         raise InputError(problems)
-    return forest
+    warnings = (*reader.warnings, *doubts(forest, reader.ports, reader.spelt))
+    return replace(forest, warnings=warnings)
 
 
 def is_tree(path: Path) -> bool:
@@ -179,6 +182,8 @@ class _Reader:
         self.mains: list[str] = []  # what these say is to be executed
         self.formats: list[str | None] = []
         self.categories: dict[str, str] = {}
+        self.ports: dict[str, dict[str, bool]] = {}  # by name in models, and whether each must be given
+        self.spelt: dict[int, str] = {}  # by node, how its name is written
         self.seen: set[Path] = set()
         self.nodes = 0
         self.root_line = 1
@@ -200,6 +205,10 @@ class _Reader:
         for each in element:
             if each.get("ID"):
                 self.categories[str(each.get("ID"))] = _tag(each)
+                ports = [port for port in each if _tag(port) in _PORTS]
+                self.ports[str(each.get("ID"))] = {
+                    str(port.get("name")): not port.get("default") for port in ports
+                }
 
     def known(self, element: etree._Element, path: Path, parent: etree._Element | None = None) -> None:
         """Holds an element that is no node to the table of elements."""
@@ -260,7 +269,7 @@ class _Reader:
         if root is None:
             return
         here = Source(str(path), line_of(root))
-        if root.tag != "root":
+        if _tag(root) != "root":
             said = f"expected <root> of a behaviour tree, found <{_tag(root)}>"
             self.warnings.append(Problem(here, f"{said}: not read")) if among else self.wrong(here, said)
             return
@@ -375,10 +384,9 @@ class _Reader:
             )
             self.wrong(source, said)
             return None
-        id_ = attributes.pop("ID") if explicit else spelled(tag)
+        written = attributes.pop("ID") if explicit else tag
         category = "SubTree" if tag == "SubTreePlus" else tag if explicit else ""
-        if explicit:
-            id_ = id_ if category == "SubTree" else spelled(id_)
+        id_ = written if category == "SubTree" else spelled(written)
         self.text(element, source)
         inside = list(element.iterchildren(etree.Element))
         if category == "SubTree":  # version 3 writes ports as elements, too
@@ -397,7 +405,10 @@ class _Reader:
             self.warnings.append(Problem(source, f"{id_}: attribute {rule} means nothing{hint}"))
         ports = {key: value for key, value in attributes.items() if not key.startswith("_")}
         found = tuple(child for child in children if child is not None)
-        return TreeNode(id_, category, name, ports, rules, found, source)
+        made = TreeNode(id_, category, name, ports, rules, found, source)
+        if written != id_:
+            self.spelt[id(made)] = written
+        return made
 
     def wrong(self, source: Source, message: str) -> None:
         self.problems.append(Problem(source, message))
@@ -413,7 +424,17 @@ def _is_remap(element: etree._Element) -> bool:
 
 
 def _tag(element: etree._Element) -> str:
-    return str(element.tag)
+    """The name of an element as it is written: libraries of trees know no namespaces."""
+    local = str(element.tag).rpartition("}")[2]
+    return f"{element.prefix}:{local}" if element.prefix else local
+
+
+def _named_as_nodes(forest: Forest) -> Iterator[Problem]:
+    """Trees with the name of a node that BehaviorTree.CPP has: which of both is meant is not known."""
+    for tree in forest.trees.values() if BTCPP in forest.choice.libraries else ():
+        if rows_of(tree.id, (BTCPP,)):
+            said = f"tree {tree.id!r} has the name of a node of BehaviorTree.CPP"
+            yield Problem(tree.source, f"{said}, expected another name")
 
 
 def _cycles(forest: Forest) -> Iterator[Problem]:

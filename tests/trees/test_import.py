@@ -51,6 +51,8 @@ EXACT = {
     "keep running": node("Fallback", node("KeepRunningUntilFailure", node("Sequence", A, B)), C),
     "parallel": node("Parallel", A, B, node("Sequence", C, D)),
     "parallel, one": node("Parallel", A, B, success_count=1, failure_count=2),
+    "parallel, two of three fail": node("Parallel", A, B, C, success_count=1, failure_count=2),
+    "inverter of two of three": node("Inverter", node("Parallel", A, B, C, success_count=1, failure_count=2)),
     "parallel all": node("ParallelAll", A, node("Inverter", B), node("Fallback", C, D)),
     "reactive": node("ReactiveSequence", X, node("Inverter", Y), A, B),
     "reactive fallback": node("Fallback", node("ReactiveFallback", X, A), B),
@@ -98,8 +100,6 @@ MORE = {
     "recovery in vain, twice": node("RecoveryNode", "<AlwaysFailure/>", A, number_of_retries=2),
     "parallel, one that decides at once": node("Parallel", A, "<AlwaysSuccess/>", success_count=1),
     "parallel, one that counts late": node("Parallel", A, B, "<AlwaysSuccess/>", success_count=2),
-    "parallel, two of three fail": node("Parallel", A, B, C, success_count=1, failure_count=2),
-    "inverter of two of three": node("Inverter", node("Parallel", A, B, C, success_count=1, failure_count=2)),
     "parallel all, two may fail": node("ParallelAll", A, B, C, max_failures=2),
     "memory, beside others": node(
         "Parallel", C, node("SequenceWithMemory", A, BADLY), D, success_count=2, failure_count=1

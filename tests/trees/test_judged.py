@@ -216,10 +216,52 @@ def test_five_hundred_drawn_trees(tree: str, tmp_path_factory: pytest.TempPathFa
         node("TryCatch", A, B),
         '<Sequence ID="x"><a/></Sequence>',
         '<Sleep msec="-1"/>',
+        node("Repeat", A, num_cycles=" 3"),
+        node("Repeat", A, num_cycles="+3"),
+        node("RunOnce", A, then_skip="tRUE"),
+        node("Precondition", A, **{"if": "true", "else": "success"}),
+        node("LoopInt", A, queue="1;x", value="{v}"),
+        '<a _skipIf=""/>',
+        f'{A}</BehaviorTree><BehaviorTree ID="Sequence">{B}',
     ],
 )
 def test_what_the_library_refuses_is_refused(tree: str, tmp_path: Path) -> None:
     library()
-    assert throws(f'<root BTCPP_format="4"><BehaviorTree ID="M">{tree}</BehaviorTree></root>')
+    assert throws(whole(tree))
     with pytest.raises(InputError):
-        imported(tmp_path, tree, (f"btcpp={VERSION}",))
+        imported(tmp_path, whole(tree), (f"btcpp={VERSION}",))
+
+
+def whole(tree: str, more: str = "") -> str:
+    head = '<root BTCPP_format="4" main_tree_to_execute="M"><BehaviorTree ID="M">'
+    return f"{head}{tree}</BehaviorTree>{more}</root>"
+
+
+@pytest.mark.parametrize(
+    ("tree", "more", "said"),
+    [
+        ("<sequence><a/></sequence>", "", "sequence is read as Sequence"),
+        (node("ReactiveSequence", '<Action ID="a"/>'), "", "<Action ID='a'> in a ReactiveSequence"),
+        (
+            '<SubTree ID="S"/>',
+            '<BehaviorTree ID="S"><a/></BehaviorTree><TreeNodesModel><SubTree ID="S">'
+            '<input_port name="goal"/></SubTree></TreeNodesModel>',
+            "S does not give goal",
+        ),
+        (
+            '<a gaol="1"/>',
+            '<TreeNodesModel><Action ID="a"><input_port name="goal"/></Action></TreeNodesModel>',
+            "a has no port 'gaol' in its model, which has goal",
+        ),
+    ],
+)
+def test_what_the_library_refuses_and_is_read_is_warned_of(
+    tree: str, more: str, said: str, tmp_path: Path
+) -> None:
+    library()
+    assert throws(whole(tree, more))
+    made, _ = imported(tmp_path, whole(tree, more), (f"btcpp={VERSION}",))
+    assert said in " ".join(each.message for each in made.ledger.warnings)
+    allowed = tree.replace("sequence", "Sequence").replace('Action ID="a"', "a").replace("gaol", "goal")
+    allowed = allowed.replace('ID="S"', 'ID="S" goal="1"')
+    assert not imported(tmp_path, whole(allowed, more), (f"btcpp={VERSION}",))[0].ledger.warnings

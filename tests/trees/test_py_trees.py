@@ -120,6 +120,7 @@ def test_drawn_trees(tree: str, tmp_path_factory: pytest.TempPathFactory) -> Non
         node("Timeout", A, msec=5),
         node("OneShot", A),
         node("EternalGuard", A, condition="x"),
+        node("RetryUntilSuccessful", A, num_attempts=2),
         node("Inverter", A, B),
         node("Parallel", A, policy="success_on_selected"),
     ],

@@ -83,7 +83,7 @@ _add(
     "success_count:int=-1 failure_count:int=1",
     "parallel",
     "as before; since 4.3 a skipped child counts as a success where success_count is negative",
-    "exact; more runs where failure_count is neither 1 nor all that must fail, or a child may be skipped",
+    "exact; more runs where a child may be skipped",
 )
 _add(
     "ParallelAll",
@@ -212,15 +212,16 @@ _add(
     "its child if a script holds as it is begun, else what else says",
     "more runs: the script is free",
 )
-_add(
-    "LoopInt LoopBool LoopDouble LoopString",
-    "4.2",
-    "Decorator",
-    "queue:text if_empty:status=SUCCESS value:text?",
-    "loop",
-    "the child once for each value of a queue, while it succeeds or is skipped",
-    "exact where the queue is written in the tree",
-)
+for _type, _kind in {"Int": "ints", "Bool": "bools", "Double": "numbers", "String": "text"}.items():
+    _add(
+        f"Loop{_type}",
+        "4.2",
+        "Decorator",
+        f"queue:{_kind} if_empty:status=SUCCESS value:text?",
+        "loop",
+        "the child once for each value of a queue, while it succeeds or is skipped",
+        "exact where the queue is written in the tree",
+    )
 _add(
     "SkipUnlessUpdated",
     "4.6",

@@ -149,8 +149,11 @@ class _Choosing:
             library = BTCPP if BTCPP in self.allowed else PY_TREES
             said = f"{node.title} has {rules[0]} of BehaviorTree.CPP 4"
             self.wrong(node, f"{said}, the tree is for {self.is_for(library)}")
+        for rule in (rule for rule in rules if not node.rules[rule].strip()):
+            self.wrong(node, f"{node.title}: {rule} is empty, expected a script")
         rows = rows_of(node.id, self.libraries)
         if not rows:
+            self.of_other(node)
             return
         for library in dict.fromkeys(row.library for row in rows):
             if library not in self.used:
@@ -176,6 +179,13 @@ class _Choosing:
             what = f"{ports} of {node.id} is a port" if ports else f"{node.id} is a node"
             there = told(library, versions)
             self.wrong(node, f"{what} of {there}, and this tree is for {self.is_for(library)}")
+
+    def of_other(self, node: TreeNode) -> None:
+        """Refuses a node that py_trees does not have and others do: what it does there is not known."""
+        elsewhere = [row for row in TABLE if row.node == node.id and row.role in ("Control", "Decorator")]
+        if PY_TREES in self.libraries and elsewhere and node.children:
+            there, here = elsewhere[-1].where, self.is_for(PY_TREES)
+            self.wrong(node, f"{node.id} is a node of {there}, and this tree is for {here}")
 
     def is_for(self, library: str) -> str:
         """The versions that are left, with what has decided."""
@@ -216,7 +226,7 @@ class _Choosing:
         row = next((r for r in reversed(rows_of(node.id, self.libraries)) if r.fits(node.ports)), None)
         for name, value in node.ports.items() if row is not None and row.ports is not None else ():
             pattern, expected = LEGAL[row.ports[name].kind]  # type: ignore[union-attr, index]
-            if not _is_entry(value) and re.fullmatch(pattern, value.strip()) is None:
+            if not _is_entry(value) and re.fullmatch(pattern, value) is None:
                 yield Problem(node.source, f"{node.title}: {name} is {value!r}, expected {expected}")
 
     def wrong(self, node: TreeNode, message: str) -> None:

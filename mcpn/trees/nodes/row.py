@@ -21,7 +21,7 @@ class Port(NamedTuple):
 
     Args:
         name: Its name.
-        kind: The values that it takes: int, unsigned, bool, number, status, policy, or text.
+        kind: The values that it takes, by :data:`LEGAL`.
         default: What holds where a tree does not give it; ``None`` where it must.
     """
 
@@ -36,15 +36,19 @@ class Port(NamedTuple):
         return f"{self.name} ({self.kind}, {given})"
 
 
-_NUMBER = r"[+-]?(\d++(\.\d*+)?|\.\d++)([eE][+-]?\d++)?"
+_NUMBER = r"-?(\d++(\.\d*+)?|\.\d++)([eE][+-]?\d++)?"
+_TRUTH = r"(true|TRUE|True|false|FALSE|False|0|1)"
 LEGAL = MappingProxyType(
     {
-        "int": (r"[+-]?\d{1,9}", "a whole number"),
-        "unsigned": (r"\+?\d{1,9}", "a whole number, not below 0"),
-        "bool": (r"(?i:true|false|0|1)", "true or false"),
+        "int": (r"-?\d{1,9}", "a whole number"),
+        "unsigned": (r"\d{1,9}", "a whole number, not below 0"),
+        "bool": (_TRUTH, "true or false"),
         "number": (_NUMBER, "a number"),
-        "status": (r"(?i:SUCCESS|FAILURE|SKIPPED|RUNNING)", "SUCCESS, FAILURE or SKIPPED"),
+        "status": (r"(SUCCESS|FAILURE|SKIPPED)", "SUCCESS, FAILURE or SKIPPED"),
         "policy": (r"success_on_(all|one|selected)", "success_on_all, success_on_one or success_on_selected"),
+        "ints": (r"json:.*|-?\d{1,9}(;-?\d{1,9})*+|", "whole numbers, with ; between them"),
+        "bools": (rf"json:.*|{_TRUTH}(;{_TRUTH})*+|", "true or false, with ; between them"),
+        "numbers": (rf"json:.*|{_NUMBER}(;{_NUMBER})*+|", "numbers, with ; between them"),
         "text": (r"(?s:.*+)", "a text"),
     }
 )
