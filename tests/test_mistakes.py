@@ -12,10 +12,11 @@ from tests.commands import mcpn
 
 PAGE = tomllib.loads(Path(__file__).with_name("mistakes.toml").read_text())
 MISTAKES: list[dict[str, Any]] = PAGE["mistake"]
-FILES = {"mission.xml": PAGE["mission"], "drivers.toml": PAGE["drivers"]}
+FILES = {"mission.xml": PAGE["mission"], "drivers.toml": PAGE["drivers"], "tree.xml": PAGE["tree"]}
 COMMANDS = {
     "mission.xml": ["check", "mission.xml"],
     "drivers.toml": ["run", "mission.xml", "--drivers", "drivers.toml", "--check"],
+    "tree.xml": ["check", "tree.xml"],
 }
 
 

@@ -48,6 +48,29 @@ COMMANDS = {
     "tests": "robot.sequences",
 }
 """By command, the module of this package that has it."""
+OTHER_WORDS = {
+    "analyse": "causes",
+    "create": "init",
+    "draw": "convert",
+    "execute": "run",
+    "export": "convert",
+    "fmea": "causes",
+    "fmeca": "causes",
+    "generate": "controller",
+    "help": "--help",
+    "import": "check",
+    "lint": "check",
+    "new": "init",
+    "plot": "convert",
+    "query": "ask",
+    "render": "convert",
+    "start": "run",
+    "test": "tests",
+    "validate": "check",
+    "verify": "check",
+    "view": "report",
+}
+"""By a command that other tools have, what does it here."""
 ALIASES = {"ctl": "ask"}
 """By an older name of a command, its name."""
 
@@ -91,6 +114,13 @@ class _Commands(UserDict[str, click.Command]):
 
 class _CommandLine(click.Group):
     """Semantics that allow no answer are an answer of their own, in JSON where that is asked for."""
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and args[0] in OTHER_WORDS:
+            ctx.fail(f"No such command {args[0]!r}. Did you mean 'mcpn {OTHER_WORDS[args[0]]}'?")
+        return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
         try:

@@ -330,7 +330,7 @@ class _Check:
                         elif event not in ENDINGS:
                             yield from self._reason(place, event, spec.place[1])
                     elif (found := event_of(event, known)) is None:
-                        hint = did_you_mean(event, known)
+                        hint = did_you_mean(event, [*ENDINGS, *known])
                         yield self._at(place, f"{event!r} is no event of the mission's controller{hint}")
                     elif found.endswith("_EV_TIMEOUT"):
                         yield self._at(place, f"{event}: the controller's own timers report this")

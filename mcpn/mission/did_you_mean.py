@@ -11,13 +11,44 @@ MAX_LISTED = 10
 """How many known names are listed where none of them is near."""
 MAX_COMPARED = 500
 """How many of the known names are searched for a near one."""
+_OTHER_WORDS = {
+    "actuator": "hardware",
+    "default": "initial",
+    "device": "hardware",
+    "fallback": "alternative",
+    "foreach": "each",
+    "id": "name",
+    "if": "when requires",
+    "condition": "when requires",
+    "max_retries": "retries",
+    "mtbf": "failure_rate",
+    "mttr": "repair_rate",
+    "needs": "consumes",
+    "next": "success",
+    "on_failure": "failure",
+    "on_success": "success",
+    "outputs": "produces",
+    "provides": "produces",
+    "resources": "consumes",
+    "sensor": "hardware",
+    "step": "objective",
+    "target": "goto",
+    "task": "objective activity",
+    "to": "goto",
+    "uses": "consumes",
+    "value": "initial",
+    "variable": "fact",
+}
+"""Words of other languages, each with ours: near in meaning, and not in letters."""
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """A hint at the nearest known name, if there is one near."""
+    """A hint at the known name that is nearest in meaning or in letters, if there is one near."""
     from difflib import get_close_matches
 
-    near = get_close_matches(name, sorted(islice(known, MAX_COMPARED)), n=1)
+    among = sorted(islice(known, MAX_COMPARED))
+    meant = [word for word in _OTHER_WORDS.get(name.lower(), "").split() if word in among]
+    near = meant or get_close_matches(name, among, n=1)
     return f" (did you mean {near[0]}?)" if near else ""
 
 

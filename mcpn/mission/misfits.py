@@ -17,7 +17,7 @@ from lxml import etree
 from mcpn.mission.did_you_mean import did_you_mean
 from mcpn.mission.language.forms import NAMESPACE, ROOTS, Tag, form_of, language
 from mcpn.mission.model import Block, Recursive
-from mcpn.sentences import quoted
+from mcpn.sentences import enumeration, quoted
 from mcpn.xmlio import line_of
 
 _BLOCKS = tuple(dict.fromkeys(block.TAG for block in get_args(Block)))
@@ -102,7 +102,9 @@ def _misfits(among: Iterable[etree._Element]) -> Iterator[tuple[int, str]]:
             if name not in rule.attributes:
                 known = sorted(rule.attributes)
                 found = f"found the attribute {name} on <{tag}>, expected one of {', '.join(known)}"
-                yield line, f"{found}{did_you_mean(name, known)}"
+                holders = enumeration([f"<{other}>" for other, of in tags.items() if name in of.attributes])
+                elsewhere = f"; {name} is of {holders}" if holders else ""
+                yield line, f"{found}{did_you_mean(name, known) or elsewhere}"
             elif not (datatype := rule.attributes[name].datatype).matches(value):
                 yield line, f"{name} of <{tag}> is {quoted(value)}, expected {datatype.expected}"
         for name in sorted(rule.required - set(element.attrib)):

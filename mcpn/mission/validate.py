@@ -108,6 +108,9 @@ def _shown(value: object) -> str:
 
 # What the schema cannot say of a mission: references, kinds, routing. All of it is found in one go.
 
+_INTERNAL = (
+    "; handlers are for declared events: losses are answered by alternatives, ends by success and failure"
+)
 MAX_CONSUMED = 1_000
 """Resources of one alternative: the net has arcs from the loss of each to all the others."""
 
@@ -375,7 +378,11 @@ class _Checks:
                 if handler.pause is not None:
                     continue
             elif handler.event not in self.events:
-                yield self.unknown(handler.source, f"{owner} handles the event", handler.event, self.events)
+                problem = self.unknown(
+                    handler.source, f"{owner} handles the event", handler.event, self.events
+                )
+                own = _INTERNAL if "_EV_" in handler.event else ""
+                yield Problem(problem.source, f"{problem.message}{own}")
             elif handler.event in handled:
                 yield Problem(handler.source, f"{owner} handles the event {handler.event} twice")
             handled.add(handler.event or "")

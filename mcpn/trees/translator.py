@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 from mcpn.errors import InputError, Problem
+from mcpn.mission.did_you_mean import did_you_mean
 from mcpn.mission.model import (
     ABORT,
     FAIL,
@@ -30,6 +31,7 @@ from mcpn.trees.ledger import Kind, LedgerEntry
 from mcpn.trees.nodes.forest import Forest, tree_of
 from mcpn.trees.nodes.node import PRECONDITIONS, Tree, TreeNode
 from mcpn.trees.nodes.row import NodeRow
+from mcpn.trees.nodes.table import TABLE
 from mcpn.trees.nodes.versions import PY_TREES, told
 from mcpn.trees.pieces import Part, Result, answers, placed, sourced, tidied
 from mcpn.trees.tree_names import Lane, TreeNames, readable
@@ -161,7 +163,8 @@ class Translator:
         if node.children:
             return self.refused(
                 node,
-                f"{node.title} has {len(node.children)} children, and what it does with them is not known",
+                f"{node.title} has {len(node.children)} children, and what it does with them is not known"
+                f"{did_you_mean(node.id, (row.node for row in TABLE if row.children[1] > 1))}",
             )
         return self.leaf(node, context)
 

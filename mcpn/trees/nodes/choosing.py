@@ -178,7 +178,9 @@ class _Choosing:
         if not self.narrow(library, versions, why):
             what = f"{ports} of {node.id} is a port" if ports else f"{node.id} is a node"
             there = told(library, versions)
-            self.wrong(node, f"{what} of {there}, and this tree is for {self.is_for(library)}")
+            here = {port for row in rows if row.versions & self.allowed[library] for port in row.ports or ()}
+            has = f": there it has {', '.join(sorted(here))}" if ports and here else ""
+            self.wrong(node, f"{what} of {there}, and this tree is for {self.is_for(library)}{has}")
 
     def of_other(self, node: TreeNode) -> None:
         """Refuses a node that py_trees does not have and others do: what it does there is not known."""
