@@ -6,8 +6,10 @@ from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING
 
 from mcpn.answers.claims.claim import told, told_together
-from mcpn.answers.claims.found import claims_found, of_verdict
+from mcpn.answers.claims.found import of_verdict
 from mcpn.answers.claims.kinds import OF_VERDICTS
+from mcpn.answers.claims.made import claims_of
+from mcpn.answers.claims.unasked import DEFEATING, UNASKED, unasked
 from mcpn.report.terminal import Terminal
 from mcpn.report.text import print_choice, print_steps, print_witness
 from mcpn.report.words import MOST_NAMED, in_words, modes_together, skipped_in_words, wrong_in_words
@@ -50,7 +52,7 @@ def print_check(
     _print_summary(terminal, check)
     terminal.print()
     shown: set[Run] = set()
-    claims = [*claims_found(check)]
+    claims = claims_of(check)
     for name in OF_VERDICTS:
         if name in check.verdicts:
             _print_verdict(terminal, check.mission_net, check.verdicts[name], internal, shown)
@@ -61,6 +63,12 @@ def print_check(
         same = [claim for claim in claims if claim.kind == kind and claim.holds]
         for sentence in told_together(same, 0):
             terminal.print(f"{_INFORMATIVE:4} {sentence}", style="dim", indent=2, hang=5)
+    # A requirement that is met as it never happens stands with the requirements.
+    for _, sentences in unasked(
+        claims, [kind for kind in (*DEFEATING, *UNASKED) if kind != "met_as_ignored"]
+    ):
+        for sentence in sentences:
+            terminal.print(f"{_INFORMATIVE:4} {sentence}", style="yellow", indent=2, hang=5)
     _print_requirements(terminal, check, claims)
     if check.modes:
         terminal.print()

@@ -6,9 +6,12 @@ from pathlib import Path
 
 from mcpn.answers.causes.effects import Severity
 from mcpn.answers.causes.fmeca import fmeca
+from mcpn.answers.claims import claims_of
 from mcpn.answers.claims.found import of_verdict
+from mcpn.answers.claims.unasked import DEFEATING, UNASKED, unasked
 from mcpn.mission.xml import read_mission
 from mcpn.study import Study
+from tests.commands import mcpn
 
 HEAD = '<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r">'
 
@@ -115,3 +118,41 @@ def test_two_optional_failures_fail_a_block_while_another_child_runs(tmp_path: P
     assert row.compensation == "2 failures fail work while another child runs"
     last = "E(F (happens(OBJ_b_EV_FAIL) & !objective(a) & !objective(c) & X success))"
     assert found.ctl(last).holds
+
+
+def unasked_of(study: Study) -> list[str]:
+    claims = claims_of(study.verdicts())
+    return [sentence for _, said in unasked(claims, (*DEFEATING, *UNASKED)) for sentence in said]
+
+
+def test_what_a_reader_is_told_unasked(tmp_path: Path) -> None:
+    """A second emergency that interrupts the answer to the first, and a survey that leaves out its lines."""
+    found = of(
+        tmp_path,
+        '<event name="low"/><event name="critical"/><activity name="fly"/></robot>'
+        '<on event="low" goto="climb"/><on event="critical" goto="land"/>'
+        '<objective name="lines" activities="fly" failure="land"/>'
+        '<objective name="climb" activities="fly" success="land" failure="land"/>'
+        '<objective name="land" activities="fly" success="succeed" failure="land"/>',
+    )
+    said = unasked_of(found)
+    assert "low interrupts land, to which critical leads." in said
+    assert "low and critical may go on for ever, and nothing else happens." in said
+    assert any("may end in success without" in sentence and "lines" in sentence for sentence in said)
+    path = tmp_path / "m.xml"
+    assert "low interrupts land, to which critical leads." in mcpn("check", path).stdout
+
+
+def test_facts_and_events_that_put_success_out_of_reach_are_told(tmp_path: Path) -> None:
+    found = of(
+        tmp_path,
+        '<fact name="broken"/><event name="breaks"><sets fact="broken" to="true"/></event>'
+        '<activity name="grasp"/><activity name="wait"/></robot>'
+        '<objective name="take" activities="grasp" success="succeed" failure="take">'
+        '<route when="broken" goto="stay"/></objective>'
+        '<objective name="stay" activities="wait" success="stay" failure="stay"/>',
+    )
+    said = unasked_of(found)
+    assert "Once broken is true success is out of reach." in said
+    assert "breaks can put success out of reach, whatever is repaired." in said
+    assert found.ctl("AG (fact(broken)=true & !success -> !EF success)").holds

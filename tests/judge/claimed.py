@@ -8,6 +8,7 @@ from mcpn.mission.model import Mission
 from mcpn.testing.judge.interpreter import (
     ABORTED,
     DECLARED,
+    DETECTED,
     FAILURE,
     OUT_OF_SERVICE,
     REPAIRED,
@@ -17,15 +18,11 @@ from mcpn.testing.judge.interpreter import (
     Interpreter,
     State,
 )
+from mcpn.testing.judge.robot import Acting
 from tests.judge.asked import Runs
 from tests.judge.test_ignored import around, led_to
 
-Allowed = Callable[[Happening], bool]
-
-
-def everything(_: Happening) -> bool:
-    """Whatever may happen."""
-    return True
+HARDWARE = (OUT_OF_SERVICE, REPAIRED, DETECTED)
 
 
 class Judged:
@@ -49,7 +46,7 @@ class Judged:
         self.leads = self.runs.leads
         self.meant = meant
         self.events = [e.name for e in mission.events if not e.sets]
-        interpreter = Interpreter(mission)
+        self.interpreter = interpreter = Interpreter(mission)
         leads = {event: led_to(interpreter, event) for event in self.events}
         self.led = {
             event: {
@@ -168,6 +165,33 @@ class Judged:
                 del left[state]
         return bool(left)
 
+    def decides(self, *events: Happening) -> bool:
+        """Whether one of some events may lead from a way to success to none."""
+        hopeful = self.reaching([SUCCESS])
+        return any(s in hopeful and after not in hopeful for e in events for s, after in self.taking(e))
+
+    def defeats(self, fact: str, value: str) -> bool:
+        """Whether a value of a fact, which it may have, takes all ways to success, where there are some."""
+        there = {s for s in self.leads if (fact, value) in s.facts and s.outcome != SUCCESS}
+        hopeful = self.reaching([SUCCESS])
+        return bool(there) and self.runs.begin in hopeful and there.isdisjoint(hopeful)
+
+    def selected(self, activity: str, way: str) -> bool:
+        """Whether an activity ever runs in an alternative."""
+        ways = self.interpreter.robot.activities[activity].alternatives
+        return any(
+            name == activity and doing is Acting.RUNS and ways[rank].name == way
+            for state in self.leads
+            for name, (doing, rank) in state.activities
+        )
+
+    def waits(self) -> bool:
+        """Whether nothing but hardware may go on before it ends."""
+        return any(
+            not s.outcome and all(e is None or e[0] in HARDWARE for e, _ in ways)
+            for s, ways in self.leads.items()
+        )
+
     def says(self, kind: str, subject: tuple[str, ...], aided: bool) -> bool | None:
         """Whether a claim holds; ``None`` of a kind that is judged elsewhere."""
         safe, every = (SUCCESS, ABORTED), (SUCCESS, FAILURE, ABORTED)
@@ -189,5 +213,11 @@ class Judged:
             "interrupts_answer": lambda: self.interrupts(*subject[:2]),
             "ends_at_once": lambda: self.ends(subject[0], subject[1]),
             "alternate_for_ever": self.goes_round,
+            "event_decides": lambda: self.decides((DECLARED, subject[0])),
+            "end_decides": lambda: self.decides(*((subject[1], copy) for copy in self.of(subject[0]))),
+            "outcome_comes": lambda: self.runs.happens([(subject[1], copy) for copy in self.of(subject[0])]),
+            "fact_defeats": lambda: self.defeats(*subject),
+            "selected": lambda: self.selected(*subject),
+            "waits_for_hardware": self.waits,
         }
         return kinds[kind]() if kind in kinds else None

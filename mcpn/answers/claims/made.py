@@ -12,6 +12,7 @@ from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.answers.claims.claim import Assumes, Claim
 from mcpn.answers.claims.found import claims_found, led_to, plain_names
 from mcpn.answers.claims.kinds import KINDS
+from mcpn.answers.claims.reached import Reached
 from mcpn.answers.verdicts.nominal import meant_to_be_entered
 from mcpn.nets.events import Event, What
 from mcpn.spaces.algebra import S, Space
@@ -32,6 +33,7 @@ def claims_of(check: MissionCheck) -> list[Claim]:
         made = _Made(Prospects(check.mission_net, check.alternatives))
         found += made.without()
         found += made.events()
+        found += Reached(made.prospects).claims()
     return in_order(found)
 
 

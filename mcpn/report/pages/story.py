@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.claims.claim import Claim, sentences, told, told_together
 from mcpn.answers.claims.found import claims_found, of_verdict
 from mcpn.answers.claims.kinds import OF_VERDICTS
+from mcpn.answers.claims.unasked import DEFEATING, UNASKED, unasked
 from mcpn.answers.verdicts.mission import NOMINAL
 from mcpn.report.failures.sentences import without_a_rate
 from mcpn.report.pages.nominal_run import nominal_run, strip
@@ -142,8 +143,9 @@ def story(findings: Findings) -> Iterator[StoryLine]:
         yield _safety(findings)
         yield from _noted(findings.held("abort_after"), "Is every abort safe?", "fails")
         yield _lost(findings)
+        yield from _claimed(findings.claims, DEFEATING)
         yield from _survived(findings, findings.causes)
-    yield from _claimed(findings.claims)
+    yield from _claimed(findings.claims, UNASKED)
     yield from _ignored(findings)
     yield from _noted(late_losses(findings), "What goes unnoticed?", "note")
     yield from _required(findings.check)
@@ -161,26 +163,10 @@ def story(findings: Findings) -> Iterator[StoryLine]:
     yield _unproved(findings)
 
 
-CLAIMED = {
-    "succeeds_without": "What may success leave out?",
-    "interrupts_answer": "What interrupts an answer?",
-    "ends_at_once": "What ends it at once?",
-    "alternate_for_ever": "What may go on for ever?",
-    "met_as_ignored": "What is met as it never happens?",
-}
-"""By kind of claim that a page tells where it holds, what it answers."""
-
-
-def _claimed(claims: Sequence[Claim]) -> Iterator[StoryLine]:
-    """The claims that hold and that a reader should know; what success may do without is said together."""
-    for kind, asked in CLAIMED.items():
-        together: dict[tuple[str, ...], list[Claim]] = {}
-        for claim in claims:
-            if claim.kind == kind and claim.holds:
-                apart = claim.subject if kind != "succeeds_without" else ()
-                together.setdefault(apart, []).append(claim)
-        if together:
-            yield StoryLine("note", asked, " ".join(_first([told(same) for same in together.values()])))
+def _claimed(claims: Sequence[Claim], kinds: Mapping[str, str]) -> Iterator[StoryLine]:
+    """The claims that hold and that a reader should know."""
+    for kind, said in unasked(claims, kinds):
+        yield StoryLine("note", kinds[kind], " ".join(said))
 
 
 def _near_one(chance: float) -> str:

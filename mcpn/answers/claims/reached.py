@@ -1,0 +1,113 @@
+"""Claims on what some state reaches: ends of objectives, alternatives, and what puts success out of reach."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from functools import cached_property
+from typing import Generic
+
+from mcpn.answers.causes.prospects import Prospects
+from mcpn.answers.claims.claim import Claim
+from mcpn.answers.claims.found import MOST_RUNNING, plain_names
+from mcpn.answers.claims.kinds import KINDS
+from mcpn.nets.events import Event, What
+from mcpn.spaces.algebra import S, Space
+
+WORDS = {"success": What.SUCCESS, "failure": What.FAILURE, "timeout": What.TIMEOUT}
+"""Ends of an objective, by what claims call them."""
+HARDWARE = (What.OUT_OF_SERVICE, What.REPAIRED, What.DETECTED)
+"""What happens to hardware whatever the mission does."""
+
+
+class Reached(Generic[S]):
+    """The claims of one mission.
+
+    Args:
+        prospects: The mission in a space of its alternatives graph.
+    """
+
+    def __init__(self, prospects: Prospects[S]) -> None:
+        self.prospects, self.net = prospects, prospects.mission_net
+        self.space: Space[S] = prospects.space
+
+    def claims(self) -> Iterator[Claim]:
+        """All of them."""
+        yield from self._ends_of_objectives()
+        yield from self._alternatives()
+        yield from self._deciding_events()
+        yield from self._facts()
+        yield self._waits_for_hardware()
+
+    def _ends_of_objectives(self) -> Iterator[Claim]:
+        """Which objectives can succeed, fail or be late, and whose end so can put success out of reach."""
+        for name in plain_names(self.net, self.prospects.sections):
+            copies = self.net.graph.copies.meant(name)
+            for word, what in WORDS.items():
+                own = self._carrying(Event(what, copy) for copy in copies)
+                if not own:
+                    continue
+                said = str(Event(what, name))
+                yield self._claim("outcome_comes", (name, word), bool(self.space.enabling(own)), said)
+                if word != "success":
+                    yield self._claim("end_decides", (name, word), self._decides(own), said)
+
+    def _alternatives(self) -> Iterator[Claim]:
+        """Which alternatives are ever selected."""
+        for (kind, name), places in self.net.by_role.items():
+            if kind == "active":
+                activity, way = name.split(".", 1)
+                yield self._claim("selected", (activity, way), bool(self.space.marked(places)))
+
+    def _deciding_events(self) -> Iterator[Claim]:
+        """Which declared events can put success out of reach."""
+        for event in self.net.mission.events:
+            if own := self._carrying([Event(What.DECLARED, event.name)]):
+                yield self._claim("event_decides", (event.name,), self._decides(own))
+
+    def _facts(self) -> Iterator[Claim]:
+        """Which values of facts leave no way to success as long as the mission has not succeeded."""
+        for fact in self.net.mission.facts:
+            for value in fact.values:
+                places = self.net.by_role.get(("fact", f"{fact.name}={value}"), ())
+                if places:
+                    there = self.space.marked(places) - self.prospects.mission.won
+                    lost = bool(there and self._hopeful & self.space.initial) and not there & self._hopeful
+                    yield self._claim("fact_defeats", (fact.name, value), lost)
+
+    def _waits_for_hardware(self) -> Claim:
+        """Whether nothing but hardware may go on before the mission has ended."""
+        events = [t.event for t in self.space.net.transitions]
+        own = {n: e for n, e in enumerate(events) if e is not None and e.what not in HARDWARE}
+        names = list(dict.fromkeys(map(str, own.values())))
+        ended = self.space.marked(self.net.ends.values())
+        stuck = self.space.everything - self.space.enabling(own) - ended
+        kind, formula = KINDS["waits_for_hardware"], ""
+        if len(names) <= MOST_RUNNING:
+            some = " | ".join(f"event({name})" for name in names)
+            formula = kind.formula.format(ends=" | ".join(self.net.ends), some=some)
+        return Claim(kind.name, (), bool(stuck), formula=formula)
+
+    def _claim(self, kind: str, subject: tuple[str, ...], holds: bool, event: str = "") -> Claim:
+        return Claim(kind, subject, holds, formula=KINDS[kind].formula.format(*subject, event=event))
+
+    def _carrying(self, events: Iterable[Event]) -> frozenset[int]:
+        known = self._by_event
+        return frozenset(t for event in events for t in known.get(event, ()))
+
+    @cached_property
+    def _by_event(self) -> Mapping[Event, list[int]]:
+        found: dict[Event, list[int]] = {}
+        for t, transition in enumerate(self.space.net.transitions):
+            if transition.event is not None:
+                found.setdefault(transition.event, []).append(t)
+        return found
+
+    @cached_property
+    def _hopeful(self) -> S:
+        """States from which some run succeeds, whatever is repaired and helps on it."""
+        return self.prospects.hopeful(self.prospects.mission, repairs=True) | self.prospects.mission.won
+
+    def _decides(self, own: Collection[int]) -> bool:
+        """Whether some of these events lead from a way to success to none."""
+        lost = self.space.everything - self._hopeful
+        return bool(lost and self.space.before(lost, own) & self._hopeful)
