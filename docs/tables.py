@@ -23,6 +23,7 @@ from mcpn.mission.model import BlockElement
 from mcpn.mission.requirement import Absence
 from mcpn.mission.robot import Described, Element
 from mcpn.nets.formats.pnml import KNOWN as OF_PNML
+from mcpn.nets.formats.pnml import REMARKS
 from mcpn.nets.formats.tina import ARCS, DECLARATIONS
 from mcpn.report.documents import FORMATS, json_schema
 from mcpn.report.documents.answers import NAMED
@@ -53,7 +54,7 @@ GROUPED = {
 """Keys that several formats share, by what they are told as."""
 MOST_PLAIN = 3
 """Words that say of a member no more than what it is."""
-KNOWN = {"pnml": OF_PNML, "properties": OF_PROPERTIES}
+KNOWN = {"pnml": OF_PNML, "remarks": REMARKS, "properties": OF_PROPERTIES}
 """Tables of what readers of XML know, by what pages call them."""
 HEAD = ("| key | meaning |", "|---|---|")
 PAGES = [

@@ -115,6 +115,8 @@ def read_properties(path: Path, names: Names) -> list[Property]:
         known = " or ".join(NAMESPACES)
         refuse(file, root, f"found <{name_of(root)}> {of}, expected <property-set> of the namespace {known}")
     rule = _TABLE.entered(file, root, None)
+    if not len(root):
+        refuse(file, root, "found no <property>, expected one or more")
     reader, read, problems = _ContestReader(file, names), dict[str, Property](), list[InputError]()
     for element in root:
         try:

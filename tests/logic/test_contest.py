@@ -251,6 +251,11 @@ def test_an_unbounded_net_is_answered_as_far_as_few_markings_decide(tmp_path: Pa
     [
         (element("negation"), "found 0 elements in <negation>, expected 1"),
         (element("implication", element("true")), "found 1 elements in <implication>, expected 2"),
+        (element("conjunction"), "found 0 elements in <conjunction>, expected one or more"),
+        (
+            element("k-safe", element("tokens-count")),
+            "found <tokens-count> in <k-safe>, expected <integer-constant>",
+        ),
         (element("hope"), "wrong: found <hope> in <formula>, expected <true>, "),
         (element("exists-path", element("hope")), "wrong: found <hope> in <exists-path>, expected"),
         (
@@ -293,6 +298,9 @@ def test_a_property_needs_a_name_and_a_formula(tmp_path: Path, missing: str) -> 
         f'<property-set xmlns="http://mcc.lip6.fr/">{element("property", *parts.values())}</property-set>'
     )
     with pytest.raises(InputError, match=f"a property without <{missing}>"):
+        read_properties(path, Names(growing()))
+    path.write_text('<property-set xmlns="http://tapaal.net/"/>')
+    with pytest.raises(InputError, match=r":1: found no <property>, expected one or more"):
         read_properties(path, Names(growing()))
     path.write_text("<property-set/>")
     with pytest.raises(InputError, match="found <property-set> of no namespace, expected"):

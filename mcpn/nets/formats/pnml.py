@@ -102,7 +102,12 @@ KINDS = {
 }
 """By kind of an arc, as its ``type`` or ``arctype`` says it in small letters, how it is read."""
 
-_REMARKS = ("name", "event", "rank", "read", "priorities")
+REMARKS = {
+    "toolspecific": Declared("tool version=1", "name event rank read priorities"),
+    **dict.fromkeys(("name", "event", "rank", "read", "priorities"), Declared("value")),
+}
+"""What ``toolspecific`` of ``mcpn`` may hold; the first remark of a name counts."""
+_REMARKS = ElementTable(REMARKS, "toolspecific")
 _TABLE = ElementTable(KNOWN, "pnml")
 _Sides = tuple[dict[str, int], dict[str, int], dict[str, int]]
 
@@ -286,14 +291,8 @@ class _PnmlReader:
         said: dict[str, str] = {}
         for child in elements:
             if name_of(child) == "toolspecific" and child.get("tool") == "mcpn":
-                if child.get("version") != "1":
-                    found = f"toolspecific of mcpn of version {child.get('version')}, expected 1"
-                    refuse(self.file, child, found)
+                _REMARKS.check(self.file, child)
                 for remark in child:
-                    if name_of(remark) not in _REMARKS:
-                        known = ", ".join(_REMARKS)
-                        found = f"found <{name_of(remark)}> in toolspecific of mcpn, expected one of {known}"
-                        refuse(self.file, remark, found)
                     said.setdefault(name_of(remark), remark.get("value", ""))
         return said
 

@@ -233,7 +233,7 @@ BROKEN = {
     "a later version": (
         '<place id="p"><toolspecific tool="mcpn" version="2"/></place>',
         3,
-        "version 2, expected 1",
+        "found version='2' of <toolspecific>, expected '1'",
     ),
     "a name given twice": (
         '<place id="p"/>\n<place id="q"><toolspecific tool="mcpn" version="1">'

@@ -20,6 +20,7 @@ from mcpn.nets.events import Event
 from mcpn.nets.formats import read_net
 from mcpn.nets.formats.json import write_json
 from mcpn.nets.formats.pnml import KNOWN as OF_PNML
+from mcpn.nets.formats.pnml import REMARKS
 from mcpn.nets.formats.pnml_writer import write_pnml
 from mcpn.nets.formats.tina import write_tina
 from mcpn.nets.petri import NetBuilder, PetriNet
@@ -64,16 +65,16 @@ def spoiled(text: str, data: st.DataObject, table: dict[str, Declared]) -> tuple
     root = etree.fromstring(text.encode())
     of_mcpn = [each for each in root.iter("{*}toolspecific") if each.get("tool") == "mcpn"]
     places = [each for each in root.iter() if isinstance(each.tag, str)]
-    places = [each for each in places if not any(e in of_mcpn for e in (each, *each.iterancestors()))]
     element = data.draw(st.sampled_from(places))
-    row = table.get(name_of(element), Declared())
+    ours = any(each in of_mcpn for each in (element, *element.iterancestors()))
+    row = (REMARKS if ours else table).get(name_of(element), Declared())
     words = f"{row.attributes} {row.inside}".replace("-", " ").replace("=", " ").split()
     name = data.draw(NAMES.filter(lambda name: name not in words))
     if data.draw(st.booleans()):
         element.set(name, data.draw(st.sampled_from(["0", "1", "inhibitor"])))
     else:
         element.insert(data.draw(st.integers(0, len(element))), element.makeelement(_beside(element, name)))
-    return etree.tostring(root).decode(), without_meaning(element, table), name
+    return etree.tostring(root).decode(), not ours and without_meaning(element, table), name
 
 
 def _beside(element: etree._Element, name: str) -> str:
