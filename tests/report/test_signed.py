@@ -177,7 +177,7 @@ def test_the_list_before_it_goes_has_what_no_proof_covers() -> None:
     assert "The loss of wheels, or of sonar before the start, not repaired, leaves no way to success." in head
     assert "whenever it comes, a safe end stays possible." in head
     assert "The loss of sonar is noticed late." in head
-    assert "Test sonar and wheels." in ticks
+    assert "Test wheels and sonar." in ticks
     assert "Test sonar: its loss is noticed late." in ticks
     assert "Check that radio cannot fail." in ticks
     assert "Run each driver once" in ticks
