@@ -50,7 +50,7 @@ def parse_bytes(path: Path, data: bytes, encoding: str | None = None) -> etree._
 
 
 def parse_whole(text: str) -> etree._ElementTree:
-    """The tree of a text with its comments and processing instructions, for who writes it again.
+    """The tree of a text with its comments and processing instructions, for whoever writes it again.
 
     Raises:
         InputError: As :func:`parse_xml`.

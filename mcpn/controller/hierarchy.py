@@ -1,7 +1,7 @@
 """The controller as it is run: sections, each with the machine of its type, and routes between them.
 
 A machine of a section has states *inside* it alone. What is around is the same for every mission and needs no
-table: the set of hardware out of service is kept beside, the section is entered by the state of its own
+table: the set of hardware out of service is stored separately, the section is entered by the state of its own
 hardware (*entry*), and an edge may *leave* it with an outcome, which the section's routes lead on. Outcomes
 are success, failure, abort where a branch of the section may abort, and one for each declared event that
 interrupts the section as a whole, and for each condition on facts by which it is left. Hardware that the

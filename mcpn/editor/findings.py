@@ -17,10 +17,11 @@ from mcpn.errors import McpnError
 
 def findings(file: Path) -> dict[str, Any]:
     """Modes and cut sets by objective, what each hardware resource can make fail, and problems."""
+    from mcpn.answers.claims import claims_of_causes
     from mcpn.answers.claims.found import of_verdict
     from mcpn.mission.expansion.copies import grouped
+    from mcpn.report.failures.sentences import condition
     from mcpn.report.words import modes_in_words
-    from mcpn.sentences import enumeration
     from mcpn.study import open_study
 
     study = open_study(file)
@@ -32,15 +33,13 @@ def findings(file: Path) -> dict[str, Any]:
     }
     if checked.passed:
         causes = study.causes()
+        hardware = {each.name for each in study.mission_net.mission.hardware}
         for goal in (causes.mission, *causes.objectives.values()):
-            for cut in goal.cut_sets:
-                names.setdefault(goal.name, []).append(
-                    f"Can no longer succeed after the loss of {enumeration(cut)}."
-                )
-                for hardware in cut:
-                    alone = "alone" if len(cut) == 1 else f"with {', '.join(h for h in cut if h != hardware)}"
-                    lost = f"After its loss, {alone}, {goal.name} can no longer succeed."
-                    names.setdefault(hardware, []).append(lost)
+            if goal.cut_sets:
+                names.setdefault(goal.name, []).append(f"{condition(goal.name, goal.cut_sets)}.")
+        for claim in claims_of_causes(causes):
+            if claim.holds and claim.subject[:1] and claim.subject[0] in hardware:
+                names.setdefault(claim.subject[0], []).append(claim.sentence)
     problems = [
         {"file": at and at.file, "line": at and at.line, "message": problem.message}
         for problem in (*checked.unselectable, *checked.futile)

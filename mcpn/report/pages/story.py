@@ -20,7 +20,7 @@ from mcpn.report.words import (
     skipped_in_words,
     wrong_in_words,
 )
-from mcpn.sentences import enumeration, shortened
+from mcpn.sentences import counted, enumeration, shortened
 
 if TYPE_CHECKING:
     from mcpn.answers.causes.find import Causes
@@ -355,21 +355,19 @@ def _never(check: MissionCheck) -> StoryLine:
 
 
 def _unproved(findings: Findings) -> StoryLine:
-    """What is not known, of what a page says elsewhere."""
-    asked, check = "What is not proved?", findings.check
-    if check.undecided:
-        wrong = " ".join(of_verdict(check.verdicts[name]).sentence for name in check.undecided)
-        return StoryLine("unknown", asked, wrong)
-    if findings.notes:
-        return StoryLine("note", asked, " ".join(findings.notes))
-    unknown = sum(claim.holds is None for claim in findings.claims)
-    asked_again = sum(bool(claim.formula) for claim in findings.claims if claim.holds is not None)
+    """How the claims are known, what is not known, and what no claim speaks of."""
+    asked, check, claims = "What is not proved?", findings.check, findings.claims
+    open_ = sentences(claim for claim in claims if claim.holds is None)
+    known = [claim for claim in claims if claim.holds is not None]
+    runs = sum(claim.of.evidence == "a run" for claim in known if claim.holds)
+    again = sum(bool(claim.formula) for claim in known)
     said = (
-        f"Of the mission as written {len(findings.claims) - unknown} claims are decided from all its states, "
-        f"{asked_again} of them with a formula that mcpn ask answers again; {unknown} are not known. "
+        f"{counted(len(claims), 'claim')}: {runs} shown by a run, {len(known) - runs} decided from all "
+        f"states, {len(claims) - len(known)} not known; mcpn ask answers {again} again by their formulas. "
         "Rates are taken as given. Drivers are not part of it."
     )
-    return StoryLine("holds" if not unknown else "note", asked, said)
+    state = "unknown" if check.undecided else "note" if open_ or findings.notes else "holds"
+    return StoryLine(state, asked, " ".join([*open_[:MOST_TOLD], *findings.notes, said]))
 
 
 def runs_of(check: MissionCheck) -> Iterator[dict[str, Any]]:
