@@ -18,6 +18,7 @@ from playwright.sync_api import sync_playwright
 
 IMAGES = Path(__file__).parent / "images"
 ULYSSE = Path(__file__).parents[1] / "experiments" / "ulysse" / "mission.xml"
+CHROMIUMS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
 EVENTS = (
     "MISSION_EV_START",
     "OBJ_coral_head.manual_moving_EV_OK",
@@ -38,7 +39,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
         page = Path(folder) / "report.html"
         mcpn("report", ULYSSE, "-o", page)
-        chromium = shutil.which("chromium") or shutil.which("google-chrome")
+        chromium = next(filter(None, map(shutil.which, CHROMIUMS)), None)
         browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
         tab = browser.new_page(viewport={"width": 1180, "height": 1300})
         tab.goto(page.as_uri())

@@ -54,9 +54,13 @@ def complaint(arguments: Sequence[object]) -> str | None:
         return f"exit code {told}"
     if "Traceback" in found.stderr + found.stdout or "internal error" in found.stderr:
         return f"a traceback: {told}"
-    if found.returncode == 2 and not found.stderr.strip():
+    # Findings in a format for machines have what is wrong with the input among them.
+    said = found.stderr + found.stdout * ("--format" in map(str, arguments))
+    if found.returncode == 2 and not said.strip():
         return f"no sentence: {told}"
-    files = tuple(f"warning: {a.parent}" for a in arguments if isinstance(a, Path))  # or what these import
+    paths = [argument for argument in arguments if isinstance(argument, Path)]
+    # Or what these import; a ledger of a tree names its file alone.
+    files = tuple(f"warning: {said}" for path in paths for said in (path.parent, f"{path.name}:"))
     warned = [line for line in (found.stdout + found.stderr).splitlines() if line.startswith("warning: ")]
     if files and not all(line.startswith(files) for line in warned):
         return f"a warning that names no file: {told}"
@@ -182,6 +186,32 @@ port = 1883
 mqtt = {says = "robot/#"}
 lines = {"lost (?:GPS)" = "GPS_EV_OOS"}
 """
+TREES = (
+    b"""<root BTCPP_format="4" main_tree_to_execute="Main">
+  <BehaviorTree ID="Main">
+    <Sequence name="top">
+      <RetryUntilSuccessful num_attempts="3"><SubTree ID="Dock" where="{goal}"/></RetryUntilSuccessful>
+      <ReactiveFallback><IsCharged/><Timeout msec="1000"><Charge speed="1.5"/></Timeout></ReactiveFallback>
+      <Parallel success_count="1" failure_count="2"><Look/><Delay delay_msec="5"><Move/></Delay></Parallel>
+      <Script code="n := 1"/><ForceSuccess><Wave _skipIf="n == 1" _onSuccess="n = 2"/></ForceSuccess>
+    </Sequence>
+  </BehaviorTree>
+  <BehaviorTree ID="Dock"><Fallback><IfThenElse><Seen/><Move/><Look/></IfThenElse><Inverter><Look/></Inverter>
+  </Fallback></BehaviorTree>
+  <TreeNodesModel><Action ID="Move"><input_port name="to"/></Action><Condition ID="Seen"/></TreeNodesModel>
+</root>
+""",
+    b"""<root main_tree_to_execute="MainTree"><BehaviorTree ID="MainTree">
+  <RecoveryNode number_of_retries="6" name="NavigateRecovery">
+    <PipelineSequence name="NavigateWithReplanning">
+      <RateController hz="1.0"><ComputePathToPose goal="{goal}" path="{path}"/></RateController>
+      <FollowPath path="{path}" controller_id="FollowPath"/>
+    </PipelineSequence>
+    <ReactiveFallback><GoalUpdated/><RoundRobin><Spin spin_dist="1.57"/><Wait wait_duration="5"/></RoundRobin>
+    </ReactiveFallback>
+  </RecoveryNode></BehaviorTree></root>
+""",
+)
 ORDER = b"""# the lamp of its net
 on
 off
@@ -285,6 +315,18 @@ def _drivers_case(seeds: Seeds, at: Path, draw: random.Random) -> list[object]:
     return ["run", mission, "--drivers", path, "--check"]
 
 
+def _tree_case(_seeds: Seeds, at: Path, draw: random.Random) -> list[object]:
+    path = at / "tree.xml"
+    path.write_bytes(mutated(draw.choice(TREES), draw))
+    possible: list[list[object]] = [
+        ["check", path, *LIMITS],
+        ["check", path, "--format", draw.choice(("sarif", "github")), *LIMITS],
+        ["ask", path, "EF failure", *LIMITS],
+        ["init", f"made{draw.randrange(10**9)}", "--from", path],
+    ]
+    return draw.choice(possible)
+
+
 def _order_case(seeds: Seeds, at: Path, draw: random.Random) -> list[object]:
     net, path = at / "n.net", at / "order.txt"
     net.write_bytes(seeds.nets[".net"][0])
@@ -364,6 +406,7 @@ WRITTEN: tuple[Kind, ...] = (
     _formula_case,
     _options_case,
     _drivers_case,
+    _tree_case,
 )
 """Of what people write, the options of a command among it."""
 READ: tuple[Kind, ...] = (_order_case, _events_case, _log_case, _faults_case, _runtime_case)

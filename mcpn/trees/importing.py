@@ -9,7 +9,6 @@ from typing import Unpack
 
 from lxml import etree
 
-from mcpn.errors import Problem
 from mcpn.mission.language.forms import NAMESPACE
 from mcpn.mission.model import (
     Approximation,
@@ -23,7 +22,7 @@ from mcpn.mission.robot import Activity, Alternative, Robot
 from mcpn.mission.validate import valid
 from mcpn.mission.writer import element_of
 from mcpn.trees.decorators import DECORATING, unknown
-from mcpn.trees.ledger import Ledger, in_order, in_words
+from mcpn.trees.ledger import Ledger, in_order, in_words, placed
 from mcpn.trees.nav2 import NAV2
 from mcpn.trees.nodes.forest import Forest
 from mcpn.trees.options import TreeOptions
@@ -139,7 +138,7 @@ def _translated(ledger: Ledger) -> Translated:
         tree=ledger.file,
         library=ledger.read_as or None,
         exact=len(ledger.entries) - len(less),
-        description="; ".join(_place(each) for each in ledger.warnings) or None,
+        description="; ".join(placed(each, ledger.file) for each in ledger.warnings) or None,
         approximations=tuple(
             Approximation(
                 node=entry.node.title,
@@ -150,10 +149,6 @@ def _translated(ledger: Ledger) -> Translated:
             for entry in less
         ),
     )
-
-
-def _place(problem: Problem) -> str:
-    return f"line {problem.source.line if problem.source else 1}: {problem.message}"
 
 
 _HELPERS = {

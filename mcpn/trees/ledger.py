@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
+from pathlib import Path
 
 from mcpn.errors import Problem
 from mcpn.mission.model import Translated
@@ -115,15 +116,18 @@ def in_words(ledger: Ledger) -> str:
         f"{ledger.file}: {len(ledger.entries)} nodes. {counted}.",
         *([f"Read as {ledger.read_as}."] if ledger.read_as else []),
         SURVIVES[ledger.kind],
-        *(
-            f"warning: line {each.source.line if each.source else 1}: {each.message}"
-            for each in ledger.warnings
-        ),
+        *(f"warning: {placed(each, ledger.file)}" for each in ledger.warnings),
         "",
     ]
     width = max((len(entry.node.title) for entry in ledger.entries), default=0)
     lines += [_line(entry, width) for entry in ledger.entries]
     return "\n".join(lines) + "\n"
+
+
+def placed(problem: Problem, file: str) -> str:
+    """A warning with its file, by its name alone, and its line; of ``file`` where it has none of its own."""
+    at = f"{Path(problem.source.file).name}:{problem.source.line}" if problem.source else file
+    return f"{at}: {problem.message}"
 
 
 def _line(entry: LedgerEntry, width: int) -> str:

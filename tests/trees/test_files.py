@@ -216,7 +216,7 @@ def test_a_tree_is_checked_and_asked_as_it_is(tmp_path: Path, capsys: pytest.Cap
     assert run(["check", str(path)]) == 0
     told = " ".join(capsys.readouterr().out.split())
     assert "line 2: a is more runs: _skipIf='x && y' is free" in told
-    assert "warning: line 2: & or < in an attribute is no XML" in told
+    assert "warning: fetch-it.xml:2: & or < in an attribute is no XML" in told
     assert run(["ask", str(path), "E F objective(b)"]) == 0
     path.write_text('<root BTCPP_format="4"><BehaviorTree ID="A">\n<Odd><a/><b/></Odd></BehaviorTree></root>')
     assert run(["check", str(path)]) == 2

@@ -38,7 +38,7 @@ def test_what_is_read(attribute: str, value: str, tmp_path: Path) -> None:
     assert all(w.source is not None and w.source.line in (3, 4) for w in forest.warnings)
     assert "is read as tinyxml2 reads it" in forest.warnings[0].message
     told = in_words(translate(forest, "m", "tree.xml").ledger)
-    assert "warning: line " in told
+    assert "warning: tree.xml:" in told
 
 
 @pytest.mark.parametrize(
