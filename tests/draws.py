@@ -82,7 +82,7 @@ def compared(
     Args:
         strategy: What is drawn.
         judge: Says how much of what was compared, nothing where it cannot be asked; fails where it differs.
-        number: How many are judged, if eight times as many draws have them.
+        number: How many are judged, if eight times as many draws have them, or 30.
         strict: Whether a difference fails; else it is counted, as ``differ``, and draws are always the same.
 
     Returns:
@@ -91,7 +91,7 @@ def compared(
     found = Counter[str]()
 
     @settings(
-        max_examples=8 * number,
+        max_examples=max(8 * number, 30),
         phases=[Phase.generate, *([Phase.shrink] if strict else [])],
         deadline=None,
         database=None,
