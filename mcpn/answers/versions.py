@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 from mcpn.answers.causes.cutsets import CutSet, Moment
 from mcpn.answers.causes.find import Causes, find_causes
-from mcpn.answers.claims import Claim, claims_of, claims_of_losses
+from mcpn.answers.claims import Claim, claims_of, claims_of_causes
 from mcpn.answers.verdicts.mission import MissionCheck, check
 from mcpn.errors import InputError, LimitError, SemanticsError
 
@@ -143,7 +143,7 @@ def _known(spaces: MissionSpaces, max_states: int | None) -> _Version:
             note = f"{name}: failures during objectives are not compared: {error}"
     else:
         note = f"{name}: failures during objectives are not compared: it has more than {MOST_ROWS} of them"
-    return _Version(checked, _by_key([*claims, *claims_of_losses(causes.prospects, rows)]), causes, note)
+    return _Version(checked, _by_key([*claims, *claims_of_causes(causes, rows)]), causes, note)
 
 
 def _by_key(claims: Iterable[Claim]) -> dict[str, Claim]:

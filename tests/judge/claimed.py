@@ -185,6 +185,15 @@ class Judged:
             for name, (doing, rank) in state.activities
         )
 
+    def used(self, hardware: str) -> bool:
+        """Whether an alternative that consumes it ever runs."""
+        activities = self.interpreter.robot.activities
+        return any(
+            doing is Acting.RUNS and hardware in activities[name].alternatives[rank].consumes
+            for state in self.leads
+            for name, (doing, rank) in state.activities
+        )
+
     def waits(self) -> bool:
         """Whether nothing but hardware may go on before it ends."""
         return any(
@@ -217,6 +226,7 @@ class Judged:
             "end_decides": lambda: self.decides(*((subject[1], copy) for copy in self.of(subject[0]))),
             "outcome_comes": lambda: self.runs.happens([(subject[1], copy) for copy in self.of(subject[0])]),
             "fact_defeats": lambda: self.defeats(*subject),
+            "used": lambda: self.used(*subject),
             "selected": lambda: self.selected(*subject),
             "waits_for_hardware": self.waits,
         }

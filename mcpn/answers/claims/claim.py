@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple, TypeAlias
 
-from mcpn.answers.claims.kinds import KINDS, ClaimKind
+from mcpn.answers.claims.kind import ClaimKind
+from mcpn.answers.claims.kinds import KINDS
 from mcpn.sentences import enumeration
 from mcpn.spaces.run import Run
 

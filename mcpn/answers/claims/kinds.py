@@ -3,49 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple
 
-TERMINAL, PAGE, JSON = "terminal", "page", "JSON"
-EVERYWHERE = (TERMINAL, PAGE, JSON)
-
-
-class ClaimKind(NamedTuple):
-    """A kind of claim.
-
-    Args:
-        name: A stable name.
-        formula: A template: it holds where the claim does. Empty where no formula says it.
-        holds: What is so where it holds; ``{0}``, ``{1}``: the names of the subject, in their order;
-            ``{given}``: what is supposed.
-        fails: What is so where it does not.
-        unknown: What is said where that is not known.
-        evidence: What shows it.
-        shown: Where it is shown.
-        why: Why there is no formula.
-        good: Whether a mission is better where it holds; ``None`` of what is neither good nor bad.
-        verdict: The verdict that it is, if it is one.
-        several: How several names stand in the place of one.
-        joint: What stands between them.
-    """
-
-    name: str
-    formula: str
-    holds: str
-    fails: str
-    unknown: str
-    evidence: str
-    shown: tuple[str, ...] = (JSON,)
-    why: str = ""
-    good: bool | None = None
-    verdict: str = ""
-    several: str = "any one of {}"
-    joint: str = ", "
-
-    @property
-    def sentences(self) -> tuple[str, str, str]:
-        """Where it holds, fails, is not known; without their full stop."""
-        return self.holds, self.fails, self.unknown
-
+from mcpn.answers.claims.kind import EVERYWHERE, JSON, PAGE, ClaimKind
+from mcpn.answers.claims.kinds_of_reach import OF_REACH
 
 _SAFE_ENDS = "where an abort may come by the failure of what should make safe, safe ends are events"
 
@@ -492,61 +452,7 @@ KINDS: Mapping[str, ClaimKind] = {
             why=_SAFE_ENDS,
             good=False,
         ),
-        ClaimKind(
-            "event_decides",
-            "E(F (EF success & happens({0}) & X !EF success))",
-            "{0} can put success out of reach, whatever is repaired",
-            "{0} never puts success out of reach",
-            "whether {0} puts success out of reach is not known",
-            "all states in which it happens",
-            EVERYWHERE,
-            good=False,
-        ),
-        ClaimKind(
-            "fact_defeats",
-            "EF success & EF (fact({0})={1} & !success) & AG (fact({0})={1} & !success -> !EF success)",
-            "once {0} is {1} success is out of reach",
-            "while {0} is {1} success may still be reached, or the mission never comes there",
-            "whether success is out of reach once {0} is {1} is not known",
-            "all states in which it is so",
-            EVERYWHERE,
-            good=False,
-        ),
-        ClaimKind(
-            "end_decides",
-            "E(F (EF success & happens({event}) & X !EF success))",
-            "the {1} of {0} can put success out of reach, whatever is repaired",
-            "the {1} of {0} never puts success out of reach",
-            "whether the {1} of {0} puts success out of reach is not known",
-            "all states in which it happens",
-            good=False,
-        ),
-        ClaimKind(
-            "outcome_comes",
-            "E(F happens({event}))",
-            "the {1} of {0} comes on some run",
-            "the {1} of {0} never comes",
-            "whether the {1} of {0} ever comes is not known",
-            "a state",
-        ),
-        ClaimKind(
-            "selected",
-            "EF alternative({0})={1}",
-            "{0} runs as {1} in some state",
-            "{0} never runs as {1}",
-            "whether {0} ever runs as {1} is not known",
-            "a state",
-        ),
-        ClaimKind(
-            "waits_for_hardware",
-            "EF !({ends} | {some})",
-            "the mission can come to wait for hardware alone: nothing but failures and repairs is possible",
-            "until the mission ends something may happen that is not only of hardware",
-            "whether the mission can wait for hardware alone is not known",
-            "a state",
-            EVERYWHERE,
-            good=False,
-        ),
+        *OF_REACH,
     )
 }
 """By name, in the order in which they are shown."""

@@ -12,6 +12,7 @@ from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.answers.claims.claim import Assumes, Claim
 from mcpn.answers.claims.found import claims_found, led_to, plain_names
 from mcpn.answers.claims.kinds import KINDS
+from mcpn.answers.claims.of_text import claims_of_text
 from mcpn.answers.claims.reached import Reached
 from mcpn.answers.verdicts.nominal import meant_to_be_entered
 from mcpn.nets.events import Event, What
@@ -28,7 +29,7 @@ HELP = (What.DECLARED, What.TIMEOUT)
 
 def claims_of(check: MissionCheck) -> list[Claim]:
     """The claims that follow from a check of a mission, in the order of their kinds."""
-    found = [*claims_found(check)]
+    found = [*claims_found(check), *claims_of_text(check.mission_net.mission)]
     if check.alternatives is not None:
         made = _Made(Prospects(check.mission_net, check.alternatives))
         found += made.without()

@@ -34,6 +34,7 @@ class Reached(Generic[S]):
         """All of them."""
         yield from self._ends_of_objectives()
         yield from self._alternatives()
+        yield from self._hardware()
         yield from self._deciding_events()
         yield from self._facts()
         yield self._waits_for_hardware()
@@ -57,6 +58,21 @@ class Reached(Generic[S]):
             if kind == "active":
                 activity, way = name.split(".", 1)
                 yield self._claim("selected", (activity, way), bool(self.space.marked(places)))
+
+    def _hardware(self) -> Iterator[Claim]:
+        """Which hardware some alternative that runs consumes."""
+        ways: dict[str, list[tuple[str, str]]] = {}
+        for activity in self.net.usage.activities.values():
+            for way in activity.alternatives:
+                if ("active", f"{activity.name}.{way.name}") in self.net.by_role:
+                    for resource in way.consumes:
+                        ways.setdefault(resource, []).append((activity.name, way.name))
+        for robot in self.net.mission.robots:
+            for name in (h.name for h in robot.hardware if h.name in ways):
+                places = [p for a, w in ways[name] for p in self.net.by_role["active", f"{a}.{w}"]]
+                some = " | ".join(f"alternative({a})={w}" for a, w in ways[name])
+                formula = KINDS["used"].formula.format(name, ways=some)
+                yield Claim("used", (name,), bool(self.space.marked(places)), formula=formula)
 
     def _deciding_events(self) -> Iterator[Claim]:
         """Which declared events can put success out of reach."""

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from mcpn.answers.claims.claim import Assumes, Claim
+from mcpn.answers.claims.entries import claims_of_entries
 from mcpn.answers.claims.found import plain_names
 from mcpn.answers.claims.kinds import KINDS
 from mcpn.answers.claims.made import claims_of_losses, in_order, some_run
@@ -35,6 +36,7 @@ def claims_of_causes(causes: Causes, rows: Sequence[Row] = ()) -> list[Claim]:
     found.append(Claim("says_what_is_safe", (), causes.safety is not None))
     names = plain_names(causes.mission_net, causes.unsafe_aborts)
     found += [Claim("abort_after", (name,), True) for name in names]
+    found += claims_of_entries(causes)
     return in_order(found)
 
 
