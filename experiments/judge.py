@@ -1,11 +1,12 @@
 """Drawn missions: an interpreter that draws no net beside every engine, the simulator and every controller.
 
-Usage: ``python experiments/judge.py [--missions N] [--seed S] [--jobs N] [--show N] [--unseen FIELD ...]``
+Usage: ``python experiments/judge.py [--missions N] [--seed S] [--jobs N] [--show N] [--of NAME]
+[--unseen FIELD ...]``
 
 The interpreter (``mcpn.testing.judge``) is made from the language page alone. In every reachable pair of
 states are compared: what runs with which alternative, what waits, what is refused, hardware out of service,
 running objectives, branches that have ended, the end of the mission, possible events, and the parameters
-given. A mission that is not as the interpreter says is printed, with the run that shows it. At the
+given. ``--of`` names a strategy of ``mcpn.testing.elements``. A mission that is not as the interpreter says is printed, with the run that shows it. At the
 end it says how many missions, states, pairs and disagreements there were, by kind; with a
 disagreement the exit code is 1.
 With its defaults it takes some three minutes.
@@ -24,14 +25,17 @@ from pathlib import Path
 sys.path.append(str(Path(__file__).resolve().parents[1]))
 
 from drawing import drawn
+from hypothesis.strategies import SearchStrategy
 
 from mcpn.mission.writer import write_mission
-from mcpn.testing.elements import MISSIONS
+from mcpn.testing import elements
 from mcpn.testing.judge.lockstep import Mismatch
 from tests.judge.lockstep import Judge
 
 SHARE = 100
 """Missions that one process draws at a time, from a seed of their own."""
+
+STRATEGIES = [name for name, value in vars(elements).items() if isinstance(value, SearchStrategy)]
 
 
 @dataclass
@@ -63,11 +67,11 @@ class Found:
         self.shown += other.shown
 
 
-def judged(number: int, seed: int, unseen: tuple[str, ...]) -> Found:
+def judged(number: int, seed: int, unseen: tuple[str, ...], of: str) -> Found:
     """Draws missions and judges each."""
     found = Found()
 
-    for mission in drawn(MISSIONS, number, seed):
+    for mission in drawn(getattr(elements, of), number, seed):
         try:
             verdict = Judge(mission, unseen).judge()
         except Mismatch as error:
@@ -91,11 +95,17 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1, help="which ones (default 1)")
     parser.add_argument("--jobs", type=int, default=2, help="processes (default 2)")
     parser.add_argument("--show", type=int, default=1, help="missions printed of each kind of disagreement")
+    parser.add_argument("--of", default="MISSIONS", choices=STRATEGIES, help="what is drawn (default all)")
     parser.add_argument("--unseen", nargs="*", default=[], help="what is not compared, such as waiting")
     arguments = parser.parse_args()
     began, found, shown = time.monotonic(), Found(), Counter[str]()
     shares = [
-        (min(SHARE, arguments.missions - i), arguments.seed * 1_000_003 + i, tuple(arguments.unseen))
+        (
+            min(SHARE, arguments.missions - i),
+            arguments.seed * 1_000_003 + i,
+            tuple(arguments.unseen),
+            arguments.of,
+        )
         for i in range(0, arguments.missions, SHARE)
     ]
     with ProcessPoolExecutor(arguments.jobs) as pool:

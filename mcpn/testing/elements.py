@@ -166,6 +166,49 @@ GUARDED = missions(
     sections=6, objectives=4, hardware=1, producers=1, alternatives=2, facts=2, events=1, guards=6, aborts=1
 )
 """Blocks that are entered only where facts are so."""
+MIXED = missions(
+    sections=5,
+    depth=3,
+    hardware=2,
+    producers=1,
+    alternatives=2,
+    branches=2,
+    events=1,
+    facts=1,
+    aborts=1,
+    early=2,
+    timeouts=1,
+    timed_blocks=1,
+    reasons=2,
+    recovers=2,
+    pauses=2,
+    led=2,
+    guards=2,
+    becoming=2,
+    faults=1,
+    lasting=True,
+    crashes=True,
+    late=True,
+)
+"""A little of each, so that any two elements meet."""
+MIXED_APART = missions(
+    UNCONTENDED,
+    sections=5,
+    branches=2,
+    events=1,
+    facts=1,
+    aborts=1,
+    early=2,
+    timed_blocks=1,
+    reasons=2,
+    recovers=2,
+    pauses=2,
+    guards=2,
+    becoming=2,
+    crashes=True,
+    late=True,
+)
+"""The same where nothing contends."""
 IN_ROUNDS = missions(
     sections=6, hardware=1, producers=0, activities=2, alternatives=1, events=1, interrupted=True
 )
@@ -217,4 +260,7 @@ MISSIONS: st.SearchStrategy[Mission] = st.one_of(
     CHAINS,
     SAYING,
 )
+"""Most of them; measured tables are of what is drawn here from fixed seeds."""
+
+WIDEST = st.one_of(MISSIONS, LATE, LATE_APART, NAMED_APART, GUARDED, MIXED, MIXED_APART)
 """All of them."""

@@ -1,0 +1,157 @@
+"""Causes by brute force: for every subset of losses the interpreter, which draws no net, says what is left.
+
+A campaign (``tests/draws.py``) says how many missions were asked, and of how many subsets::
+
+    MCPN_CAMPAIGN=1000 python -m pytest -m slow -s tests/judge/test_causes.py
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from itertools import combinations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mcpn.answers.causes.cutsets import Moment
+from mcpn.drawing.compose import compose
+from mcpn.errors import LimitError, SemanticsError
+from mcpn.mission.model import Mission, Objective
+from mcpn.spaces.engine_names import Engine
+from mcpn.testing import missions
+from mcpn.testing.judge.interpreter import REPAIRED, SUCCESS, Happening, Interpreter, State, Undetermined
+from tests.draws import campaign, fewer
+from tests.logic.asked import ENGINES, Asked
+from tests.logic.oracle import fragile_missions, minimal
+from tests.shares import returns_early
+from tests.small import activity, hw, mission, robot
+
+MOST_STATES = 400
+MOST_LOSSES = 5
+SMALL = st.one_of(
+    fragile_missions(max_objectives=3, sections=4, hardware=3, producers=1, recovers=4, pauses=4, events=1),
+    fragile_missions(max_objectives=3, sections=4, hardware=3, producers=2, reasons=5, aborts=2),
+    fragile_missions(max_objectives=3, sections=4, hardware=3, producers=1, facts=1, guards=5, becoming=4),
+    fragile_missions(max_objectives=2, sections=4, hardware=3, producers=2, timed_blocks=6, events=1),
+    fragile_missions(max_objectives=2, sections=4, hardware=3, producers=1, faults=2, lasting=True),
+    fragile_missions(max_objectives=2, sections=4, hardware=3, producers=1, late=True, lasting=True),
+    missions(max_objectives=2, sections=4, hardware=2, producers=1, aborts=2, early=4, timeouts=2),
+    missions(max_objectives=2, sections=4, hardware=2, producers=1, recovers=4, pauses=4, events=1),
+    missions(max_objectives=2, sections=4, hardware=2, producers=1, faults=1, late=True, lasting=True),
+).filter(lambda of: sum(hardware.faulty for hardware in of.hardware) > 1)
+
+
+class Played:
+    """All that may happen in a mission, from its start and from its start after losses.
+
+    Raises:
+        OverflowError: There are more than :data:`MOST_STATES` stable states, or :data:`MOST_LOSSES`.
+        Undetermined: Two activities ask for one thing at the same moment.
+    """
+
+    def __init__(self, of: Mission) -> None:
+        self.judge = Interpreter(of)
+        self.edges: dict[State, list[tuple[Happening, State]]] = {}
+        begin = self.judge.initial
+        names = self.judge.faulty
+        if len(names) > MOST_LOSSES:
+            raise OverflowError
+        self.subsets = [frozenset(s) for n in range(len(names) + 1) for s in combinations(names, n)]
+        late = self.judge.late
+        self.starts = {
+            lost: replace(
+                begin, out=begin.out | lost, unnoticed=begin.unnoticed | ((lost - begin.out) & late)
+            )
+            for lost in self.subsets
+        }
+        self.all = self.reached([begin], frozenset())
+
+    def onward(self, state: State) -> list[tuple[Happening, State]]:
+        """What may happen in a state, and where it leads."""
+        if state not in self.edges:
+            if len(self.edges) >= MOST_STATES:
+                raise OverflowError
+            self.edges[state] = [(e, self.judge.after(state, e)) for e in self.judge.possible(state)]
+        return self.edges[state]
+
+    def reached(self, begin: Iterable[State], lost: frozenset[str]) -> set[State]:
+        """Where runs lead in which nothing of what is lost is repaired."""
+        seen, stack = {*begin}, [*begin]
+        while stack:
+            for _, after in self.kept(stack.pop(), lost):
+                if after not in seen:
+                    seen.add(after)
+                    stack.append(after)
+        return seen
+
+    def kept(self, state: State, lost: frozenset[str]) -> Iterator[tuple[Happening, State]]:
+        """What may happen but for the repair of what is lost."""
+        return (edge for edge in self.onward(state) if edge[0][0] != REPAIRED or edge[0][1] not in lost)
+
+    def succeeds(self, begin: State, lost: frozenset[str], objective: str | None = None) -> bool:
+        """Whether a mission, or an objective of it, may still succeed."""
+        reached = self.reached([begin], lost)
+        if objective is None:
+            return any(state.outcome == SUCCESS for state in reached)
+        return any(event == (SUCCESS, objective) for s in reached for event, _ in self.kept(s, lost))
+
+    def lost_at_start(self, objective: str | None = None) -> list[tuple[str, ...]]:
+        """The least losses before the start after which nothing succeeds."""
+        starts = self.starts.items()
+        return minimal(lost for lost, begin in starts if not self.succeeds(begin, lost, objective))
+
+    def lost_whenever(self) -> list[tuple[str, ...]]:
+        """The least losses after which the mission cannot succeed, whenever they come."""
+        open_ = [state for state in self.all if state.begun and state.outcome != SUCCESS]
+        return minimal(
+            lost
+            for lost in self.subsets
+            if not any(lost <= state.out and self.succeeds(state, lost) for state in open_)
+        )
+
+
+def asked(of: Mission, engine: Engine) -> int:
+    """Holds an engine's cut sets against the interpreter; says of how many subsets, none if it is left."""
+    try:
+        played = Played(of)
+        starts = {name: played.lost_at_start(name) for name in (None, *played.judge.objectives)}
+        causes = Asked(compose(of), engine)
+        found = {name: causes.cut_sets(name, Moment.START) for name in (None, *causes.prospects.objectives)}
+    except (Undetermined, OverflowError, SemanticsError, LimitError) as error:
+        returns_early(type(error).__name__)
+        return 0
+    assert causes.cut_sets(None, Moment.WHENEVER) == played.lost_whenever()
+    for name, sets in found.items():
+        assert sets == starts[name], name
+    return len(played.subsets)
+
+
+@fewer(0.5)
+@given(SMALL, st.sampled_from(ENGINES))
+def test_cut_sets_are_those_of_the_interpreter(of: Mission, engine: Engine) -> None:
+    asked(of, engine)
+
+
+@pytest.mark.slow
+def test_campaign() -> None:
+    def judge(drawn: tuple[Mission, Engine]) -> str:
+        return f"with {asked(*drawn)} subsets"
+
+    found = campaign(st.tuples(SMALL, st.sampled_from(ENGINES)), judge, 1000)
+    assert found["with 0 subsets"] < found["drawn"] / 2
+
+
+def test_losses_by_hand() -> None:
+    """Of two ways one is left; the first objective needs the motor, the second may be reached without."""
+    eyes = activity("look", ("camera",), ("sonar",))
+    of = mission(
+        robot(hw("motor", "camera", "sonar"), activity("go", ("motor",)), eyes),
+        Objective(name="o", activities=("go",), failure="p"),
+        Objective(name="p", activities=("look",)),
+    )
+    played = Played(of)
+    assert played.lost_at_start("o") == [("motor",)]
+    assert played.lost_at_start() == played.lost_at_start("p") == [("camera", "sonar")]
+    assert played.lost_whenever() == [("camera", "sonar")]
