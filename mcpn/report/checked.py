@@ -63,7 +63,7 @@ def print_check(
         same = [claim for claim in claims if claim.kind == kind and claim.holds]
         for sentence in told_together(same, 0):
             terminal.print(f"{_INFORMATIVE:4} {sentence}", style="dim", indent=2, hang=5)
-    # A requirement that is met as it never happens stands with the requirements.
+    # A requirement that does not speak of an ignored event stands with the requirements.
     for _, sentences in unasked(
         claims, [kind for kind in (*DEFEATING, *UNASKED) if kind != "met_as_ignored"]
     ):

@@ -330,7 +330,7 @@ class Words:
         if self.unsafe(after):
             return "can succeed or be aborted only if repaired"
         if without_hope:
-            return "can only be aborted"
+            return "can be aborted, but no longer succeed"
         return (
             "can succeed only if repaired, or be aborted" if self.mission_lost(after) else "can still succeed"
         )

@@ -100,7 +100,8 @@ def test_what_each_failure_costs(causes: Causes) -> None:
     motor, sonar = rows["motor", "look"], rows["sonar", "lines_try2"]
     assert motor.mission_effect == "can succeed or be aborted only if repaired"
     assert motor.recovery == "the mission can succeed again"
-    assert (sonar.mission_effect, sonar.compensation) == ("can only be aborted", "its failure leads to home")
+    assert sonar.mission_effect == "can be aborted, but no longer succeed"
+    assert sonar.compensation == "its failure leads to home"
     assert rows["motor", "lines_try2"].mission_effect == "can be aborted only if repaired"
     regained = "none before the objective has failed, then the mission can be aborted"
     assert rows["motor", "lines_try2"].recovery == regained

@@ -281,7 +281,7 @@ def test_what_is_lost_where_a_mission_goes_on_is_told(tmp_path: Path) -> None:
     )
     lost = lines["What is lost then?"]
     assert lost.state == "note"
-    assert lost.said == ("These objectives cannot succeed then; without camera: filming.")
+    assert lost.said == "What has not begun cannot succeed then: without camera, filming."
 
 
 def test_what_defeats_it_at_the_worst_moment_alone_is_told(tmp_path: Path) -> None:

@@ -71,7 +71,7 @@ class Loss(NamedTuple):
         if self.unsafe_unrepaired:
             return f"can {'' if self.for_ever else 'succeed or '}be aborted only if repaired"
         if self.for_ever:
-            return "can only be aborted"
+            return "can be aborted, but no longer succeed"
         return "can succeed only if repaired, or be aborted" if self.unrepaired else "can still succeed"
 
 

@@ -14,7 +14,7 @@ UNASKED = {
     "ends_at_once": "What ends it at once?",
     "alternate_for_ever": "What may go on for ever?",
     "waits_for_hardware": "Where may it stand still?",
-    "met_as_ignored": "What is met as it never happens?",
+    "met_as_ignored": "Of what do requirements not speak?",
 }
 """By other kinds."""
 TOGETHER = ("succeeds_without", "event_decides")

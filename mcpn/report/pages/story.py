@@ -121,7 +121,7 @@ def _with_requirements(check: MissionCheck) -> str:
     empty = sum(bool(a.met and _idle(check, a)) for a in answers)
     met = "; it meets all that it requires" if any(a.required for a in answers) else ""
     if empty:
-        met += f", {empty} of it only since something never happens"
+        met += f"; {empty} of its requirements say{'s' * (empty == 1)} nothing of an event where it is ignored"
     return (
         f"{met}; {unmet} advised {'requirement is' if unmet == 1 else 'requirements are'} not met"
         if unmet
@@ -263,8 +263,8 @@ def _left_out(findings: Findings, causes: Causes, hardware: Sequence[str]) -> It
     told = []
     for objectives, needed in list(without.items())[:MOST_TOLD]:
         more = f" and {len(objectives) - MOST_TOLD} more" if len(objectives) > MOST_TOLD else ""
-        told.append(f"without {' or '.join(needed)}: {', '.join(objectives[:MOST_TOLD])}{more}")
-    said = f"These objectives cannot succeed then; {'; '.join(told)}."
+        told.append(f"without {' or '.join(needed)}, {', '.join(objectives[:MOST_TOLD])}{more}")
+    said = f"What has not begun cannot succeed then: {'; '.join(told)}."
     yield StoryLine("note", "What is lost then?", said)
 
 
@@ -325,7 +325,7 @@ def _required(check: MissionCheck) -> Iterator[StoryLine]:
     told += [f"not known: {_quoted(unknown)}"] if unknown else []
     told += [f"not met, and only advised: {_quoted(advice)}"] if advice else []
     empty = [a.asked.words for a in answers if a.met and _idle(check, a)]
-    told += [f"met only since something never happens: {_quoted(empty)}"] if empty else []
+    told += [f"met, but silent of an event where it is ignored: {_quoted(empty)}"] if empty else []
     state = "fails" if violated else "unknown" if unknown else "note" if advice or empty else "holds"
     yield StoryLine(state, asked, f"{'; '.join(told)}.")
 
