@@ -30,6 +30,8 @@ MOST_RULES = BUDGETS[-1]
 
 Rows = Sequence[tuple[tuple[int, ...], bool]]
 """Literals, and whether a part does what it may where they are true: the first that fits says so."""
+_Masks = Sequence[tuple[int, int, bool]]
+"""The same, by masks of bits: those that a rule asks for, and those of them that it wants set."""
 
 
 @dataclass
@@ -78,7 +80,7 @@ class EventParts:
         self.always = EventPart(reaction.states, rules=[((), True)])
         self.levels = len(reaction.remembering.level)
         self._known: set[int] = set()
-        self._decided = list[tuple[int, Rows]]()
+        self._decided = list[tuple[int, _Masks]]()
         """Levels whose changes are decided, with the rules that do."""
         self._preferred = preferred
         self._level = {at: level for level, at in enumerate(reaction.remembering.level)}
@@ -154,11 +156,12 @@ class EventParts:
 
     def _decide(self, changes: int, rules: Rows) -> None:
         """Notes that the changes of some levels are decided by some rules."""
-        self._decided.append((changes, rules))
+        masks = _masks(rules)
+        self._decided.append((changes, masks))
         for level in levels_of(changes):
             self._know(self.levels + level, self.reaction.leading(self.reaction.remembering.level[level]))
         for number, sample in enumerate(self._samples):
-            after = self._after(sample, changes, rules)
+            after = self._after(sample, changes, masks)
             self._samples[number] |= after
             for bit in levels_of(after):
                 self._marking[bit] |= 1 << number
@@ -168,10 +171,10 @@ class EventParts:
         self._literal.setdefault(states, 2 * bit + 1)
         self._literal.setdefault(self.reaction.states - states, 2 * bit)
 
-    def _after(self, sample: int, changes: int, rules: Rows) -> int:
+    def _after(self, sample: int, changes: int, rules: _Masks) -> int:
         """What some levels, which rules decide, are after the event in a sample."""
-        for literals, does in rules:
-            if all((sample >> (literal >> 1) & 1) == literal & 1 for literal in literals):
+        for asked, set_, does in rules:
+            if sample & asked == set_:
                 return ((sample ^ changes if does else sample) & changes) << self.levels
         return (sample & changes) << self.levels
 
@@ -300,3 +303,11 @@ class EventParts:
                 after = self.reaction.leading(self.reaction.remembering.level[level - self.levels])
                 states = states & after if literal & 1 else states - after
         return states.subset(sorted(marked), sorted(unmarked))
+
+
+def _masks(rules: Rows) -> _Masks:
+    """Rules by masks."""
+    return [
+        (sum(1 << (x >> 1) for x in literals), sum(1 << (x >> 1) for x in literals if x & 1), does)
+        for literals, does in rules
+    ]

@@ -159,10 +159,8 @@ class _Group:
 
 
 def _literals(asked: int, marked: int) -> Iterator[int]:
-    while asked:
-        lowest = asked & -asked
-        yield 2 * (lowest.bit_length() - 1) | (marked & lowest > 0)
-        asked ^= lowest
+    for level in levels_of(asked):
+        yield 2 * level | (marked >> level & 1)
 
 
 def _enough(left: Zdd, literals: Sequence[int]) -> Iterator[int]:
@@ -190,4 +188,9 @@ def _union(sets: Iterable[Zdd]) -> Zdd:
 
 def levels_of(mask: int) -> list[int]:
     """The levels of a mask, ascending."""
-    return [literal >> 1 for literal in _literals(mask, mask)]
+    levels = []
+    while mask:
+        lowest = mask & -mask
+        levels.append(lowest.bit_length() - 1)
+        mask ^= lowest
+    return levels
