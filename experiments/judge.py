@@ -6,9 +6,9 @@ Usage: ``python experiments/judge.py [--missions N] [--seed S] [--jobs N] [--sho
 The interpreter (``mcpn.testing.judge``) is made from the language page alone. In every reachable pair of
 states are compared: what runs with which alternative, what waits, what is refused, hardware out of service,
 running objectives, branches that have ended, the end of the mission, possible events, and the parameters
-given. ``--of`` names a strategy of ``mcpn.testing.elements``. A mission that is not as the interpreter says is printed, with the run that shows it. At the
-end it says how many missions, states, pairs and disagreements there were, by kind; with a
-disagreement the exit code is 1.
+given. ``--of`` names a strategy of ``mcpn.testing.elements``. A mission that is not as the interpreter says
+is printed, with the run that shows it. At the end it says how many missions, states, pairs and disagreements
+there were, by kind; with a disagreement the exit code is 1.
 With its defaults it takes some three minutes.
 """
 

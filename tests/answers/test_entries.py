@@ -10,7 +10,8 @@ from mcpn.study import Study
 
 TEXT = (
     '<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r"><hardware name="eye"/>'
-    '<hardware name="arm"/><hardware name="frame" faulty="false"/><activity name="look" consumes="eye frame"/>'
+    '<hardware name="arm"/><hardware name="frame" faulty="false"/>'
+    '<activity name="look" consumes="eye frame"/>'
     '<activity name="grasp" consumes="arm"/></robot>'
     '<objective name="see" activities="look"/><objective name="take" activities="grasp"/></mission>'
 )

@@ -121,7 +121,8 @@ def _with_requirements(check: MissionCheck) -> str:
     empty = sum(bool(a.met and _idle(check, a)) for a in answers)
     met = "; it meets all that it requires" if any(a.required for a in answers) else ""
     if empty:
-        met += f"; {empty} of its requirements say{'s' * (empty == 1)} nothing of an event where it is ignored"
+        says = f"{empty} of its requirements say{'s' * (empty == 1)}"
+        met += f"; {says} nothing of an event where it is ignored"
     return (
         f"{met}; {unmet} advised {'requirement is' if unmet == 1 else 'requirements are'} not met"
         if unmet
