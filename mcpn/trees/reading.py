@@ -154,6 +154,8 @@ def _files(path: Path) -> list[Path]:
 def _main(reader: _Reader, asked: str | None, at: Source) -> str:
     """The tree to execute."""
     trees = reader.trees
+    if not trees:
+        raise InputError.at(at, "found no <BehaviorTree>, expected at least one")
     said = list(dict.fromkeys(reader.mains))
     main = asked or (said[0] if len(said) == 1 else None)
     if main is None and not said:
@@ -162,11 +164,9 @@ def _main(reader: _Reader, asked: str | None, at: Source) -> str:
         alone = reader.own if len(reader.own) == 1 else alone
         main = alone[0] if len(alone) == 1 else None
     if main is None:
-        named = ", ".join(said or sorted(trees)) or "none"
+        named = ", ".join(said or sorted(trees))
         several = "several files say main_tree_to_execute" if said else "no main_tree_to_execute"
-        raise InputError.at(
-            at, f"{several}, expected one of {named}" + (": say it with --main" if trees else "")
-        )
+        raise InputError.at(at, f"{several}, expected one of {named}: say it with --main")
     if main not in trees:
         raise InputError.at(at, f"no tree {main!r} to execute, expected one of {', '.join(sorted(trees))}")
     return main
@@ -375,7 +375,7 @@ class _Reader:
         tag = _tag(element)
         attributes = {str(key): str(value) for key, value in element.attrib.items()}
         explicit = tag in EXPLICIT
-        name = attributes.pop("name", None)
+        name = attributes.pop("name", None) or None
         if explicit != bool(attributes.get("ID")):
             said = (
                 f"<{tag}> without ID"

@@ -81,7 +81,7 @@ BAD = {
     "doctype": ("<!DOCTYPE root [<!ENTITY a 'b'>]><root/>", 1, "DTD"),
     "not well-formed": ("<root>\n<BehaviorTree></root>", 2, "not well-formed"),
     "format": ('<root BTCPP_format="5"/>', 1, "BTCPP_format '5', expected 3 or 4"),
-    "no tree": ('<root BTCPP_format="4"/>', 1, "expected one of none"),
+    "no tree": ('<root BTCPP_format="4"/>', 1, "found no <BehaviorTree>"),
     "no such main": (
         '<root main_tree_to_execute="B"><BehaviorTree ID="A"><a/></BehaviorTree></root>',
         1,

@@ -248,15 +248,14 @@ BESIDE = ("Parallel", "PipelineSequence", "Reactive", "WhileDoElse", "Timeout", 
 
 
 def hurries(tree: Tree) -> bool:
-    """Whether a condition answers in the very tick in which a leaf before it ends, and it can be seen.
+    """Whether a condition answers in the very tick in which a child before it has, and it can be seen.
 
-    Behind a leaf that runs, a reactive node cannot wait for a condition. In a mission, where ticks are
+    A reactive node cannot wait for a condition behind its first child. In a mission, where ticks are
     forgotten, each leaf ends some time after it began, and what happens beside may come before.
     """
     around = [n for n in tree.forest.main.root.walk() if n.id.startswith(BESIDE)]
     inside = [inner for n in around for child in n.children for inner in child.walk()]
     for reactive in (n for n in inside if n.id.startswith("Reactive")):
-        quick = [tree.at_once(child) for child in reactive.children]
-        if any(quick[quick.index(False) :] if False in quick else ()):
+        if any(map(tree.at_once, reactive.children[1:])):
             return True
     return False
