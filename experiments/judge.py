@@ -95,7 +95,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1, help="which ones (default 1)")
     parser.add_argument("--jobs", type=int, default=2, help="processes (default 2)")
     parser.add_argument("--show", type=int, default=1, help="missions printed of each kind of disagreement")
-    parser.add_argument("--of", default="MISSIONS", choices=STRATEGIES, help="what is drawn (default all)")
+    parser.add_argument("--of", default="WIDEST", choices=STRATEGIES, help="what is drawn (default all)")
     parser.add_argument("--unseen", nargs="*", default=[], help="what is not compared, such as waiting")
     arguments = parser.parse_args()
     began, found, shown = time.monotonic(), Found(), Counter[str]()
