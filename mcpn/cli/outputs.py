@@ -51,6 +51,13 @@ def _once() -> Callable[[str], None]:
 @click.option("--hierarchical", "form", flag_value="hierarchical", help="The same as --form hierarchical.")
 @click.option("--flat", "form", flag_value="flat", help="The same as --form flat.")
 @click.option("--unverified", is_flag=True, help="Do not verify the mission first; the files say so.")
+@click.option(
+    "--certificate",
+    type=FILE,
+    metavar="OUT",
+    help="Write the mission's net and claims to OUT, beside which ctlcheck walks a hierarchical or flat "
+    "controller.json.",
+)
 @question(workers=True, trees=False)
 def controller(
     question: Question,
@@ -59,6 +66,7 @@ def controller(
     output: Path,
     form: Literal["auto", "hierarchical", "minimised", "modular", "flat"],
     unverified: bool,
+    certificate: Path | None,
 ) -> None:
     """Generate the controller of MISSION: state machines, or rules, that do what was verified.
 
@@ -90,6 +98,13 @@ def controller(
         size = f"{size}; minimised: {found.states} states, {found.moves} edges"
     texts = files(document(found, study.mission_net, verified=not unverified), target)
     write_folder(output, texts)
+    if certificate is not None:
+        from mcpn.certificates.writing import certificate_of
+        from mcpn.files import write_atomically
+
+        with question.work():
+            written = certificate_of(study.verdicts(max_states=question.max_states), question.max_states)
+        write_atomically(certificate, written.to_bytes())
     bytes_ = sum(len(text.encode()) for text in texts.values())
     if bytes_ > MANY_BYTES and found.form != "modular" and target in OF_RULES:
         mb = bytes_ / 1e6
@@ -101,6 +116,9 @@ def controller(
     click.echo(f"{found.form} controller of {found.mission}: {size}")
     for path in paths:
         click.echo(path)
+    if certificate is not None:
+        beside = output / "controller.json"
+        click.echo(f"check it: python -m mcpn.certificates.ctlcheck {certificate} {beside}")
 
 
 @click.command()

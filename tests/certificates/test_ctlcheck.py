@@ -1,0 +1,129 @@
+"""Controllers are walked beside a certificate's net, by a program that imports nothing of mcpn."""
+
+from __future__ import annotations
+
+import json
+import random
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mcpn.certificates import certcheck, ctlcheck
+from mcpn.certificates.net_entry import net_entry
+from mcpn.controller.document import document
+from mcpn.errors import ConfluenceError, LimitError, PremiseError, UnsafeError
+from mcpn.mission.model import Mission
+from mcpn.mission.xml import read_mission
+from mcpn.study import Study
+from mcpn.testing import missions
+from tests.conftest import ULYSSE
+from tests.draws import fewer
+from tests.shares import returns_early
+
+Document = dict[str, Any]
+
+
+def judged(study: Study, controller: Document) -> tuple[int, int]:
+    net = certcheck.Net(json.loads(json.dumps(net_entry(study.mission_net))))
+    return ctlcheck.walked(
+        certcheck.Listing(net, 100_000, float("inf")), ctlcheck.WalkedController(controller)
+    )
+
+
+def made(study: Study, form: str) -> Document:
+    found = study.controller(form)  # type: ignore[arg-type]
+    text: Document = json.loads(json.dumps(document(found, study.mission_net)))
+    return text
+
+
+@pytest.mark.parametrize("form", ["hierarchical", "flat"])
+def test_the_controller_of_ulysse_does_what_its_net_does(form: str) -> None:
+    study = Study(read_mission(ULYSSE))
+    assert judged(study, made(study, form)) == (260, 1332)
+
+
+@fewer(0.1)
+@given(
+    missions(max_hardware=3, max_objectives=2, max_sections=3, events=2)
+    | missions(max_hardware=2, max_objectives=2, max_sections=3, events=2, facts=1),
+    st.sampled_from(["hierarchical", "flat"]),
+)
+def test_controllers_of_drawn_missions(mission: Mission, form: str) -> None:
+    study = Study(mission)
+    try:
+        controller = made(study, form)
+    except (LimitError, ConfluenceError, UnsafeError, PremiseError) as error:
+        return returns_early(type(error).__name__)
+    pairs, taken = judged(study, controller)
+    assert pairs == study.alternatives().everything.count()
+    assert taken >= pairs - 1
+    return None
+
+
+def _goal(controller: Document, draw: random.Random) -> None:
+    kind = draw.choice([each for each in controller["types"] if len(each["states"]) > 1])
+    edge = draw.choice([each for each in kind["edges"] if isinstance(each["to"], int)])
+    edge["to"] = draw.choice([at for at in range(len(kind["states"])) if at != edge["to"]])
+
+
+def _forget(controller: Document, draw: random.Random) -> None:
+    kind = draw.choice(controller["types"])
+    draw.choice([each for each in kind["edges"] if each["actions"]])["actions"].pop()
+
+
+def _lose(controller: Document, draw: random.Random) -> None:
+    kind = draw.choice(controller["types"])
+    kind["edges"].pop(draw.randrange(len(kind["edges"])))
+
+
+def _route(controller: Document, draw: random.Random) -> None:
+    section = draw.choice(controller["sections"])
+    exits = sorted(section["routes"])
+    section["routes"][exits[0]] = "fail" if section["routes"][exits[0]] != "fail" else "succeed"
+
+
+@pytest.mark.parametrize("change", [_goal, _forget, _lose, _route])
+def test_a_controller_that_does_something_else_is_refuted(change: Callable[..., None]) -> None:
+    study, refuted = Study(read_mission(ULYSSE)), 0
+    net = certcheck.Net(json.loads(json.dumps(net_entry(study.mission_net))))
+    graph = certcheck.Listing(net, 100_000, float("inf"))
+    whole = json.dumps(made(study, "hierarchical"))
+    for seed in range(5):
+        controller = json.loads(whole)
+        change(controller, random.Random(seed))
+        try:
+            ctlcheck.walked(graph, ctlcheck.WalkedController(controller))
+        except certcheck.Refuted:
+            refuted += 1
+    assert refuted >= 4  # an edge may be one that no run takes
+
+
+def test_both_files_alone_check_a_controller(tmp_path: Path) -> None:
+    from mcpn.certificates.writing import certificate_of
+
+    study = Study(read_mission(ULYSSE))
+    for program in (certcheck, ctlcheck):
+        shutil.copy(str(program.__file__), tmp_path)
+    (tmp_path / "cert").write_bytes(certificate_of(study.verdicts()).to_bytes())
+    (tmp_path / "controller.json").write_text(json.dumps(made(study, "flat")))
+    ways = [
+        ["certcheck.py", "cert"],
+        ["ctlcheck.py", "cert", "controller.json"],
+        ["ctlcheck.py", "cert", "cert"],
+    ]
+    ran = [
+        subprocess.run(
+            [sys.executable, "-E", "-S", *way], cwd=tmp_path, capture_output=True, text=True, check=False
+        )
+        for way in [[str(tmp_path / way[0]), *way[1:]] for way in ways]
+    ]
+    assert [run.returncode for run in ran] == [0, 0, 2], ran
+    assert "260 pairs of states, 1332 events" in ran[1].stdout
+    assert all(run.stderr == "" for run in ran)

@@ -1,0 +1,48 @@
+"""No changed certificate, and no certificate of a changed net, proves a claim that is false."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from types import ModuleType
+
+import pytest
+
+from mcpn.certificates import certcheck
+from tests.conftest import ROOT
+
+
+@pytest.fixture(scope="module")
+def script() -> ModuleType:
+    """The script that changes certificates."""
+    folder = ROOT / "experiments"
+    spec = importlib.util.spec_from_file_location("certificate_mutants", folder / "certificates.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.path.insert(0, str(folder))
+    try:
+        spec.loader.exec_module(module)
+    finally:
+        sys.path.remove(str(folder))
+    return module
+
+
+def test_no_false_claim_is_proved(script: ModuleType) -> None:
+    found, wrong = script.campaign(80, 3)
+    assert wrong == []
+    assert sum(times for how, times in found.items() if "no claim proved" in how) > 15
+    assert sum(times for how, times in found.items() if "claim proved" not in how) > 15
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
+def test_no_false_claim_is_proved_of_many(script: ModuleType) -> None:
+    assert script.campaign(10_000, 4)[1] == []
+
+
+def test_a_checker_that_believes_everything_is_found_out(
+    script: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(certcheck, "judge", lambda graph, claim: None)
+    assert len(script.campaign(25, 3)[1]) > 2
