@@ -48,10 +48,14 @@ def _of_goal(causes: Causes, goal: GoalCauses, verb: str, words: str) -> Iterato
     if needs_repair:
         return
     mission, prospects = causes.mission_net.mission, causes.prospects
-    can_fail = [name for name in prospects.hardware if prospects.carrying(What.OUT_OF_SERVICE, name)]
+    # What crashes as it runs is never lost before.
+    begin = prospects.space.initial
+    fails = {name: prospects.carrying(What.OUT_OF_SERVICE, name) for name in prospects.hardware}
+    can_fail = [name for name, own in fails.items() if own and begin & prospects.space.enabling(own)]
     alone = [(name,) for name in can_fail if name not in causes.unused]
     asked = [*alone, *(lost for lost in goal.cut_sets if len(lost) > 1)][: MOST_SETS + len(alone)]
     certain = causes.safety is not goal or (prospects.safety is not None and not prospects.safety.ends_from)
+    asked = [lost for lost in asked if {*lost} <= {*can_fail}]
     certain &= not any(h.initial == "oos" for h in mission.hardware)
     for lost in asked:
         repairs = [f"{name}_EV_RD" for name in lost if prospects.carrying(What.REPAIRED, name)]
