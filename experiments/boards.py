@@ -152,10 +152,10 @@ def walk(made: InC, folder: Path, board: Board | None, *options: str) -> list[in
         options: More for the compiler.
     """
     made.write(folder)
-    gcc, own, run = (
-        ("gcc", ("-std=c99", "-O1"), ()) if board is None else (f"{board.compiler}-gcc", (), board.run)
-    )
+    gcc, run = "gcc", tuple[str, ...]()
+    own: tuple[str, ...] = ("-std=c99", "-O1")
     if board is not None:
+        gcc, run = f"{board.compiler}-gcc", tuple(board.run)
         own = ("-Os", *board.options, *made.where(board))
     command = [gcc, *STRICT, *own, *options, "-I.", "m.c", str(HERE / "boards.c"), "-o", "walk"]
     compiled = subprocess.run(command, cwd=folder, capture_output=True, text=True)
