@@ -38,7 +38,7 @@ from mcpn.report.pictures.unit_picture import interface, units_picture
 from mcpn.testing import missions
 from tests.commands import mcpn as command
 from tests.commands import output
-from tests.conftest import ULYSSE
+from tests.conftest import ROOT, ULYSSE
 from tests.nets.nets import pt_nets
 from tests.report.test_pictures import hostile
 
@@ -281,6 +281,22 @@ def test_png(ulysse: MissionNet, tmp_path: Path) -> None:
     width, height = (int.from_bytes(data[16 + 4 * i : 20 + 4 * i], "big") for i in (0, 1))
     root = etree.fromstring(picture.svg.encode())
     assert (width, height) == (2 * int(root.get("width", "0")), 2 * int(root.get("height", "0")))
+
+
+def test_the_machine_of_a_section_is_as_wide_as_a_poster_at_most(ulysse: MissionNet) -> None:
+    """With many ways to run, the same objectives are one box, and orders are in titles."""
+    drone = compose(read_mission(ROOT / "experiments" / "drone" / "mission.xml"))
+    for mission_net, section, small in (
+        (drone, "stock_A1.along", False),
+        (ulysse, "coral_head.manual_moving", True),
+    ):
+        root = etree.fromstring(drawn(mission_net, "controller", section).svg.encode())
+        assert int(root.get("width", "0")) < 4_000
+        texts, titles = (
+            [element.text or "" for element in root.iter(f"{{*}}{tag}")] for tag in ("text", "title")
+        )
+        assert any(text.startswith("stop ") for text in texts) == small
+        assert any(": stop " in title for title in titles)
 
 
 # --- renderers that know no custom properties ---------------------------------------------------------------

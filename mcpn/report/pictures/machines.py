@@ -37,6 +37,15 @@ MOST_WHOLE = 24
 MOST_LINES = 3
 """Events beside one curve; all of them are in its title."""
 
+MOST_ORDERED = 60
+"""Events up to which what the controller does stands beside the curves: with more a picture is pages wide."""
+
+MOST_BOXES, MOST_MODES = 60, 20
+"""Boxes up to which states of a section are drawn, and up to which each way to run is one of them.
+
+Nobody can follow the curves between more.
+"""
+
 
 @dataclass(frozen=True)
 class DrawnEvent:
@@ -92,7 +101,10 @@ def machine_drawing(machine: SectionMachine, name: str) -> Drawing:
     passages = [DrawnEvent(m.source, m.target, machine.events[m.event], m.actions) for m in machine.moves]
     start = Event(What.START, "")
     passages += [DrawnEvent(None, e.target, start, e.actions) for e in machine.entries if e]
-    return drawing(states_picture(name, machine.states, passages, actions=True))
+    picture = states_picture(name, machine.states, passages, actions=True)
+    if len(picture.nodes) > MOST_MODES:
+        picture = states_picture(name, machine.states, passages, actions=True, by_objectives=True)
+    return drawing(picture)
 
 
 def controller_drawing(controller: TableController) -> Drawing:
@@ -215,6 +227,8 @@ def states_picture(
     if merged and section_of is None:
         alike = "in which the same objectives run" if by_objectives else "that run the same"
         name += f": {len(states):,} states, those {alike} as one"
+    if actions and len(passages) > MOST_ORDERED:
+        name += ": what it orders is in the titles of the curves"
     nodes, clusters = [Node("enter", ("start",), "node")], dict[str, Cluster]()
     for members in groups.values():
         state = states[members[0]]
@@ -254,14 +268,15 @@ def _edges(passages: Sequence[DrawnEvent], key_of: Mapping[int, str], actions: b
             both = len(what) == 1 and there == found.get((target, source, kind), {}).keys()
             if both and what == {What.REPAIRED}:
                 continue  # drawn with the failures
-        told = []
+        told, written = [], []
         for event, said in events.items():
             words = "" if event.what is What.START else _happens(event) + (" ⇄ works again" if both else "")
             told.append("\n".join(filter(None, (words, said))))
-        told = list(dict.fromkeys(filter(None, told)))
-        lines = [line for text in told[:MOST_LINES] for line in text.split("\n")]
-        if len(told) > MOST_LINES:
-            lines.append(f"and {len(told) - MOST_LINES} more")
+            written.append(told[-1] if len(passages) <= MOST_ORDERED else words)
+        told, written = ([*dict.fromkeys(filter(None, texts))] for texts in (told, written))
+        lines = [line for text in written[:MOST_LINES] for line in text.split("\n")]
+        if len(written) > MOST_LINES:
+            lines.append(f"and {len(written) - MOST_LINES} more")
         yield Arrow(source, target, kind, tuple(lines), "; ".join(t.replace("\n", ": ") for t in told), both)
 
 
@@ -329,12 +344,6 @@ def _title(state: Situation, *, merged: bool) -> str:
 
 
 # Local graphs for a report: one for each type of section, drawn by what runs; large ones by objectives.
-
-MOST_BOXES, MOST_MODES = 60, 20
-"""Boxes up to which a local graph is drawn, and up to which each way to run is one of them.
-
-Nobody can follow the curves between more.
-"""
 
 
 @dataclass(frozen=True)
