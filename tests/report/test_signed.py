@@ -51,6 +51,8 @@ MEASURE = """() => {
   return [texts.length, found];
 }"""
 
+WORKED = [ROOT / "experiments" / name / "mission.xml" for name in ("courier", "drone", "glider", "rover")]
+
 
 def overlapping(browser: Any, mission: Mission) -> list[list[str]]:
     """Pairs of texts that a browser draws one over the other."""
@@ -84,7 +86,11 @@ def test_no_two_texts_of_a_drawn_mission_overlap(browser: Any, mission: Mission)
     assert overlapping(browser, mission) == []
 
 
-@pytest.mark.parametrize(("path", "most"), [(ULYSSE, 6), (HOSPITAL, 10)], ids=str)
+@pytest.mark.parametrize(
+    ("path", "most"),
+    [(ULYSSE, 6), (HOSPITAL, 10), *(pytest.param(path, 10, marks=pytest.mark.slow) for path in WORKED)],
+    ids=str,
+)
 def test_a_page_prints_on_few_sheets(browser: Any, tmp_path: Path, path: Path, most: int) -> None:
     file = tmp_path / "page.html"
     file.write_text(page(findings(compose(read_mission(path)))))
