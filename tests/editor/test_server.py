@@ -221,7 +221,8 @@ def test_what_states_say_comes_after_a_save(client: Client, folder: Path) -> Non
     protocols = folder / "protocols.xml"
     client.open(protocols)
     for _ in range(200):
-        if "Can no longer succeed after the loss of thruster_actuator." in (hovered(client, protocols) or ""):
+        said = hovered(client, protocols) or ""
+        if "diving can no longer succeed after the loss of thruster_actuator" in said:
             return
         time.sleep(0.2)
     pytest.fail("the states say nothing")

@@ -232,8 +232,10 @@ def test_the_page_answers_what_is_asked_first(ulysse_findings: Findings) -> None
     """Can it succeed, what makes it fail, what happens when the GPS fails during the dive."""
     told = re.sub(r"\s+", " ", Elements(page(ulysse_findings)).text)
     assert "The mission can succeed." in told
-    assert "leaves no way to success: thruster_actuator; GPS_sensor and IMU_sensor together." in told
-    assert "It can still succeed after the loss of any one of these alone: GPS_sensor, IMU_sensor." in told
+    lost = "The loss of thruster_actuator, or of GPS_sensor and IMU_sensor together before the start"
+    assert f"{lost}, not repaired, leaves no way to success." in told
+    alone = "After the loss of any one of GPS_sensor and IMU_sensor alone, whenever it comes"
+    assert f"{alone}, success stays possible." in told
     row = re.search(r"transect\.diving ?(goes on[^;]*); mission can still succeed", told)
     assert row is not None
     assert row[1] == "goes on in another mode (localisation: gps_localisation -> imu_localisation)"
