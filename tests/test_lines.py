@@ -101,7 +101,7 @@ MISTAKES = {
         f'{NET}<place id="p">',
         "<initialMarking>",
         f"<text>x</text></initialMarking></place>{NET_ENDS}",
-        "initialMarking is 'x'",
+        "found 'x' as initialMarking",
     ),
     "net, a remark": Mistake(
         read_net,

@@ -30,7 +30,6 @@ nothing = true
 nothing = true
 [activities.hand_over]
 nothing = true
-lines = { done = "success" }
 [sources.panel]
 process = ["{python}", "{robot}", "panel"]
 [sources.panel.lines]

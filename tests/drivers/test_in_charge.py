@@ -275,7 +275,6 @@ def test_a_group_of_another_boot_is_a_stranger(monkeypatch: pytest.MonkeyPatch) 
 PANEL = """
 [activities.hand_over]
 nothing = true
-lines = {done = "success"}
 [sources.panel]
 process = ["{python}", "{robot}", "panel"]
 lines = {"called back" = "called_back", "done" = "OBJ_give_EV_OK", "no" = "OBJ_give_EV_FAIL"}
