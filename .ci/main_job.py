@@ -26,7 +26,7 @@ def mcpn(*arguments: str) -> object:
 
 def drive() -> None:
     """The controller, from the file, through a whole mission in which everything succeeds."""
-    from mcpn.runtime import Controller
+    from mcpn.robot.runtime import Controller
 
     controller = Controller.load("build/controller.json")
     event = "MISSION_EV_START"

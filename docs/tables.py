@@ -14,8 +14,6 @@ from typing import Any
 
 from mcpn.answers.claims import KINDS
 from mcpn.drawing.templates.interface import MEETINGS
-from mcpn.drivers.known import OF_DRIVERS
-from mcpn.drivers.mapping import KINDS as KINDS_OF_DRIVERS
 from mcpn.logic.contest import KNOWN as OF_PROPERTIES
 from mcpn.mission.language.forms import GROUPS, Field, form_of, inside, language, relax_ng
 from mcpn.mission.misfits import SCHEMA
@@ -30,8 +28,10 @@ from mcpn.report.documents.answers import NAMED
 from mcpn.report.documents.graphs import ANSWERED
 from mcpn.report.documents.nets import ENGINE
 from mcpn.report.documents.robots import ESTIMATED
-from mcpn.runtime.documents import PLACE, REQUIREMENT, STATE
-from mcpn.runtime.shapes import Document, ObjectOf
+from mcpn.robot.drivers.known import OF_DRIVERS
+from mcpn.robot.drivers.mapping import KINDS as KINDS_OF_DRIVERS
+from mcpn.robot.runtime.documents import PLACE, REQUIREMENT, STATE
+from mcpn.robot.runtime.shapes import Document, ObjectOf
 from mcpn.trees.nodes.table import TABLE
 from mcpn.trees.nodes.versions import NAMES
 

@@ -21,10 +21,10 @@ from typing import get_args
 import mcpn
 from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
-from mcpn.controller.targets import files
-from mcpn.controller.targets.c import LARGEST_TABLE
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.model import Mission
+from mcpn.robot.targets import files
+from mcpn.robot.targets.c import LARGEST_TABLE
 
 HERE = Path(__file__).parent
 PAGE = HERE.parent / "docs" / "controller.md"

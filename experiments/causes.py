@@ -22,12 +22,12 @@ from mcpn.answers.causes.find import Causes, find_causes
 from mcpn.answers.causes.fmeca import fmeca
 from mcpn.answers.names import MissionNames
 from mcpn.drawing.compose import MissionNet, compose
+from mcpn.events import Event, What
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.syntax import parse
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 from mcpn.mission.xml import read_mission
-from mcpn.nets.events import Event, What
 from mcpn.report.failures.tables import fmeca_rows
 from mcpn.report.pictures.plots import Curves
 from mcpn.sentences import enumeration

@@ -30,10 +30,10 @@ from missions import Parameters, generate
 from mcpn.certificates import certcheck
 from mcpn.certificates.writing import certificate_of, certificate_of_causes
 from mcpn.errors import ConfluenceError, DivergenceError, UnsafeError
+from mcpn.events import Event, What
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.formulas import EG, EU, EX
 from mcpn.logic.ltl.formulas import Happens, Next, Release, SomePath, Until
-from mcpn.nets.events import Event, What
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.markings.explicit import explore

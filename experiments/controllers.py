@@ -28,11 +28,11 @@ from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import TableController
 from mcpn.controller.minimise import minimise
-from mcpn.controller.targets import files
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError
 from mcpn.mission.xml import read_mission
-from mcpn.runtime import Controller as Runtime
+from mcpn.robot.runtime import Controller as Runtime
+from mcpn.robot.targets import files
 
 HERE = Path(__file__).parent
 

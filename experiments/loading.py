@@ -13,14 +13,14 @@ from pathlib import Path
 
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
-from mcpn.controller.targets.json import write_json
 from mcpn.drawing.compose import compose
 from mcpn.errors import McpnError
 from mcpn.mission.xml import read_mission
+from mcpn.robot.targets.json import write_json
 
 LOAD = """
 import sys, time
-from mcpn.runtime import Controller
+from mcpn.robot.runtime import Controller
 
 def peak():  # of this program alone; that of getrusage begins with its parent's
     (line,) = (line for line in open("/proc/self/status") if line.startswith("VmHWM"))

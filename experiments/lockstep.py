@@ -35,7 +35,7 @@ from typing import Any, get_args
 from missions import Parameters
 from missions import generate as generate_mission
 
-import mcpn.runtime
+import mcpn.robot.runtime
 from mcpn.composite.composing import composite_space
 from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
@@ -43,14 +43,14 @@ from mcpn.controller.hierarchy import TableController
 from mcpn.controller.minimise import minimise
 from mcpn.controller.modular import AnyController
 from mcpn.controller.simulator import Simulation
-from mcpn.controller.targets import files
-from mcpn.controller.targets.names import identifiers
-from mcpn.controller.targets.scxml import event_name
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
+from mcpn.events import Event
 from mcpn.mission.xml import read_mission
-from mcpn.nets.events import Event
-from mcpn.runtime.tables import Tables
+from mcpn.robot.runtime.tables import Tables
+from mcpn.robot.targets import files
+from mcpn.robot.targets.names import identifiers
+from mcpn.robot.targets.scxml import event_name
 from mcpn.testing import missions
 
 HERE = Path(__file__).parent
@@ -172,12 +172,12 @@ def wanted_of_qt(
     once = identifiers(dict.fromkeys(handlers), prefix="once_")
     tables = Tables(said)
     facts = identifiers(sorted(tables.of_facts), prefix="fact_")
-    runtime, found, lines = mcpn.runtime.Controller(tables, log=1), [], iter(expected)
+    runtime, found, lines = mcpn.robot.runtime.Controller(tables, log=1), [], iter(expected)
     for event in events:
         if not event:
-            runtime = mcpn.runtime.Controller(tables, log=1)
+            runtime = mcpn.robot.runtime.Controller(tables, log=1)
             continue
-        with suppress(mcpn.runtime.Refused):
+        with suppress(mcpn.robot.runtime.Refused):
             runtime.handle(event)
         at = runtime.outcome or "before"
         if runtime.section is not None:
@@ -241,7 +241,9 @@ def run(name: str, mission_net: MissionNet, count: int, qt: int, seed: int) -> t
         with tempfile.TemporaryDirectory() as place:
             folder = Path(place)
             said = document(controller, mission_net)
-            compare(f"{what}, runtime", events, expected, runtime_lines(mcpn.runtime, Tables(said), events))
+            compare(
+                f"{what}, runtime", events, expected, runtime_lines(mcpn.robot.runtime, Tables(said), events)
+            )
             compare(f"{what}, C", events, expected, c_lines(files(said, "c"), events, folder))
             ((_, text),) = files(said, "python").items()
             compare(f"{what}, Python", events, expected, python_lines(text, events))
@@ -294,7 +296,7 @@ def main() -> None:
     warnings.simplefilter("ignore")
     import logging
 
-    logging.getLogger("mcpn.runtime").setLevel(logging.ERROR)
+    logging.getLogger("mcpn.robot.runtime").setLevel(logging.ERROR)
     nets = {path.parent.name: compose(read_mission(path)) for path in arguments.missions}
     for i in range(arguments.generated):
         parameters = Parameters(sections=4 + i % 5, types=3, hardware=4, depth=1 + i % 2)

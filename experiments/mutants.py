@@ -42,7 +42,7 @@ import lxml.etree  # noqa: F401
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-FOLDERS = ("mcpn/spaces", "mcpn/answers", "mcpn/controller", "mcpn/runtime", "mcpn/mission")
+FOLDERS = ("mcpn/spaces", "mcpn/answers", "mcpn/controller", "mcpn/robot/runtime", "mcpn/mission")
 COPIED = ("mcpn", "tests", "docs", "experiments", "papers", "kernel", "pyproject.toml", "README.md")
 """What the tests read; not the ``conftest.py`` beside them, which leads to the installed package."""
 
@@ -59,7 +59,7 @@ AREAS = {
     "mcpn/answers": "tests/answers",
     "mcpn/logic": "tests/logic/test_syntax.py tests/logic/test_ctl.py tests/answers",
     "mcpn/controller": "tests/controller tests/test_once.py",
-    "mcpn/runtime": "tests/runtime tests/controller/test_runtime.py tests/controller",
+    "mcpn/robot/runtime": "tests/runtime tests/controller/test_runtime.py tests/controller",
     "mcpn/report": "tests/report tests/test_cli.py",
     "mcpn/cli": "tests/test_cli.py tests/test_cli_causes.py tests/test_cli_controllers.py",
 }

@@ -32,13 +32,13 @@ from mcpn.bench.runs import interval
 from mcpn.controller.document import document
 from mcpn.controller.monitors.writing import files, monitors_of
 from mcpn.controller.simulator import Simulation
-from mcpn.drivers.mapping import check_plan
-from mcpn.drivers.reading import read_drivers
-from mcpn.drivers.running import RobotRun
-from mcpn.nets.events import Event
-from mcpn.runtime.controller import Controller
-from mcpn.runtime.monitors import Monitors
-from mcpn.runtime.tables import Tables
+from mcpn.events import Event
+from mcpn.robot.drivers.mapping import check_plan
+from mcpn.robot.drivers.reading import read_drivers
+from mcpn.robot.drivers.running import RobotRun
+from mcpn.robot.runtime.controller import Controller
+from mcpn.robot.runtime.monitors import Monitors
+from mcpn.robot.runtime.tables import Tables
 from mcpn.study import Study, open_study
 
 HERE = Path(__file__).parent / "roscon"

@@ -36,15 +36,15 @@ from pathlib import Path
 
 from mcpn.controller.document import document
 from mcpn.controller.monitors.writing import files, monitors_of
-from mcpn.drivers.functions import Call
-from mcpn.drivers.reading import read_drivers
-from mcpn.drivers.running import RobotRun
-from mcpn.runtime import Controller, Journal, Monitors
-from mcpn.runtime.controller import Step
-from mcpn.runtime.journal import read_journal
-from mcpn.runtime.monitors import watch
-from mcpn.runtime.restoring import Saved, read_snapshot
-from mcpn.runtime.tables import Tables
+from mcpn.robot.drivers.functions import Call
+from mcpn.robot.drivers.reading import read_drivers
+from mcpn.robot.drivers.running import RobotRun
+from mcpn.robot.runtime import Controller, Journal, Monitors
+from mcpn.robot.runtime.controller import Step
+from mcpn.robot.runtime.journal import read_journal
+from mcpn.robot.runtime.monitors import watch
+from mcpn.robot.runtime.restoring import Saved, read_snapshot
+from mcpn.robot.runtime.tables import Tables
 from mcpn.study import open_study
 
 MISSION = """<mission name="soak" xmlns="urn:mcpn:mission:1">

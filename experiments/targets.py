@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Literal
 
 from mcpn.controller.document import document
-from mcpn.controller.targets import TARGETS, files
 from mcpn.errors import McpnError
+from mcpn.robot.targets import TARGETS, files
 from mcpn.study import open_study
 
 FORMS: tuple[Literal["hierarchical", "modular", "flat"], ...] = ("hierarchical", "modular", "flat")

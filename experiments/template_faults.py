@@ -20,9 +20,9 @@ from typing import Any, ClassVar
 
 from mcpn.drawing.templates import Canvas, PaperTemplates, TemplateSet
 from mcpn.drawing.templates.compact import CompactTemplates
+from mcpn.events import Event, What
 from mcpn.mission.flatten import ObjectivesGraph
 from mcpn.mission.robot import Activity, Hardware, Software
-from mcpn.nets.events import Event, What
 from mcpn.testing.kit.contract import STATES
 from mcpn.testing.kit.running import broken
 from mcpn.testing.kit.units import MACHINES, driven

@@ -19,7 +19,7 @@ from mcpn.controller.generate import generate
 from mcpn.drawing.sections import SectionParts
 from mcpn.errors import LimitError, McpnError, SemanticsError
 from mcpn.mission.static.intervals import at_their_means
-from mcpn.runtime.tables import Tables
+from mcpn.robot.runtime.tables import Tables
 from mcpn.spaces.engine_names import LOCAL
 from mcpn.steps import Doing, step
 

@@ -21,7 +21,7 @@ from mcpn.controller.generate import generate
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
-from mcpn.runtime import Controller
+from mcpn.robot.runtime import Controller
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.markings.graph import StateGraph
 from tests import shares

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 
-from mcpn.runtime import Controller, ControllerFileError, SnapshotError
-from mcpn.runtime.__main__ import main as watch_log
+from mcpn.robot.runtime import Controller, ControllerFileError, SnapshotError
+from mcpn.robot.runtime.__main__ import main as watch_log
 from tests.commands import Outcome, mcpn
 
 CODES = {0, 1, 2}
@@ -78,7 +78,7 @@ def answer(arguments: Sequence[object]) -> Outcome:
 
 
 def _on_robot(*arguments: object) -> Outcome:
-    """``python -m mcpn.runtime``; or, with ``restore``, a controller that goes on from a snapshot."""
+    """``python -m mcpn.robot.runtime``; or, with ``restore``, a controller that goes on from a snapshot."""
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         if arguments[0] != "restore":

@@ -27,14 +27,16 @@ BASE = (
     "steps",
     "cluster",
     "workers",
+    "events",
+    "did_you_mean",
 )
 """What both wings stand on."""
 NETS = ("nets", "spaces", "logic")
 """The wing that knows no mission: nets, their spaces, temporal logic."""
 # The way of the data; a room may import its own kind and what stands before it.
 WAY = [
-    "runtime",
     *BASE,
+    "robot",
     *NETS,
     "mission",
     "trees",
@@ -44,7 +46,7 @@ WAY = [
     "controller",
     "certificates",
     "bench",
-    "drivers",
+    "tree_tests",
     "findings",
     "report",
     "study",
@@ -130,17 +132,17 @@ def test_the_wing_of_nets_knows_no_mission() -> None:
         if path.relative_to(PACKAGE).parts[0] in NETS
         for name in imported(path)
         if name.startswith("mcpn.") and name.split(".")[1] not in (*BASE, *NETS)
-        if name != "mcpn.runtime.shapes"  # what a JSON document must be, whatever it is of
+        if name != "mcpn.robot.runtime.shapes"  # what a JSON document must be, whatever it is of
     }
     assert strangers == set()
 
 
 def test_targets_read_the_document_alone() -> None:
     """What a target needs of a mission stands in the document; it imports nothing of missions."""
-    known = ("mcpn.controller.targets", "mcpn.runtime", "mcpn.nets.events", "mcpn.errors")
+    known = ("mcpn.robot.targets", "mcpn.robot.runtime", "mcpn.events", "mcpn.errors")
     strangers = {
         f"{path.relative_to(PACKAGE)} imports {name}"
-        for path in (PACKAGE / "controller" / "targets").glob("*.py")
+        for path in (PACKAGE / "robot" / "targets").glob("*.py")
         for name in imported(path)
         if name.startswith("mcpn.") and not name.startswith(known)
     }

@@ -29,7 +29,7 @@ from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.mission.model import Mission
 from mcpn.mission.writer import write_mission
-from mcpn.runtime import Controller as Runtime
+from mcpn.robot.runtime import Controller as Runtime
 from mcpn.spaces.diagrams.symbolic import reach
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.stable.alternatives import AlternativesGraph, by_reduction, written_out

@@ -10,7 +10,7 @@ from tests.commands import mcpn, output
 from tests.conftest import ULYSSE
 
 MINE = '''
-from mcpn.nets.events import What
+from mcpn.events import What
 from mcpn.drawing.templates import PaperTemplates
 
 class Unrepaired(PaperTemplates):

@@ -20,7 +20,7 @@ def test_a_closed_standard_input_is_said(what: str, tmp_path: Path) -> None:
     if what == "runtime":
         assert mcpn("monitor", ULYSSE, "-o", tmp_path).returncode == 0
         (monitors,) = tmp_path.glob("*.json")
-        command = ["-m", "mcpn.runtime", str(monitors)]
+        command = ["-m", "mcpn.robot.runtime", str(monitors)]
     elif what == "generated":
         assert mcpn("controller", ULYSSE, "--target", "python", "-o", tmp_path).returncode == 0
         command = [str(next(tmp_path.glob("*.py")))]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from mcpn.runtime import Controller, Refused
+from mcpn.robot.runtime import Controller, Refused
 from tests.commands import mcpn, output
 
 MISSION = """<mission name="m" xmlns="urn:mcpn:mission:1">

@@ -15,7 +15,6 @@ from mcpn.answers.spaces import spaces_of
 from mcpn.answers.verdicts.mission import check
 from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
-from mcpn.controller.targets import files
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
 from mcpn.logic.syntax import parse
@@ -24,7 +23,8 @@ from mcpn.mission.robot import Activity, Alternative, Fact, FactChange, Robot
 from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.validate import find_errors
 from mcpn.mission.xml import read_mission
-from mcpn.runtime import Controller as Runtime
+from mcpn.robot.runtime import Controller as Runtime
+from mcpn.robot.targets import files
 from mcpn.spaces.engine_names import Engine
 from mcpn.testing import missions
 from tests.conftest import ROOT

@@ -8,9 +8,9 @@ import pytest
 
 from mcpn.answers.verdicts.modes import situation
 from mcpn.drawing.compose import MissionNet, compose
+from mcpn.events import START, Event, What
 from mcpn.mission.model import Mission, Objective, Parallel, Recursive
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
-from mcpn.nets.events import START, Event, What
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.stable.alternatives import AlternativesGraph, by_reduction
 from tests.test_campaign import judge

@@ -16,8 +16,8 @@ from jsonschema.exceptions import ValidationError
 
 from mcpn.errors import SemanticsError
 from mcpn.report.documents import FORMATS, json_schema
-from mcpn.runtime import Controller
-from mcpn.runtime.journal import Journal
+from mcpn.robot.runtime import Controller
+from mcpn.robot.runtime.journal import Journal
 from tests.commands import mcpn, output
 from tests.conftest import ROOT
 

@@ -10,7 +10,7 @@ import pytest
 from mcpn.drawing.compose import compose
 from mcpn.mission.xml import read_mission
 from mcpn.nets.formats import save_net
-from mcpn.runtime import Controller
+from mcpn.robot.runtime import Controller
 from tests.commands import mcpn
 from tests.mutation import READ, SECONDS, Seeds, a_case, answer, at_most, complaint
 

@@ -20,14 +20,14 @@ from mcpn.controller.hierarchy import TableController
 from mcpn.controller.minimise import minimise
 from mcpn.controller.modular import AnyController
 from mcpn.controller.simulator import Simulation
-from mcpn.controller.targets import files
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.forgetful import forgetful
 from mcpn.drawing.sections import section_part
 from mcpn.errors import LimitError, McpnError, SemanticsError
+from mcpn.events import Event
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
-from mcpn.nets.events import Event
+from mcpn.robot.targets import files
 from mcpn.spaces.engine_names import Engine
 from mcpn.spaces.engines import Choice
 from mcpn.spaces.stable.alternatives import direct_with_proof

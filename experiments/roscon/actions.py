@@ -13,7 +13,7 @@ import zlib
 from pathlib import Path
 from typing import Any
 
-from mcpn.drivers.functions import Call
+from mcpn.robot.drivers.functions import Call
 
 PROBABILITIES = {"navigate": 0.9, "pick": 0.5, "place": 0.5, "open": 0.75, "close": 0.75}
 """How probably each action succeeds in worlds 3 and 4; worlds 1 and 2, where all succeed, get the same."""

@@ -10,13 +10,13 @@ from collections.abc import Iterator
 
 from mcpn.answers.names import expected, words_of
 from mcpn.errors import InputError, LimitError, Problem, Source
+from mcpn.events import ENDING, Event, What
 from mcpn.logic.syntax import parse_open
 from mcpn.mission.model import Mission
 from mcpn.mission.requirement import Requirement, formulas_of
 from mcpn.mission.xml import InvalidMission, in_place
-from mcpn.nets.events import ENDING, Event, What
 from mcpn.nets.petri import NetBuilder
-from mcpn.runtime.tables import spelled
+from mcpn.robot.runtime.tables import spelled
 from mcpn.spaces.names import ENDINGS, Names, unknown
 from mcpn.spaces.search.goal import Formula, marked
 

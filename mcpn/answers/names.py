@@ -10,13 +10,13 @@ from typing import NoReturn
 from mcpn.answers.verdicts.modes import WAITING
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError
+from mcpn.events import ENDING, START, Event, What
 from mcpn.logic.formulas import Justice
 from mcpn.logic.ltl.formulas import Happens
 from mcpn.mission.conditions import is_boolean, objective_done
 from mcpn.mission.expansion.copies import Copies, grouped
 from mcpn.mission.model import Mission, Objective, walk
 from mcpn.mission.robot import BOOLEAN_VALUES
-from mcpn.nets.events import ENDING, START, Event, What
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.names import ENDINGS, Names, known, unknown
 from mcpn.spaces.search.goal import FALSE, TRUE, Fires, Formula, marked
@@ -124,7 +124,7 @@ class MissionNames(Names):
     def _events(self, name: str) -> set[Event]:
         """The events that a name says: one, or that of all copies of an objective or a block."""
         known = {t.event for t in self.net.transitions if t.event}
-        from mcpn.runtime.tables import spelled  # which a check without formulas does not load
+        from mcpn.robot.runtime.tables import spelled  # which a check without formulas does not load
 
         declared, said = Event(What.DECLARED, spelled(name, self.declared)), Event.parse(name)
         if declared in known or declared.element in self.declared:

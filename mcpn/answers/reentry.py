@@ -15,12 +15,12 @@ from typing import Generic, NamedTuple, TypeAlias
 
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
+from mcpn.events import What
 from mcpn.mission.expansion.routes import GO_ON
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.graph import TIMED_OUT, failed_for, names_in
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.static.handover import entries
-from mcpn.nets.events import What
 from mcpn.spaces.algebra import S, Space
 
 

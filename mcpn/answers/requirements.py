@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from mcpn.answers.names import MissionNames, progress
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError, LimitError, Problem
+from mcpn.events import ENDING
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.formulas import is_temporal
 from mcpn.logic.syntax import parse
@@ -17,7 +18,6 @@ from mcpn.logic.witness import Witness, explain
 from mcpn.logic.writing import show
 from mcpn.mission.flatten import requirements_of
 from mcpn.mission.requirement import BoundedExistence, Requirement
-from mcpn.nets.events import ENDING
 from mcpn.sentences import enumeration, ordinal
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.names import Names

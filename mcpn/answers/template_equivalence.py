@@ -18,8 +18,8 @@ from mcpn.answers.verdicts.modes import situation
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.templates import TemplateSet
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsError
+from mcpn.events import Event
 from mcpn.mission.model import Mission
-from mcpn.nets.events import Event
 from mcpn.nets.game import TokenGame
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.stable.alternatives import AlternativesGraph

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.drawing.compose import MissionNet
-from mcpn.nets.events import What
+from mcpn.events import What
 from mcpn.spaces.algebra import S, Space, Without
 
 

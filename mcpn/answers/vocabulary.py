@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from mcpn.answers.names import MissionNames
 from mcpn.drawing.compose import MissionNet
-from mcpn.nets.events import What
+from mcpn.events import What
 from mcpn.records import ValueRecord
 
 

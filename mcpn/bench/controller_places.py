@@ -13,10 +13,10 @@ from typing import NamedTuple, TypeAlias
 
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.sections import SectionParts, Used
-from mcpn.nets.events import Event, What
-from mcpn.runtime.controller import Controller
-from mcpn.runtime.restoring import Saved
-from mcpn.runtime.tables import Action, Inside, Tables, TableSection
+from mcpn.events import Event, What
+from mcpn.robot.runtime.controller import Controller
+from mcpn.robot.runtime.restoring import Saved
+from mcpn.robot.runtime.tables import Action, Inside, Tables, TableSection
 
 
 class StartDemand(NamedTuple):

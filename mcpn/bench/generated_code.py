@@ -13,10 +13,10 @@ from typing import Protocol
 from mcpn.bench.controller_places import ControllerPlace, Places
 from mcpn.controller.document import document
 from mcpn.controller.modular import AnyController
-from mcpn.controller.targets import files
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
-from mcpn.runtime.tables import Action
+from mcpn.robot.runtime.tables import Action
+from mcpn.robot.targets import files
 
 
 class Generated(Protocol):

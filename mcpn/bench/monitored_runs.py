@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from mcpn.bench.runs import BenchRun
-from mcpn.runtime.monitors import Monitors
+from mcpn.robot.runtime.monitors import Monitors
 
 
 def watched(monitors: Monitors, runs: Iterable[BenchRun]) -> dict[str, dict[str, int]]:

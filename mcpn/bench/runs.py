@@ -13,10 +13,10 @@ from statistics import NormalDist
 from mcpn.bench.controller_places import ControllerPlace, StartDemand
 from mcpn.bench.world import BenchNode, World
 from mcpn.controller.run_to_completion import awaited, nominal_run
-from mcpn.nets.events import Event
-from mcpn.runtime.controller import timeout_event, timer_order
-from mcpn.runtime.machines import TypeTables
-from mcpn.runtime.tables import Tables
+from mcpn.events import Event
+from mcpn.robot.runtime.controller import timeout_event, timer_order
+from mcpn.robot.runtime.machines import TypeTables
+from mcpn.robot.runtime.tables import Tables
 
 MOST_EVENTS = 10_000
 """Of one run: a mission may go on for ever."""

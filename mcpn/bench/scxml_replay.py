@@ -12,11 +12,11 @@ from lxml import etree
 from mcpn.bench.controller_places import ControllerPlace
 from mcpn.controller.document import document
 from mcpn.controller.hierarchy import TableController
-from mcpn.controller.targets import files
-from mcpn.controller.targets.scxml import Regions, event_name
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
-from mcpn.runtime.tables import Action
+from mcpn.robot.runtime.tables import Action
+from mcpn.robot.targets import files
+from mcpn.robot.targets.scxml import Regions, event_name
 
 
 def interpreted(text: str) -> Any:

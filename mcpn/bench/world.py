@@ -18,10 +18,10 @@ from itertools import accumulate
 
 from mcpn.bench.controller_places import ControllerPlace, Demands, Places
 from mcpn.drawing.compose import MissionNet
+from mcpn.events import Event, What
 from mcpn.mission.expansion.routes import Interrupted
 from mcpn.mission.flatten import ElementarySection, ParallelSection
-from mcpn.nets.events import Event, What
-from mcpn.runtime.tables import Action, Inside, Tables, TableSection
+from mcpn.robot.runtime.tables import Action, Inside, Tables, TableSection
 
 UNTIMED = 1.0
 """Mean hours of an objective of which nobody says how long it takes."""

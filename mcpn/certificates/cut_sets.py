@@ -12,7 +12,7 @@ import numpy as np
 from mcpn.certificates import evidence
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
-from mcpn.nets.events import What
+from mcpn.events import What
 from mcpn.spaces.markings.graph import Mask
 from mcpn.spaces.stable.alternatives import AlternativesGraph
 

@@ -7,9 +7,9 @@ from typing import Any
 from mcpn.certificates.net_entry import event_entry
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError
+from mcpn.events import Event
 from mcpn.logic.formulas import EG, EU, EX
 from mcpn.logic.ltl.formulas import Happens, Next, Release, SomePath, Until
-from mcpn.nets.events import Event
 from mcpn.spaces.search.goal import And, AtMost, Deadlock, Fires, Formula, Not, Or, Stable
 
 OPERATORS: dict[type[Formula], str] = {

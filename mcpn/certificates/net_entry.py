@@ -8,7 +8,7 @@ from typing import Any
 from mcpn.certificates.certcheck import VERSION
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError
-from mcpn.nets.events import Event
+from mcpn.events import Event
 from mcpn.nets.petri import Arcs, PetriNet
 
 

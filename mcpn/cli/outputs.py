@@ -77,8 +77,8 @@ def controller(
     from mcpn.controller.hierarchy import TableController
     from mcpn.controller.minimise import minimise
     from mcpn.controller.sizes import representatives
-    from mcpn.controller.targets import OF_RULES, files
     from mcpn.files import write_folder
+    from mcpn.robot.targets import OF_RULES, files
 
     study = question.study(mission)
     tables = form == "auto" and target not in OF_RULES

@@ -15,8 +15,8 @@ from typing import NamedTuple
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.permanent_loss import crashed_idle
 from mcpn.errors import ConfluenceError
+from mcpn.events import What
 from mcpn.mission.flatten import ParallelSection
-from mcpn.nets.events import What
 from mcpn.nets.petri import Marking, Provenance, Transition
 from mcpn.sentences import enumeration
 

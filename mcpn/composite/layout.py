@@ -11,9 +11,9 @@ from mcpn._kernel import Store, Zdd, clustered
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.sections import LocalPart
 from mcpn.drawing.status import HARDWARE, Element
+from mcpn.events import What
 from mcpn.mission.flatten import ElementarySection, Section
 from mcpn.mission.graph import names_in
-from mcpn.nets.events import What
 from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY
 from mcpn.spaces.memoized import memoized
 from mcpn.spaces.run import Completion

@@ -15,10 +15,10 @@ from mcpn.drawing.permanent_loss import mortal
 from mcpn.drawing.sections import LocalPart, Used
 from mcpn.drawing.status import Element
 from mcpn.drawing.templates import TemplateSet
+from mcpn.events import START, Event, What
 from mcpn.mission.expansion.routes import routes_of
 from mcpn.mission.flatten import ObjectivesGraph, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
-from mcpn.nets.events import START, Event, What
 from mcpn.nets.petri import NetBuilder, Provenance
 from mcpn.spaces.diagrams.encoding import Levels
 from mcpn.spaces.memoized import memoized

@@ -1,4 +1,4 @@
-"""The controller's document: all that a target or an interpreter needs (:mod:`mcpn.runtime` is one).
+"""The controller's document: all that a target or an interpreter needs (:mod:`mcpn.robot.runtime` is one).
 
 One object with these keys, all of them always, whether there is something to say or not:
 
@@ -91,15 +91,15 @@ from mcpn.controller.hierarchy import SectionMachine
 from mcpn.controller.machine import PlannedAction
 from mcpn.controller.modular import AnyController, Rules
 from mcpn.drawing.compose import MissionNet
+from mcpn.events import Event, What
 from mcpn.mission.conditions import flags
 from mcpn.mission.expansion.faults import noticed
 from mcpn.mission.fact_usage import FactUsage
 from mcpn.mission.flatten import requirements_of
 from mcpn.mission.graph import ElementarySection, ObjectivesGraph
 from mcpn.mission.robot import Parameter
-from mcpn.nets.events import Event, What
-from mcpn.runtime.documents import FORMAT, VERSION
-from mcpn.runtime.file_schema import digest_of
+from mcpn.robot.runtime.documents import FORMAT, VERSION
+from mcpn.robot.runtime.file_schema import digest_of
 
 
 def document(controller: AnyController, mission_net: MissionNet, *, verified: bool = True) -> dict[str, Any]:

@@ -78,7 +78,7 @@ def generate(
 
     See Also:
         :func:`mcpn.controller.minimise.minimise`: fewer states that do the same.
-        :mod:`mcpn.controller.targets`: the files that robots read.
+        :mod:`mcpn.robot.targets`: the files that robots read.
     """
     spaces, mission_net = spaces_of(subject), spaces_of(subject).mission
     if form == "flat":

@@ -35,8 +35,8 @@ from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.forgetful import ALWAYS, Guard
 from mcpn.drawing.sections import LocalPart
 from mcpn.drawing.status import told_as_facts
+from mcpn.events import START, Event, What
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
-from mcpn.nets.events import START, Event, What
 from mcpn.notebook import Drawn
 from mcpn.spaces.memoized import memoized
 from mcpn.spaces.stable.alternatives import AlternativesGraph

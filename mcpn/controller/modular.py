@@ -24,7 +24,7 @@ from itertools import chain
 
 from mcpn.controller.hierarchy import PlacedMachine, TableController
 from mcpn.controller.machine import PlannedAction
-from mcpn.nets.events import Event
+from mcpn.events import Event
 from mcpn.notebook import Drawn
 
 Literals = tuple[int, ...]

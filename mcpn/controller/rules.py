@@ -28,7 +28,7 @@ from mcpn.controller.run_to_completion import Runner, Stopped
 from mcpn.controller.sizes import count_steps, each_step, representatives
 from mcpn.drawing.status import Element
 from mcpn.errors import LimitError
-from mcpn.nets.events import Event
+from mcpn.events import Event
 from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.markings.graph import StateGraph, pack
 from mcpn.spaces.stable.big_steps import FEW_CASES, FEW_STEPS, MOST_KEPT, MOST_STEPS, is_function

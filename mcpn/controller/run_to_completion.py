@@ -24,8 +24,8 @@ import numpy as np
 
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import DivergenceError
+from mcpn.events import START, Event, What
 from mcpn.mission.model import Mission
-from mcpn.nets.events import START, Event, What
 from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.markings.masked import MaskedNet, bits_of
 

@@ -18,8 +18,8 @@ from mcpn.controller.machine import Ordering, PlannedAction
 from mcpn.controller.run_to_completion import Runner
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
+from mcpn.events import Event, What
 from mcpn.mission.expansion.faults import Crash
-from mcpn.nets.events import Event, What
 
 USUAL, SELDOM = 1.0, 0.1
 """Rates, per hour, where the files give none: of successes, starts and repairs; of all else."""

@@ -13,11 +13,11 @@ from typing import NamedTuple
 from mcpn.drawing.status import Element, Flag, Status, statuses
 from mcpn.drawing.templates import Canvas, PaperTemplates, Role, TemplateSet
 from mcpn.drawing.templates.interface import Meeting
+from mcpn.events import START, What
 from mcpn.mission.flatten import ObjectivesGraph, flatten
 from mcpn.mission.model import Mission
 from mcpn.mission.robot import Activity, Fact, Hardware, Software
 from mcpn.mission.static.resource_use import Usage
-from mcpn.nets.events import START, What
 from mcpn.nets.petri import Marking, PetriNet
 from mcpn.notebook import Drawn
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import SemanticsError
-from mcpn.nets.events import What
+from mcpn.events import What
 from mcpn.nets.petri import PetriNet, Transition
 
 

@@ -19,7 +19,7 @@ from dataclasses import replace
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.templates.interface import CONTROL
 from mcpn.drawing.templates.names import names_of
-from mcpn.nets.events import Event, What
+from mcpn.events import Event, What
 from mcpn.nets.petri import PetriNet, Place, Provenance, Transition
 
 

@@ -17,11 +17,11 @@ from dataclasses import dataclass, field
 from typing import NamedTuple, TypeAlias
 
 from mcpn.drawing.templates.canvas import Role
+from mcpn.events import Event, What
 from mcpn.mission.conditions import all_flags
 from mcpn.mission.conditions import flags as flags_by_value
 from mcpn.mission.expansion.faults import Crash, noticed
 from mcpn.mission.robot import Fact, Hardware
-from mcpn.nets.events import Event, What
 
 Element: TypeAlias = tuple[str, str]
 """The kind and the name of an element, as provenances of places have them, or of a flag."""

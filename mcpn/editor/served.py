@@ -27,8 +27,8 @@ from mcpn.editor.what_if import compared
 from mcpn.errors import InputError, LimitError, McpnError, Problem
 from mcpn.report.page import failed_page, files_of, page
 from mcpn.report.words import in_words
-from mcpn.runtime.controller import Step
-from mcpn.runtime.journal import step_object
+from mcpn.robot.runtime.controller import Step
+from mcpn.robot.runtime.journal import step_object
 from mcpn.study import Study, open_study
 from mcpn.trees.options import TreeOptions
 

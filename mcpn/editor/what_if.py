@@ -8,9 +8,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.claims import claims_of, claims_of_causes
+from mcpn.did_you_mean import did_you_mean
 from mcpn.errors import InputError, Problem
 from mcpn.findings import Findings
-from mcpn.mission.did_you_mean import did_you_mean
 from mcpn.mission.flatten import requirements_of
 from mcpn.mission.language.forms import form_of
 from mcpn.mission.validate import valid

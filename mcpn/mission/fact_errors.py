@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 
+from mcpn.did_you_mean import Hints, did_you_mean
 from mcpn.errors import Problem, Source
 from mcpn.mission.conditions import is_boolean, objective_done, word
-from mcpn.mission.did_you_mean import Hints, did_you_mean
 from mcpn.mission.language.datatypes import CONDITION, OCCASION, OUTCOME, VALUE
 from mcpn.mission.model import Block, Handler, Mission, Objective, Parallel, Use, walk
 from mcpn.mission.robot import Fact, FactChange

@@ -14,7 +14,7 @@ from typing import get_args
 
 from lxml import etree
 
-from mcpn.mission.did_you_mean import did_you_mean
+from mcpn.did_you_mean import did_you_mean
 from mcpn.mission.language.forms import NAMESPACE, ROOTS, Tag, form_of, language
 from mcpn.mission.model import Block, Recursive
 from mcpn.sentences import enumeration, quoted

@@ -10,8 +10,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import fsum
 from typing import NamedTuple
 
+from mcpn.did_you_mean import did_you_mean
 from mcpn.errors import Problem
-from mcpn.mission.did_you_mean import did_you_mean
 from mcpn.mission.expansion.left_by_facts import left_by_facts
 from mcpn.mission.language.datatypes import REASON, REASONS, SHARES
 from mcpn.mission.model import Block, Each, Objective, Parallel, Protocol, Recursive, Use

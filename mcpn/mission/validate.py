@@ -7,8 +7,8 @@ from collections.abc import Collection, Iterator, Mapping
 from types import NoneType
 from typing import Any
 
+from mcpn.did_you_mean import Hints
 from mcpn.errors import InputError, Problem, Source
-from mcpn.mission.did_you_mean import Hints
 from mcpn.mission.expansion.faults import (
     Crash,
     crash_errors,

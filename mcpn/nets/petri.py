@@ -25,7 +25,7 @@ from itertools import chain
 from typing import NamedTuple, TypeAlias
 
 from mcpn.errors import InputError, Source
-from mcpn.nets.events import Event
+from mcpn.events import Event
 from mcpn.notebook import Drawn
 from mcpn.records import ValueRecord
 

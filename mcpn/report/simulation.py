@@ -10,7 +10,7 @@ from mcpn.answers.verdicts.modes import Situation
 from mcpn.controller.machine import VERBS, PlannedAction
 from mcpn.controller.simulator import Change, Simulation, resources
 from mcpn.drawing.compose import MissionNet
-from mcpn.nets.events import Event
+from mcpn.events import Event
 from mcpn.report.terminal import Terminal
 from mcpn.report.words import event_in_words, what_happens
 

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from mcpn.answers.template_equivalence import Likeness
     from mcpn.answers.vocabulary import NamedWord, Vocabulary
     from mcpn.drawing.compose import MissionNet
+    from mcpn.events import Event
     from mcpn.logic.session import Answer
     from mcpn.logic.witness import Witness
-    from mcpn.nets.events import Event
     from mcpn.nets.petri import PetriNet
     from mcpn.spaces.engines import Choice, NoSpace
 

@@ -8,14 +8,14 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from mcpn.answers.verdicts.modes import Mode, Situation, said_by
-from mcpn.nets.events import Event, What
+from mcpn.events import Event, What
 from mcpn.sentences import enumeration
 from mcpn.spaces.run import Run
 
 if TYPE_CHECKING:
     from mcpn.answers.verdicts.mission import MissionCheck
     from mcpn.drawing.compose import MissionNet
-    from mcpn.runtime.tables import Inside
+    from mcpn.robot.runtime.tables import Inside
 
 
 def in_words(mission_net: MissionNet, run: Run) -> Iterator[tuple[Event | str, str]]:

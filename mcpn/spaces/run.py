@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import takewhile
 
-from mcpn.nets.events import Event
+from mcpn.events import Event
 from mcpn.nets.petri import Arcs, Marking, PetriNet
 from mcpn.spaces.algebra import Edge, S, Space
 from mcpn.spaces.memoized import ByKey

@@ -11,8 +11,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
+from mcpn.did_you_mean import did_you_mean
 from mcpn.errors import InputError, Problem
-from mcpn.mission.did_you_mean import did_you_mean
 from mcpn.mission.model import (
     ABORT,
     FAIL,

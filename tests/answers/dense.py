@@ -19,10 +19,10 @@ import numpy.typing as npt
 from hypothesis import strategies as st
 
 from mcpn.drawing.compose import MissionNet, compose
+from mcpn.events import START, Event, What
 from mcpn.mission.expansion.faults import Crash
 from mcpn.mission.model import Block, Handler, Holder, Mission, Objective, Parallel
 from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware
-from mcpn.nets.events import START, Event, What
 from mcpn.spaces.stable.alternatives import AlternativesGraph, direct
 from mcpn.testing import Shape, missions
 from tests.logic.oracle import Play

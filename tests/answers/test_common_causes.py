@@ -13,10 +13,10 @@ from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.simulator import Simulation, resources
 from mcpn.drawing.compose import MissionNet, compose
+from mcpn.events import Event
 from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.writer import written
 from mcpn.mission.xml import read_mission
-from mcpn.nets.events import Event
 from mcpn.report.failures.openpsa import structured
 from mcpn.report.pictures.objectives import mission_drawing
 from mcpn.spaces.engine_names import Engine

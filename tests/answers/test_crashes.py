@@ -18,13 +18,13 @@ from mcpn.controller.generate import Form, generate
 from mcpn.controller.simulator import Simulation, resources
 from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError, SemanticsError
+from mcpn.events import Event, What
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.writer import written
 from mcpn.mission.xml import read_mission
-from mcpn.nets.events import Event, What
-from mcpn.runtime.controller import Controller
+from mcpn.robot.runtime.controller import Controller
 from mcpn.spaces.engine_names import Engine
 from mcpn.study import Study
 from mcpn.testing import missions

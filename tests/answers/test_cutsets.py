@@ -22,13 +22,13 @@ from mcpn.answers.verdicts.modes import situation
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.permanent_loss import mortal
 from mcpn.errors import LimitError, SemanticsError
+from mcpn.events import Event, What
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.syntax import parse
 from mcpn.mission.flatten import ElementarySection
 from mcpn.mission.model import Handler, Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.mission.xml import read_mission
-from mcpn.nets.events import Event, What
 from mcpn.nets.petri import Marking
 from mcpn.spaces.arrays import ArraySet, ArraySpace
 from mcpn.spaces.diagrams.spaces import DiagramMarkings

@@ -11,11 +11,11 @@ from mcpn.answers.causes.risk import risk
 from mcpn.answers.verdicts.mission import check
 from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
-from mcpn.controller.targets import files
 from mcpn.drawing.compose import compose
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Hardware
-from mcpn.runtime.controller import Controller
+from mcpn.robot.runtime.controller import Controller
+from mcpn.robot.targets import files
 from mcpn.spaces.engine_names import Engine
 from tests.controller.test_c import build, run_lines
 from tests.controller.test_scxml import INTERPRETERS

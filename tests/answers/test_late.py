@@ -23,14 +23,14 @@ from mcpn.controller.simulator import Simulation, resources
 from mcpn.drawing.compose import compose
 from mcpn.drawing.templates.compact import CompactTemplates
 from mcpn.errors import LimitError, SemanticsError
+from mcpn.events import Event
 from mcpn.mission.model import Mission
 from mcpn.mission.robot import Hardware
 from mcpn.mission.writer import written
 from mcpn.mission.xml import read_mission
-from mcpn.nets.events import Event
-from mcpn.runtime import Controller as Runtime
-from mcpn.runtime import Refused, SnapshotError
-from mcpn.runtime.restoring import snapshot_text
+from mcpn.robot.runtime import Controller as Runtime
+from mcpn.robot.runtime import Refused, SnapshotError
+from mcpn.robot.runtime.restoring import snapshot_text
 from mcpn.spaces.engine_names import Engine
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.study import Study

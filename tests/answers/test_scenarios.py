@@ -13,9 +13,9 @@ from mcpn.answers.causes.find import find_causes
 from mcpn.answers.causes.prospects import Striking
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, LimitError
+from mcpn.events import What
 from mcpn.mission.model import Mission, Objective, Parallel
 from mcpn.mission.xml import read_mission
-from mcpn.nets.events import What
 from mcpn.nets.petri import Marking
 from mcpn.spaces.engine_names import Engine
 from mcpn.spaces.run import Completion, Run

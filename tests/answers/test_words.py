@@ -11,10 +11,10 @@ from mcpn.answers.verdicts.mission import check
 from mcpn.answers.verdicts.modes import Situation
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import InputError
+from mcpn.events import Event, What
 from mcpn.logic.asking import Questions
 from mcpn.mission.model import SUCCEED, Handler, Objective, Recursive
 from mcpn.mission.robot import Fact
-from mcpn.nets.events import Event, What
 from mcpn.report.words import changes, event_in_words, what_happens
 from mcpn.spaces.engine_names import Engine
 from tests.drawing.settling import stabilise

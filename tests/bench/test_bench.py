@@ -20,20 +20,20 @@ from mcpn.bench.controller_places import ControllerPlace, Places
 from mcpn.bench.generated_code import Program, compare
 from mcpn.bench.runs import bench, interval, one_run
 from mcpn.bench.scxml_replay import Statechart
-from mcpn.bench.sequences import sequences
 from mcpn.bench.world import World
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
-from mcpn.controller.targets import files
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Hardware
 from mcpn.mission.writer import write_mission
 from mcpn.mission.xml import read_mission
-from mcpn.runtime import Controller
-from mcpn.runtime.machines import TypeTables
-from mcpn.runtime.tables import Tables
+from mcpn.robot.bench.sequences import sequences
+from mcpn.robot.runtime import Controller
+from mcpn.robot.runtime.machines import TypeTables
+from mcpn.robot.runtime.tables import Tables
+from mcpn.robot.targets import files
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.testing import missions

@@ -6,14 +6,14 @@ from hypothesis import given
 
 from mcpn.bench.controller_places import Places
 from mcpn.bench.runs import edge_of
-from mcpn.bench.sequences import sequences
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.drawing.compose import compose
 from mcpn.errors import ConfluenceError
 from mcpn.mission.model import Mission
-from mcpn.runtime import Controller
-from mcpn.runtime.tables import Tables
+from mcpn.robot.bench.sequences import sequences
+from mcpn.robot.runtime import Controller
+from mcpn.robot.runtime.tables import Tables
 from mcpn.testing import missions
 from tests.draws import fewer
 

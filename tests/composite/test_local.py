@@ -24,10 +24,10 @@ from mcpn.drawing.permanent_loss import mortal
 from mcpn.drawing.sections import junction_part
 from mcpn.drawing.templates import Canvas, PaperTemplates
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, PremiseError
+from mcpn.events import Event
 from mcpn.mission.flatten import Section
 from mcpn.mission.model import Mission, Objective, Recursive
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
-from mcpn.nets.events import Event
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.stable.alternatives import AlternativesGraph, by_reduction, direct, written_out
 from mcpn.spaces.stable.confluence import prove_confluent

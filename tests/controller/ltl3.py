@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from mcpn.answers.requirements import AskedRequirement
 from mcpn.controller.monitors.watched import Watcher, on_one_path
+from mcpn.events import Event
 from mcpn.logic.syntax import parse
 from mcpn.mission.requirement import Requirement
-from mcpn.nets.events import Event
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.markings.explicit import explore

@@ -29,8 +29,8 @@ from experiments.boards import (
     walk,
 )
 from mcpn.controller.generate import Form
-from mcpn.controller.targets import c
 from mcpn.drawing.compose import MissionNet
+from mcpn.robot.targets import c
 from tests.controller.test_c import figure, frames
 from tests.controller.test_timers import BLOCKS, TIES
 

@@ -16,9 +16,9 @@ from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
 from mcpn.controller.monitors.writing import files as monitor_files
 from mcpn.controller.monitors.writing import monitors_of
-from mcpn.controller.targets import files
 from mcpn.drawing.compose import MissionNet
-from mcpn.runtime.tables import Tables
+from mcpn.robot.runtime.tables import Tables
+from mcpn.robot.targets import files
 from mcpn.study import open_study
 from tests.controller.small import WATCH, composed
 from tests.controller.traces import canonical

@@ -20,13 +20,13 @@ from hypothesis import strategies as st
 from mcpn.controller import rules
 from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
-from mcpn.controller.targets import c, files
-from mcpn.controller.targets.c import Array
-from mcpn.controller.targets.names import C_KEYWORDS, C_SIGNIFICANT, c_string, comment, identifiers
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
+from mcpn.robot.targets import c, files
+from mcpn.robot.targets.c import Array
+from mcpn.robot.targets.names import C_KEYWORDS, C_SIGNIFICANT, c_string, comment, identifiers
 from mcpn.spaces.stable.big_steps import FEW_STEPS
 from mcpn.testing import missions
 from tests.controller.traces import Place, Traced, canonical, random_events, tour

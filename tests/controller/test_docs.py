@@ -12,8 +12,8 @@ import pytest
 
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
-from mcpn.controller.targets import files
 from mcpn.drawing.compose import MissionNet
+from mcpn.robot.targets import files
 
 PAGE = Path(__file__).parents[2] / "docs" / "ros2.md"
 

@@ -13,13 +13,13 @@ from mcpn.controller.generate import Form, generate
 from mcpn.controller.hierarchy import TableController
 from mcpn.controller.minimise import minimise, partition
 from mcpn.controller.modular import AnyController
-from mcpn.controller.targets import files
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.model import Objective, Parallel, Recursive
 from mcpn.mission.robot import Fault, Hardware, Robot
 from mcpn.mission.xml import read_mission
-from mcpn.runtime import Controller as Runtime
-from mcpn.runtime import ControllerFileError, Refused
+from mcpn.robot.runtime import Controller as Runtime
+from mcpn.robot.runtime import ControllerFileError, Refused
+from mcpn.robot.targets import files
 from tests.controller.bisimulation import is_bisimulation
 from tests.controller.test_c import build, run_lines
 from tests.controller.test_lockstep import walk

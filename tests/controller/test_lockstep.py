@@ -18,8 +18,8 @@ from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Hardware
-from mcpn.runtime import Action
-from mcpn.runtime import Controller as Runtime
+from mcpn.robot.runtime import Action
+from mcpn.robot.runtime import Controller as Runtime
 from mcpn.testing import missions
 from mcpn.testing.shape import stacked_missions
 from tests.controller.oracle import NetRobot

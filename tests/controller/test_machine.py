@@ -12,12 +12,12 @@ from mcpn.controller.document import document as document_of
 from mcpn.controller.generate import generate
 from mcpn.controller.machine import VERBS, Machine, PlannedAction, controller
 from mcpn.controller.run_to_completion import Runner
-from mcpn.controller.targets.json import write_json
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
+from mcpn.events import Event
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
-from mcpn.nets.events import Event
+from mcpn.robot.targets.json import write_json
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.testing import missions
 from mcpn.testing.shape import stacked_missions

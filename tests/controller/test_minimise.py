@@ -18,8 +18,8 @@ from mcpn.controller.minimise import minimise, partition, quotient
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.forgetful import Guard
 from mcpn.errors import LimitError, SemanticsError
+from mcpn.events import Event
 from mcpn.mission.model import Mission
-from mcpn.nets.events import Event
 from mcpn.testing import missions
 from tests.controller.bisimulation import is_bisimulation
 from tests.controller.test_lockstep import walk

@@ -15,15 +15,15 @@ from mcpn.controller import rules
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.modular import ModularController
-from mcpn.controller.targets.json import write_json
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import SUCCEED, Handler, Mission, Objective, Parallel, Recursive
 from mcpn.mission.xml import read_mission
-from mcpn.runtime import Controller as Runtime
-from mcpn.runtime import ControllerFileError, Refused, SnapshotError
-from mcpn.runtime.machines import RuleTables
-from mcpn.runtime.restoring import snapshot_text
+from mcpn.robot.runtime import Controller as Runtime
+from mcpn.robot.runtime import ControllerFileError, Refused, SnapshotError
+from mcpn.robot.runtime.machines import RuleTables
+from mcpn.robot.runtime.restoring import snapshot_text
+from mcpn.robot.targets.json import write_json
 from mcpn.spaces.stable import big_steps
 from mcpn.spaces.stable.big_steps import FEW_STEPS
 from mcpn.testing import elements as drawn

@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 
 from mcpn.controller.monitors.merging import merged
 from mcpn.controller.monitors.writing import files, monitors_of
-from mcpn.runtime import Controller, ControllerFileError, Decision, Journal, Monitors, Refused
-from mcpn.runtime.__main__ import main
-from mcpn.runtime.file_schema import digest_of
+from mcpn.robot.runtime import Controller, ControllerFileError, Decision, Journal, Monitors, Refused
+from mcpn.robot.runtime.__main__ import main
+from mcpn.robot.runtime.file_schema import digest_of
 from mcpn.study import open_study
 from tests.commands import mcpn, output
 from tests.conftest import ROOT

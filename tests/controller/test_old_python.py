@@ -14,13 +14,13 @@ from typing import get_args
 
 import pytest
 
-import mcpn.runtime
+import mcpn.robot.runtime
 from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
-from mcpn.controller.targets import files
-from mcpn.controller.targets.json import write_json
 from mcpn.drawing.compose import MissionNet
 from mcpn.files import write_folder
+from mcpn.robot.targets import files
+from mcpn.robot.targets.json import write_json
 from tests.controller.traces import Traced, canonical, random_events
 
 
@@ -53,7 +53,7 @@ def test_the_generated_file(form: Form, old: str, ulysse_net: MissionNet, tmp_pa
 
 
 FAILING = """
-import mcpn.runtime as runtime
+import mcpn.robot.runtime as runtime
 for name in runtime.__all__:
     getattr(runtime, name)
 controller = runtime.Controller.load("controller.json")
@@ -70,15 +70,17 @@ print(controller.possible[0])
 
 def test_the_runtime_by_itself(old: str, ulysse_net: MissionNet, tmp_path: Path) -> None:
     """Its folder alone is enough; hooks that fail are told together there, too, as Python 3.11 words it."""
-    whole = Path(mcpn.runtime.__file__).parent
-    shutil.copytree(whole, tmp_path / "mcpn" / "runtime", ignore=shutil.ignore_patterns("__pycache__"))
+    whole = Path(mcpn.robot.runtime.__file__).parent
+    shutil.copytree(
+        whole, tmp_path / "mcpn" / "robot" / "runtime", ignore=shutil.ignore_patterns("__pycache__")
+    )
     controller = generate(ulysse_net)
     (tmp_path / "controller.json").write_text(write_json(document(controller, ulysse_net)), encoding="utf-8")
     run = subprocess.run(
         [old, "-E", "-S", "-c", FAILING], cwd=tmp_path, capture_output=True, text=True, check=False
     )
     assert run.stderr == ""
-    started = mcpn.runtime.Controller.load(tmp_path / "controller.json")
+    started = mcpn.robot.runtime.Controller.load(tmp_path / "controller.json")
     actions = len(started.handle("MISSION_EV_START"))
     told = f"hooks have failed; the event has been taken ({actions} sub-exceptions)"
     assert run.stdout.splitlines() == [f"{actions} MISSION_EV_START {told}", started.possible[0]]

@@ -7,12 +7,12 @@ from hypothesis import strategies as st
 
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
-from mcpn.controller.targets import files
-from mcpn.controller.targets.tables import MachineNumbers
 from mcpn.drawing.compose import compose
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Parameter, Robot
-from mcpn.runtime import Controller as Runtime
+from mcpn.robot.runtime import Controller as Runtime
+from mcpn.robot.targets import files
+from mcpn.robot.targets.tables import MachineNumbers
 from tests.controller.test_python import Generated
 
 SAID = st.sets(st.sampled_from("abc")).map(sorted)

@@ -17,13 +17,13 @@ from hypothesis import strategies as st
 
 from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
-from mcpn.controller.targets import files, python
-from mcpn.controller.targets.python import bundle
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Parameter, Robot
-from mcpn.runtime import Controller as Runtime
+from mcpn.robot.runtime import Controller as Runtime
+from mcpn.robot.targets import files, python
+from mcpn.robot.targets.python import bundle
 from mcpn.testing import missions
 from tests.controller.traces import Traced, canonical, random_events, tour
 from tests.draws import fewer
@@ -143,10 +143,10 @@ def test_any_text_of_a_mission(said: str) -> None:
 @pytest.mark.parametrize(
     ("source", "message"),
     [
-        ("from mcpn.runtime.other import thing as that\n", "gives two names"),
-        ("from mcpn.runtime.other import thing\nfree = 2\n", "different things by free"),
-        ("from mcpn.runtime.other import thing\nfrom os import free\n", "different things by free"),
-        ("from mcpn.runtime.other import thing\nimport free\n", "different things by free"),
+        ("from mcpn.robot.runtime.other import thing as that\n", "gives two names"),
+        ("from mcpn.robot.runtime.other import thing\nfree = 2\n", "different things by free"),
+        ("from mcpn.robot.runtime.other import thing\nfrom os import free\n", "different things by free"),
+        ("from mcpn.robot.runtime.other import thing\nimport free\n", "different things by free"),
     ],
 )
 def test_modules_that_cannot_be_one(
@@ -163,10 +163,10 @@ def test_modules_that_cannot_be_one(
 def test_modules_in_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "one.py").write_text(
         '"""First.\n\nMore."""\n\nfrom json import (\n    loads,\n    dumps,\n)\n'
-        "from mcpn.runtime.two import b\nfrom mcpn.runtime.three import (\n    c,\n)\n\n"
+        "from mcpn.robot.runtime.two import b\nfrom mcpn.robot.runtime.three import (\n    c,\n)\n\n"
         '# Why.\na = b + c\n\n__all__ = [\n    "a",\n]\n'
     )
-    (tmp_path / "two.py").write_text("import sys\nfrom mcpn.runtime.three import c\n\nb = 2 * c\n")
+    (tmp_path / "two.py").write_text("import sys\nfrom mcpn.robot.runtime.three import c\n\nb = 2 * c\n")
     (tmp_path / "three.py").write_text("import sys\nfrom json import dumps\n\nc = 1\n")
     monkeypatch.setattr(python, "files", lambda package: tmp_path)
     bundle.cache_clear()
@@ -175,13 +175,13 @@ def test_modules_in_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     assert [line for line in text.splitlines() if line] == [
         "import sys",
         "from json import dumps, loads",
-        "# --- mcpn.runtime.three ---",
+        "# --- mcpn.robot.runtime.three ---",
         "#",
         "c = 1",
-        "# --- mcpn.runtime.two ---",
+        "# --- mcpn.robot.runtime.two ---",
         "#",
         "b = 2 * c",
-        "# --- mcpn.runtime.one ---",
+        "# --- mcpn.robot.runtime.one ---",
         "# First.",
         "#",
         "# More.",

@@ -17,10 +17,10 @@ from lxml import etree
 
 from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
-from mcpn.controller.targets import files
 from mcpn.drawing.compose import MissionNet
 from mcpn.files import write_folder
-from mcpn.runtime.tables import Tables
+from mcpn.robot.runtime.tables import Tables
+from mcpn.robot.targets import files
 from tests.controller.small import WATCH, composed
 from tests.controller.traces import canonical
 from tests.controller.treed import FORMS, START, Modelled

@@ -16,13 +16,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import Bundle, RuleBasedStateMachine, invariant, precondition, rule
 
-from mcpn import runtime
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
-from mcpn.controller.targets.json import write_json
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.xml import read_mission
-from mcpn.runtime import (
+from mcpn.robot import runtime
+from mcpn.robot.runtime import (
     Action,
     AsyncController,
     Controller,
@@ -33,8 +32,9 @@ from mcpn.runtime import (
     Refused,
     SnapshotError,
 )
-from mcpn.runtime.restoring import snapshot_text
-from mcpn.runtime.tables import Tables
+from mcpn.robot.runtime.restoring import snapshot_text
+from mcpn.robot.runtime.tables import Tables
+from mcpn.robot.targets.json import write_json
 from tests.conftest import ULYSSE
 
 START = "MISSION_EV_START"
@@ -48,15 +48,19 @@ def test_it_is_read_from_its_file(ulysse_net: MissionNet, tmp_path: Path) -> Non
 
 
 def test_it_needs_nothing_but_python() -> None:
-    imported = "import sys; before = {*sys.modules}; from mcpn.runtime import *; import mcpn.runtime.program"
-    script = f"{imported}; print(*{{*sys.modules}} - before)"
+    imported = "from mcpn.robot.runtime import *; import mcpn.robot.runtime.program"
+    script = f"import sys; before = {{*sys.modules}}; {imported}; print(*{{*sys.modules}} - before)"
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     loaded = run.stdout.split()
-    assert {name for name in loaded if name.startswith("mcpn.runtime.")} >= {
-        f"mcpn.runtime.{path.stem}" for path in Path(runtime.__path__[0]).glob("[!_]*.py")
+    assert {name for name in loaded if name.startswith("mcpn.robot.runtime.")} >= {
+        f"mcpn.robot.runtime.{path.stem}" for path in Path(runtime.__path__[0]).glob("[!_]*.py")
     }
     foreign = {name for name in loaded if name.partition(".")[0] not in sys.stdlib_module_names}
-    assert {name for name in foreign if not name.startswith("mcpn.runtime")} <= {"mcpn", "mcpn.version"}
+    assert {name for name in foreign if not name.startswith("mcpn.robot.runtime")} <= {
+        "mcpn",
+        "mcpn.robot",
+        "mcpn.version",
+    }
 
 
 def test_parameters_travel_with_the_alternative(controller: Controller) -> None:

@@ -16,13 +16,13 @@ from lxml import etree
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import TableController
-from mcpn.controller.targets import files
-from mcpn.controller.targets.names import identifiers
-from mcpn.controller.targets.scxml import NAMESPACE, event_name
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
-from mcpn.runtime import Controller as Runtime
+from mcpn.robot.runtime import Controller as Runtime
+from mcpn.robot.targets import files
+from mcpn.robot.targets.names import identifiers
+from mcpn.robot.targets.scxml import NAMESPACE, event_name
 from mcpn.testing import missions
 from tests.controller.interpreters import Answers, python_statemachine, qt, qt_rows, scion
 from tests.controller.test_timers import TIMED

@@ -18,11 +18,11 @@ from mcpn.controller.minimise import minimise
 from mcpn.controller.modular import AnyController
 from mcpn.controller.simulator import Simulation
 from mcpn.drawing.compose import MissionNet, compose
+from mcpn.events import Event
 from mcpn.mission.xml import read_mission
-from mcpn.nets.events import Event
-from mcpn.runtime import Controller as Runtime
-from mcpn.runtime import Refused
-from mcpn.runtime.tables import Tables
+from mcpn.robot.runtime import Controller as Runtime
+from mcpn.robot.runtime import Refused
+from mcpn.robot.runtime.tables import Tables
 from tests.conftest import ULYSSE
 from tests.controller.oracle import NetRobot
 from tests.controller.test_exits import WATCH

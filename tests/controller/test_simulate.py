@@ -20,8 +20,8 @@ from mcpn.cli.line import command_line
 from mcpn.controller.simulator import Simulation, resources
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, InputError, LimitError
+from mcpn.events import Event
 from mcpn.mission.model import Mission
-from mcpn.nets.events import Event
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.testing import missions
 from tests.conftest import ULYSSE

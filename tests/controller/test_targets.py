@@ -11,8 +11,8 @@ import pytest
 
 from mcpn.controller.document import document
 from mcpn.controller.modular import ModularController
-from mcpn.controller.targets import TARGETS, files
 from mcpn.errors import InputError
+from mcpn.robot.targets import TARGETS, files
 from mcpn.study import open_study
 from tests.conftest import ROOT, ULYSSE
 
@@ -22,7 +22,7 @@ from pathlib import Path
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.minimise import minimise
-from mcpn.controller.targets import TARGETS, files
+from mcpn.robot.targets import TARGETS, files
 from mcpn.mission.xml import read_mission
 from mcpn.drawing.compose import compose
 for path in sys.argv[1:]:

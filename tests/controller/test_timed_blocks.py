@@ -11,7 +11,7 @@ from mcpn.controller.generate import Form, generate
 from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
-from mcpn.runtime import Controller
+from mcpn.robot.runtime import Controller
 from mcpn.testing import elements as drawn
 from mcpn.testing.judge.blocks import WrittenBlock
 from mcpn.testing.judge.interpreter import Interpreter, State, Undetermined

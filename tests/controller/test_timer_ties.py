@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 
 from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
-from mcpn.controller.targets import files
 from mcpn.drawing.compose import compose
 from mcpn.mission.model import Mission, Objective, Parallel, Recursive
-from mcpn.runtime import Action, Controller
+from mcpn.robot.runtime import Action, Controller
+from mcpn.robot.targets import files
 from tests.controller.test_c import SANITIZE, build
 from tests.controller.test_python import Generated
 from tests.controller.test_timers import HARNESS, START, Clock, one

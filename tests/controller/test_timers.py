@@ -16,11 +16,11 @@ import pytest
 
 from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
-from mcpn.controller.targets import files
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.model import Handler, Mission, Objective, Parallel, Recursive
-from mcpn.runtime import AsyncController, Controller, EventQueue, Refused, SnapshotError
-from mcpn.runtime.restoring import snapshot_text
+from mcpn.robot.runtime import AsyncController, Controller, EventQueue, Refused, SnapshotError
+from mcpn.robot.runtime.restoring import snapshot_text
+from mcpn.robot.targets import files
 from tests.controller.test_c import SANITIZE, build
 from tests.controller.test_python import Generated
 from tests.runtime.damage import signed

@@ -7,10 +7,10 @@ import random
 from collections import deque
 from typing import Any
 
-from mcpn.runtime import Action, Controller, Refused
-from mcpn.runtime.tables import Tables
+from mcpn.robot.runtime import Action, Controller, Refused
+from mcpn.robot.runtime.tables import Tables
 
-logging.getLogger("mcpn.runtime").setLevel(logging.ERROR)
+logging.getLogger("mcpn.robot.runtime").setLevel(logging.ERROR)
 
 Place = tuple[str | None, int, frozenset[str], str | None, frozenset[str]]
 

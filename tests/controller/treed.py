@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 from mcpn.controller.generate import Form
 from mcpn.mission.model import Mission
-from mcpn.runtime import Action, Controller, Refused
-from mcpn.runtime.tables import Tables
+from mcpn.robot.runtime import Action, Controller, Refused
+from mcpn.robot.runtime.tables import Tables
 from tests.controller.traces import canonical
 
 START = "MISSION_EV_START"

@@ -16,12 +16,12 @@ from mcpn.controller.minimise import minimise
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.templates import Canvas, PaperTemplates
 from mcpn.errors import ConfluenceError, DivergenceError, InputError, LimitError
+from mcpn.events import Event
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import Each, Mission, Objective, Parallel, Recursive, walk
 from mcpn.mission.robot import Activity, Hardware, Robot
 from mcpn.mission.static.resource_use import Usage
 from mcpn.mission.xml import read_mission
-from mcpn.nets.events import Event
 from mcpn.nets.formats import read_net
 from mcpn.nets.petri import PetriNet, Provenance
 from mcpn.spaces.markings.explicit import explore

@@ -12,11 +12,11 @@ from mcpn.answers.spaces import spaces_of
 from mcpn.answers.verdicts.mission import check
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, LimitError
+from mcpn.events import Event, What
 from mcpn.logic.asking import Questions
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import FAIL, SUCCEED, Handler, Mission, Objective, Parallel
 from mcpn.mission.robot import DeclaredEvent
-from mcpn.nets.events import Event, What
 from mcpn.nets.petri import Marking
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.stable.alternatives import direct

@@ -11,8 +11,8 @@ import hashlib
 import pytest
 
 from mcpn.drawing.compose import compose
+from mcpn.events import Event, What
 from mcpn.mission.xml import read_mission
-from mcpn.nets.events import Event, What
 from mcpn.nets.petri import PetriNet
 from tests.conftest import ROOT
 

@@ -8,9 +8,9 @@ from hypothesis import event, given
 from mcpn.answers.verdicts.modes import Situation, situation
 from mcpn.drawing.compose import compose
 from mcpn.errors import ConfluenceError, LimitError
+from mcpn.events import START, Event, What
 from mcpn.mission.model import Mission, Objective, Parallel, Recursive
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
-from mcpn.nets.events import START, Event, What
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.stable.alternatives import by_reduction
 from mcpn.testing import missions

@@ -6,7 +6,7 @@ import asyncio
 import random
 from collections.abc import Sequence
 
-from mcpn.drivers.functions import Call
+from mcpn.robot.drivers.functions import Call
 
 DICE = random.Random(0)
 WORDS: list[str] = []

@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.simulator import Simulation
-from mcpn.drivers.mapping import OTHER, DriverSpec, Plan, check_plan
-from mcpn.drivers.running import RobotRun
 from mcpn.errors import LimitError, SemanticsError
+from mcpn.events import Event
 from mcpn.mission.model import Mission
-from mcpn.nets.events import Event
-from mcpn.runtime.controller import Controller
-from mcpn.runtime.tables import START, Tables
+from mcpn.robot.drivers.mapping import OTHER, DriverSpec, Plan, check_plan
+from mcpn.robot.drivers.running import RobotRun
+from mcpn.robot.runtime.controller import Controller
+from mcpn.robot.runtime.tables import START, Tables
 from mcpn.testing import missions
 from tests.draws import composed
 from tests.drivers import fake

@@ -15,8 +15,8 @@ import pytest
 
 from mcpn.cli.robot.resuming import _begun
 from mcpn.cli.robot.signals import MOST, ShownLines
-from mcpn.drivers.topics import StopMessage, tell_to_stop
 from mcpn.errors import InputError
+from mcpn.robot.drivers.topics import StopMessage, tell_to_stop
 from tests.commands import mcpn, output
 from tests.drivers.robots import MISSION, NEVER, numbers, until
 from tests.drivers.runs import Runs
@@ -211,7 +211,7 @@ from pathlib import Path
 def drive(call):
     while not call.stopping.is_set():
         for number in range(3000):
-            logging.getLogger("mcpn.drivers").warning("%s %d", "x" * 200, number)
+            logging.getLogger("mcpn.robot.drivers").warning("%s %d", "x" * 200, number)
         Path("flooded").write_text("")
         time.sleep(0.1)
 """

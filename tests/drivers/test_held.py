@@ -8,11 +8,11 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
-from mcpn.drivers.mapping import Plan
-from mcpn.drivers.running import RobotRun, Waiting
-from mcpn.drivers.starts import Started
-from mcpn.runtime.controller import Controller
-from mcpn.runtime.tables import Tables
+from mcpn.robot.drivers.mapping import Plan
+from mcpn.robot.drivers.running import RobotRun, Waiting
+from mcpn.robot.drivers.starts import Started
+from mcpn.robot.runtime.controller import Controller
+from mcpn.robot.runtime.tables import Tables
 
 X, Y, ROOM = "OBJ_x_EV_OK", "OBJ_y_EV_OK", "room"
 

@@ -19,13 +19,13 @@ import pytest
 from mcpn import open as open_study
 from mcpn.cli.robot.resuming import _alone, _rows
 from mcpn.controller.document import document
-from mcpn.drivers import warden
-from mcpn.drivers.inbox import LONGEST, Splitter
-from mcpn.drivers.running import RobotRun
-from mcpn.drivers.warden import ProcessGroup
 from mcpn.errors import InputError
-from mcpn.runtime.controller import Controller
-from mcpn.runtime.tables import Tables
+from mcpn.robot.drivers import warden
+from mcpn.robot.drivers.inbox import LONGEST, Splitter
+from mcpn.robot.drivers.running import RobotRun
+from mcpn.robot.drivers.warden import ProcessGroup
+from mcpn.robot.runtime.controller import Controller
+from mcpn.robot.runtime.tables import Tables
 from tests.drivers.robots import alive, numbers, until
 from tests.drivers.runs import Runs
 

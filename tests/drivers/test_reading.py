@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
-from mcpn.drivers.known import KNOWN, OF_DRIVERS, OPTIONS
-from mcpn.drivers.mapping import check_plan
-from mcpn.drivers.reading import lines_of, read_drivers, skeleton
 from mcpn.errors import InputError, LimitError, SemanticsError
 from mcpn.mission.model import Mission
-from mcpn.runtime.tables import Tables
+from mcpn.robot.drivers.known import KNOWN, OF_DRIVERS, OPTIONS
+from mcpn.robot.drivers.mapping import check_plan
+from mcpn.robot.drivers.reading import lines_of, read_drivers, skeleton
+from mcpn.robot.runtime.tables import Tables
 from mcpn.testing import missions
 from tests.commands import mcpn
 from tests.draws import composed

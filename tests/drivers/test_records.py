@@ -21,17 +21,17 @@ from mcpn.cli.play.event_files import events_of_file
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.monitors.writing import files, monitors_of
-from mcpn.controller.targets.json import write_json
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
 from mcpn.files import write_atomically, write_folder
 from mcpn.mission.xml import read_mission
-from mcpn.runtime import Controller, DamagedFile, Journal, Monitors
-from mcpn.runtime.file_schema import parsed, signed_line
-from mcpn.runtime.journal import read_journal
-from mcpn.runtime.monitors import watch
-from mcpn.runtime.restoring import read_snapshot
-from mcpn.runtime.tables import Tables, read
+from mcpn.robot.runtime import Controller, DamagedFile, Journal, Monitors
+from mcpn.robot.runtime.file_schema import parsed, signed_line
+from mcpn.robot.runtime.journal import read_journal
+from mcpn.robot.runtime.monitors import watch
+from mcpn.robot.runtime.restoring import read_snapshot
+from mcpn.robot.runtime.tables import Tables, read
+from mcpn.robot.targets.json import write_json
 from mcpn.study import open_study
 from tests.commands import mcpn, output
 from tests.conftest import interruptible
@@ -276,7 +276,7 @@ def test_a_run_that_must_record_does_not_go_on_where_nothing_can_be_recorded(mad
 def test_the_last_snapshot_is_written_where_the_run_breaks_down(tmp_path: Path) -> None:
     """The loop raises, by a fault of mcpn's own: the robot is stopped, and the snapshot says so."""
     program = (
-        "import mcpn.drivers.running as running\n"
+        "import mcpn.robot.drivers.running as running\n"
         "from mcpn.cli import main\n"
         "def broken(self, actions): raise ZeroDivisionError\n"
         "running.RobotRun._carry_out = broken\n"

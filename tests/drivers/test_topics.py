@@ -12,9 +12,9 @@ from unittest.mock import patch
 
 import pytest
 
-from mcpn.drivers.reading import read_drivers
-from mcpn.drivers.topics import Mqtt, Zenoh
 from mcpn.errors import InputError
+from mcpn.robot.drivers.reading import read_drivers
+from mcpn.robot.drivers.topics import Mqtt, Zenoh
 from tests.commands import mcpn, output
 from tests.drivers.robots import MISSION, NEVER, until
 from tests.drivers.runs import free_port

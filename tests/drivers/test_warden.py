@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from mcpn.drivers import warden
-from mcpn.drivers.processes import Warden, row_of
-from mcpn.drivers.warden import ProcessGroup
+from mcpn.robot.drivers import warden
+from mcpn.robot.drivers.processes import Warden, row_of
+from mcpn.robot.drivers.warden import ProcessGroup
 from tests.drivers.robots import until
 from tests.drivers.runs import Runs
 

@@ -15,9 +15,9 @@ from mcpn.controller.modular import AnyController
 from mcpn.controller.simulator import Simulation
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
-from mcpn.nets.events import Event
-from mcpn.runtime import Controller as Runtime
-from mcpn.runtime.restoring import Saved
+from mcpn.events import Event
+from mcpn.robot.runtime import Controller as Runtime
+from mcpn.robot.runtime.restoring import Saved
 from mcpn.spaces.engine_names import Engine
 from mcpn.spaces.stable.alternatives import AlternativesGraph, written_out
 from mcpn.testing.judge.interpreter import Happening, Seen

@@ -18,11 +18,11 @@ from hypothesis import strategies as st
 
 from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
-from mcpn.controller.targets import files
 from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective
-from mcpn.runtime.tables import Tables
+from mcpn.robot.runtime.tables import Tables
+from mcpn.robot.targets import files
 from mcpn.testing.elements import WIDEST
 from mcpn.testing.judge.interpreter import Happening, Interpreter, Undetermined
 from tests.controller.test_c import build, run_lines

@@ -18,11 +18,11 @@ from mcpn.answers.vocabulary import vocabulary
 from mcpn.controller.monitors.writing import monitors_of
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import InputError
+from mcpn.events import ENDING, Event
 from mcpn.logic.asking import Questions
 from mcpn.logic.ltl.formulas import Happens
 from mcpn.mission.model import Handler, Mission, Objective, Protocol, Recursive, Use
 from mcpn.mission.requirement import Requirement, RestrictedAvoidance
-from mcpn.nets.events import ENDING, Event
 from mcpn.spaces.search.goal import Fires, Formula, marked
 from mcpn.study import Study, open_study
 from mcpn.testing.elements import LED, MISSIONS

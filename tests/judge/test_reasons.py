@@ -9,10 +9,10 @@ import pytest
 
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
+from mcpn.events import Event, What
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import Each, FactRoute, Mission, Objective, Parallel, Protocol, Recursive, Use
 from mcpn.mission.xml import read_mission
-from mcpn.nets.events import Event, What
 from mcpn.testing.judge.interpreter import FAILURE, SUCCESS, Happening, Interpreter
 from tests.judge.lockstep import Judge
 from tests.judge.test_abort import BEGIN, ROBOT, one

@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 from mcpn._kernel import Exploration
 from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError
+from mcpn.events import Event
 from mcpn.mission.model import Mission
-from mcpn.nets.events import Event
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet
 from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.stable.run_to_completion import Walk, settled

@@ -22,12 +22,12 @@ from mcpn.drawing.templates.compact import CompactTemplates
 from mcpn.drawing.templates.interface import HAPPENING, MEETINGS, SAYING
 from mcpn.drawing.templates.named import templates_named
 from mcpn.errors import InputError, LimitError
+from mcpn.events import Event, What
 from mcpn.mission.language.forms import form_of, language
 from mcpn.mission.model import Approximation, FactRoute, Mission, Objective, Translated, walk
 from mcpn.mission.requirement import Requirement
 from mcpn.mission.robot import Activity, Described, Fact, Hardware
 from mcpn.mission.xml import read_mission
-from mcpn.nets.events import Event, What
 from mcpn.testing.elements import LATE, LATE_APART
 from mcpn.testing.elements import MISSIONS as MISSIONS_OF_ANY_KIND
 from mcpn.testing.kit.contract import STATES, WORDS, contract_of_arcs, drawer, touches

@@ -10,8 +10,8 @@ from itertools import combinations
 from hypothesis import strategies as st
 
 from mcpn.drawing.compose import MissionNet
+from mcpn.events import Event, What
 from mcpn.mission.model import Block, Holder, Mission, Objective
-from mcpn.nets.events import Event, What
 from mcpn.nets.petri import Marking
 from mcpn.testing import missions
 

@@ -6,8 +6,8 @@ from typing import Any
 
 from hypothesis import assume, given
 
+from mcpn.events import Event
 from mcpn.logic.behaviour import Behaviour, check_net
-from mcpn.nets.events import Event
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.arrays import ArraySpace

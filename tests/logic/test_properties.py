@@ -13,13 +13,13 @@ from mcpn.answers.verdicts.mission import INFORMATIVE, REQUIRED, MissionCheck, c
 from mcpn.answers.verdicts.modes import functioning_modes
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError
+from mcpn.events import Event, What
 from mcpn.logic.formulas import EU
 from mcpn.logic.syntax import parse
 from mcpn.mission.model import SUCCEED, Block, Mission, Objective, Parallel
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.xml import read_mission
-from mcpn.nets.events import Event, What
 from mcpn.nets.petri import Marking
 from mcpn.report.words import in_words
 from mcpn.spaces.arrays import ArraySpace

@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 from mcpn.answers.spaces import MissionSpaces, spaces_of
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import LimitError, SemanticsError
+from mcpn.events import Event, What
 from mcpn.logic.answering import answer_typed
 from mcpn.logic.asking import Questions
 from mcpn.logic.session import Answer
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
-from mcpn.nets.events import Event, What
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet
 from mcpn.spaces.engine_names import Engine, On
 from mcpn.spaces.engines import NoSpace

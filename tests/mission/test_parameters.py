@@ -14,7 +14,6 @@ from lxml import etree
 
 from mcpn.controller.document import document
 from mcpn.controller.generate import Form, generate
-from mcpn.controller.targets import files
 from mcpn.drawing.compose import compose
 from mcpn.mission.flatten import flatten
 from mcpn.mission.graph import ElementarySection
@@ -22,7 +21,8 @@ from mcpn.mission.model import Block, Each, Mission, Objective, Parallel, Protoc
 from mcpn.mission.robot import Activity, Alternative, Parameter, Robot
 from mcpn.mission.validate import find_errors
 from mcpn.mission.xml import read_mission
-from mcpn.runtime import Controller as Runtime
+from mcpn.robot.runtime import Controller as Runtime
+from mcpn.robot.targets import files
 from mcpn.testing import missions
 from tests.controller.test_python import Generated
 

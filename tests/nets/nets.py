@@ -7,7 +7,7 @@ from collections import deque
 
 from hypothesis import strategies as st
 
-from mcpn.nets.events import START, Event, What
+from mcpn.events import START, Event, What
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet
 
 EVENTS = (Event.parse("EV_A"), Event(What.SUCCESS, "x"))

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.nets.events import START, Event, What
+from mcpn.events import START, Event, What
 from tests.nets.nets import events
 
 PIECES = [

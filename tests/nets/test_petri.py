@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 
 from mcpn.errors import InputError
-from mcpn.nets.events import Event
+from mcpn.events import Event
 from mcpn.nets.petri import NetBuilder, PetriNet
 from tests.nets.nets import nets
 

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from mcpn.runtime import Controller
+from mcpn.robot.runtime import Controller
 
 
 def opened(browser: Any, text: str, tmp_path: Path) -> tuple[Any, list[str]]:

@@ -17,7 +17,7 @@ from urllib.parse import urlsplit
 import pytest
 
 from mcpn.controller.document import document
-from mcpn.runtime import Controller
+from mcpn.robot.runtime import Controller
 from mcpn.study import open_study
 from tests.commands import mcpn
 from tests.drivers.robots import MISSION, until

@@ -18,14 +18,14 @@ from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.controller.simulator import HARDWARE, Simulation, likelihood
 from mcpn.drawing.compose import compose
+from mcpn.events import Event, What
 from mcpn.findings import Findings, findings
 from mcpn.mission.model import Handler, Mission, Objective, Parallel
 from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware, Robot
 from mcpn.mission.xml import read_mission
-from mcpn.nets.events import Event, What
 from mcpn.nets.game import TokenGame
 from mcpn.report.page import page
-from mcpn.runtime import Controller
+from mcpn.robot.runtime import Controller
 from mcpn.testing import missions
 from tests.conftest import ROOT, ULYSSE
 from tests.report.tabs import boxes_of, click, compare, lit, opened, state, steps

@@ -20,7 +20,7 @@ from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware, R
 from mcpn.mission.xml import read_mission
 from mcpn.report.page import page
 from mcpn.report.pages.tables import tables
-from mcpn.runtime import Controller, Journal, Refused
+from mcpn.robot.runtime import Controller, Journal, Refused
 from tests.commands import mcpn, output
 from tests.conftest import ROOT, ULYSSE
 from tests.report.tabs import boxes_of, click, compare, opened

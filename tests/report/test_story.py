@@ -20,7 +20,7 @@ from mcpn.report.pages.nominal_run import nominal_run
 from mcpn.report.pages.preflight import preflight
 from mcpn.report.pages.story import headline, story, verdict_of_all
 from mcpn.report.pages.tables import fold_rows, tables
-from mcpn.runtime import Controller
+from mcpn.robot.runtime import Controller
 from mcpn.testing import missions
 from tests.commands import mcpn
 from tests.conftest import ROOT, ULYSSE

@@ -8,8 +8,8 @@ import random
 from contextlib import suppress
 from typing import Any
 
-from mcpn.runtime import Controller, ControllerFileError, Refused, SnapshotError
-from mcpn.runtime.file_schema import digest_of
+from mcpn.robot.runtime import Controller, ControllerFileError, Refused, SnapshotError
+from mcpn.robot.runtime.file_schema import digest_of
 
 WRONG: tuple[Any, ...] = (
     None,

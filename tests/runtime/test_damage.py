@@ -13,11 +13,11 @@ import pytest
 
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
-from mcpn.controller.targets.json import write_json
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.mission.xml import read_mission
-from mcpn.runtime import Controller, ControllerFileError, SnapshotError
-from mcpn.runtime.restoring import snapshot_text
+from mcpn.robot.runtime import Controller, ControllerFileError, SnapshotError
+from mcpn.robot.runtime.restoring import snapshot_text
+from mcpn.robot.targets.json import write_json
 from tests.runtime.damage import bytes_changed, runs, signed, text_of, value_changed
 
 WATCH = Path(__file__).parents[1] / "controller" / "watch.xml"

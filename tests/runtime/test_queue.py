@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.runtime import (
+from mcpn.robot.runtime import (
     Action,
     AsyncController,
     Controller,
@@ -42,7 +42,7 @@ def test_a_hook_that_fails_is_logged_and_the_queue_goes_on(
     queue = EventQueue(controller, size=2)
     worker = threading.Thread(target=queue.run)
     worker.start()
-    with caplog.at_level(logging.ERROR, "mcpn.runtime"):
+    with caplog.at_level(logging.ERROR, "mcpn.robot.runtime"):
         for event in (START, LOST, BACK, LOST):
             queue.put(event, timeout=10)
         queue.close()

@@ -20,10 +20,10 @@ from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.model import Mission
-from mcpn.runtime import Action, Controller, Journal, Refused
-from mcpn.runtime.file_schema import signed_line
-from mcpn.runtime.journal import JournalError, read_journal
-from mcpn.runtime.restoring import _producers_first
+from mcpn.robot.runtime import Action, Controller, Journal, Refused
+from mcpn.robot.runtime.file_schema import signed_line
+from mcpn.robot.runtime.journal import JournalError, read_journal
+from mcpn.robot.runtime.restoring import _producers_first
 from mcpn.testing import missions
 from tests.conftest import ULYSSE
 from tests.draws import composed, fewer

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.runtime.shapes import Integer, Misfit, Number
+from mcpn.robot.runtime.shapes import Integer, Misfit, Number
 
 
 @given(st.none() | st.integers(-3, 3), st.integers(-5, 5))

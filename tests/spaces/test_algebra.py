@@ -13,9 +13,9 @@ from mcpn.composite.composing import composite_space
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.permanent_loss import mortal
 from mcpn.errors import ConfluenceError, SemanticsError
+from mcpn.events import What
 from mcpn.logic.evaluate import largest
 from mcpn.mission.model import Mission
-from mcpn.nets.events import What
 from mcpn.nets.petri import Marking, PetriNet
 from mcpn.spaces.algebra import Space, partition
 from mcpn.spaces.arrays import ArraySpace

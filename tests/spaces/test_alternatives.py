@@ -11,8 +11,8 @@ from hypothesis import given
 
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
+from mcpn.events import Event
 from mcpn.mission.xml import read_mission
-from mcpn.nets.events import Event
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.markings.graph import StateGraph

@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 
 from mcpn._kernel import BigSteps, Store, Zdd, choices
 from mcpn.drawing.compose import compose
+from mcpn.events import Event, What
 from mcpn.mission.model import Mission, Objective, Parallel
 from mcpn.mission.robot import Fault
-from mcpn.nets.events import Event, What
 from mcpn.nets.petri import PetriNet, Place, Transition
 from mcpn.spaces.diagrams.encoding import Encoding
 from mcpn.spaces.diagrams.order import Order, clustered

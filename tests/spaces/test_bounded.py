@@ -14,9 +14,9 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from mcpn.errors import LimitError, UnboundedError, UnsafeError
+from mcpn.events import Event
 from mcpn.logic.behaviour import Behaviour, check_net
 from mcpn.logic.evaluate import Evaluation
-from mcpn.nets.events import Event
 from mcpn.nets.formats import read_net
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.algebra import Space

@@ -17,8 +17,8 @@ from mcpn.composite.clash import find_clash
 from mcpn.composite.composing import composite_space
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsError, UnsafeError
+from mcpn.events import Event
 from mcpn.mission.model import Mission
-from mcpn.nets.events import Event
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet
 from mcpn.spaces.diagrams.encoding import Encoding, leading
 from mcpn.spaces.diagrams.symbolic import reach

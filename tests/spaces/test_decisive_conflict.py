@@ -9,7 +9,7 @@ from hypothesis import assume, event, given
 from hypothesis import strategies as st
 
 from mcpn.errors import ConfluenceError, DivergenceError, SemanticsError, UnsafeError
-from mcpn.nets.events import Event
+from mcpn.events import Event
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.stable import run_to_completion
 from mcpn.spaces.stable.alternatives import direct

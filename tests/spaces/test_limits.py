@@ -22,9 +22,9 @@ from mcpn.drawing.permanent_loss import mortal
 from mcpn.drawing.sections import MOST_ALTERNATIVES, MOST_AT_ONCE, MOST_BRANCHES, MOST_HARDWARE
 from mcpn.drawing.templates import interrupt_net as interrupting
 from mcpn.errors import LimitError, UnboundedError
+from mcpn.events import Event
 from mcpn.mission.model import SUCCEED, Handler, Mission, Objective, Parallel
 from mcpn.mission.xml import read_mission
-from mcpn.nets.events import Event
 from mcpn.nets.petri import EVENTS, NetBuilder, PetriNet
 from mcpn.nets.siphons import p_semiflows, siphons, t_semiflows, traps
 from mcpn.spaces import projections as images

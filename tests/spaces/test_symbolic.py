@@ -10,8 +10,8 @@ from hypothesis import given
 
 from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError, UnsafeError
+from mcpn.events import Event
 from mcpn.mission.model import Mission
-from mcpn.nets.events import Event
 from mcpn.nets.formats import read_net
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.diagrams.order import candidates

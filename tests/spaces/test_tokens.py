@@ -8,7 +8,7 @@ import pytest
 from hypothesis import event, given
 
 from mcpn.errors import LimitError, UnboundedError
-from mcpn.nets.events import Event
+from mcpn.events import Event
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.markings import boundedness as walks
 from mcpn.spaces.markings.boundedness import OMEGA, boundedness

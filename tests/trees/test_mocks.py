@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 from hypothesis import given
 
-from mcpn.bench.mocks import document, mocks
 from mcpn.study import open_study
+from mcpn.tree_tests import document, mocks
 from mcpn.trees.importing import translate
 from mcpn.trees.ledger import Kind
 from mcpn.trees.nodes.forest import Forest, tree_of

@@ -21,7 +21,7 @@ from mcpn.answers.causes.demands import entered_again, split_edges
 from mcpn.answers.causes.linear_systems import Floats, StepSystem, csc_array, csr_array
 from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.drawing.status import Element
-from mcpn.nets.events import What
+from mcpn.events import What
 from mcpn.spaces.arrays import ArraySet, ArraySpace
 from mcpn.spaces.markings.graph import Ints, Mask, StateGraph
 

@@ -19,8 +19,8 @@ from mcpn._kernel import Zdd
 from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.permanent_loss import mortal
+from mcpn.events import Event, What
 from mcpn.mission.flatten import Section
-from mcpn.nets.events import Event, What
 from mcpn.spaces.algebra import Alike, S, Space
 from mcpn.spaces.memoized import memoized
 from mcpn.spaces.projections import ImageStore

@@ -22,7 +22,7 @@ import numpy.typing as npt
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.sections import SectionParts
 from mcpn.drawing.status import Element
-from mcpn.nets.events import What
+from mcpn.events import What
 from mcpn.spaces.markings.graph import Ints, Mask, StateGraph
 from mcpn.spaces.run import Completion
 

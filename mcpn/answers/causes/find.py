@@ -17,8 +17,8 @@ from mcpn.answers.spaces import MissionSubject, spaces_of
 from mcpn.answers.verdicts.unreachable import selected_and_entered
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError
+from mcpn.events import Event
 from mcpn.mission.flatten import Section
-from mcpn.nets.events import Event
 from mcpn.notebook import Told
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.engine_names import Asked

@@ -19,9 +19,9 @@ from mcpn.answers.causes.effects import Case, Loss, Severity, changes, joined, l
 from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.answers.verdicts.modes import Situation, said_by
 from mcpn.drawing.templates import Role
+from mcpn.events import What
 from mcpn.mission.expansion.routes import GO_ON
 from mcpn.mission.flatten import Branch, ElementarySection, ParallelSection
-from mcpn.nets.events import What
 from mcpn.spaces.algebra import Alike, S, Space
 from mcpn.spaces.projections import ImageStore
 from mcpn.steps import Doing, step

@@ -42,10 +42,10 @@ from mcpn.drawing.permanent_loss import entered_otherwise
 from mcpn.drawing.sections import LocalPart
 from mcpn.drawing.status import Element
 from mcpn.errors import InputError, LimitError
+from mcpn.events import Event, What
 from mcpn.mission.conditions import all_flags
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.static.warnings import of_objectives
-from mcpn.nets.events import Event, What
 from mcpn.spaces.arrays import ArraySet, ArraySpace
 from mcpn.spaces.stable.alternatives import written_out
 from mcpn.steps import Doing, step

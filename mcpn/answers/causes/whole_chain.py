@@ -22,7 +22,7 @@ from mcpn.answers.causes.risk import refuse_unknown
 from mcpn.answers.spaces import spaces_of
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
-from mcpn.nets.events import What
+from mcpn.events import What
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.markings.graph import Ints, Mask
 

@@ -15,7 +15,7 @@ from mcpn.answers.claims.kinds import KINDS
 from mcpn.answers.claims.of_text import claims_of_text
 from mcpn.answers.claims.reached import Reached
 from mcpn.answers.verdicts.nominal import meant_to_be_entered
-from mcpn.nets.events import Event, What
+from mcpn.events import Event, What
 from mcpn.spaces.algebra import S, Space
 from mcpn.spaces.run import Run, transitions_of
 

@@ -10,7 +10,7 @@ from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.claims.claim import Claim
 from mcpn.answers.claims.found import MOST_RUNNING, plain_names
 from mcpn.answers.claims.kinds import KINDS
-from mcpn.nets.events import Event, What
+from mcpn.events import Event, What
 from mcpn.spaces.algebra import S, Space
 
 WORDS = {"success": What.SUCCESS, "failure": What.FAILURE, "timeout": What.TIMEOUT}

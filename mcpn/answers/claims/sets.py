@@ -10,7 +10,7 @@ from mcpn.answers.claims.entries import claims_of_entries
 from mcpn.answers.claims.found import plain_names
 from mcpn.answers.claims.kinds import KINDS
 from mcpn.answers.claims.made import claims_of_losses, in_order, some_run
-from mcpn.nets.events import What
+from mcpn.events import What
 from mcpn.sentences import enumeration
 
 if TYPE_CHECKING:

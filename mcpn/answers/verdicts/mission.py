@@ -20,10 +20,10 @@ from mcpn.answers.verdicts.unreachable import Ignored, Never, changing_nothing, 
 from mcpn.answers.verdicts.unsafe_abort import abort_by_failure, without_safe_end
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, Problem, SemanticsError, UnsafeError
+from mcpn.events import What
 from mcpn.mission.flatten import ObjectivesGraph
 from mcpn.mission.model import SUCCEED
 from mcpn.mission.static.warnings import names_of_objectives, static_warnings
-from mcpn.nets.events import What
 from mcpn.notebook import Told
 from mcpn.sentences import shortened
 from mcpn.spaces.algebra import S, Space

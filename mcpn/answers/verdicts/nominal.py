@@ -15,11 +15,11 @@ from typing import Generic, NamedTuple
 
 from mcpn.answers.verdicts.unreachable import objectives_run
 from mcpn.drawing.compose import MissionNet
+from mcpn.events import Event, What
 from mcpn.mission.expansion.copies import Copies, Written
 from mcpn.mission.graph import ElementarySection, ObjectivesGraph
 from mcpn.mission.model import Mission, walk
 from mcpn.mission.static.warnings import names_of_objectives
-from mcpn.nets.events import Event, What
 from mcpn.nets.petri import Marking
 from mcpn.sentences import enumeration, shortened
 from mcpn.spaces.algebra import Edge, S, Space

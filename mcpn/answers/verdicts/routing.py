@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 from mcpn.errors import Problem
+from mcpn.events import Event, What
 from mcpn.mission.expansion.copies import Written, grouped
 from mcpn.mission.graph import (
     TIMED_OUT,
@@ -24,7 +25,6 @@ from mcpn.mission.graph import (
 )
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission
 from mcpn.mission.static.warnings import names_of_objectives
-from mcpn.nets.events import Event, What
 from mcpn.sentences import enumeration, shortened
 
 _VERBS = {"success": "succeed", "failure": "fail", "abort": "abort", TIMED_OUT: "time out"}

@@ -14,6 +14,7 @@ from typing import NamedTuple
 from mcpn.answers.verdicts.routing import Routing
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import Problem
+from mcpn.events import Event, What
 from mcpn.mission.expansion.copies import Copies, Written
 from mcpn.mission.model import ABORT, Block, Holder, Mission, Use, walk
 from mcpn.mission.static.resource_use import Usage
@@ -23,7 +24,6 @@ from mcpn.mission.static.warnings import (
     never_used,
     of_objectives,
 )
-from mcpn.nets.events import Event, What
 from mcpn.spaces.algebra import Piece, S, Space
 
 

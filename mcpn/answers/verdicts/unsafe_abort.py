@@ -13,8 +13,8 @@ from typing import Generic, NamedTuple
 
 from mcpn.answers.verdicts.nominal import nominal_transitions
 from mcpn.drawing.compose import MissionNet
+from mcpn.events import Event, What
 from mcpn.mission.graph import ElementarySection
-from mcpn.nets.events import Event, What
 from mcpn.spaces.algebra import S, Space
 from mcpn.spaces.run import Run, transitions_of
 

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mcpn.errors import InputError, Source
+from mcpn.events import Event, What
 from mcpn.files import read_bounded
-from mcpn.nets.events import Event, What
-from mcpn.runtime.journal import JournalError, read_journal
+from mcpn.robot.runtime.journal import JournalError, read_journal
 
 if TYPE_CHECKING:
     pass

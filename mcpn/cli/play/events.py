@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mcpn.errors import InputError, LimitError, Source
-from mcpn.nets.events import Event, What
-from mcpn.runtime.tables import spelled
+from mcpn.events import Event, What
+from mcpn.robot.runtime.tables import spelled
 
 if TYPE_CHECKING:
     from mcpn.controller.simulator import Change, Simulation
@@ -181,7 +181,7 @@ class EventSession(Prompt):
 
     def fail(self, hardware: list[str]) -> str | None:
         """Lets hardware fail: what is named, or a smallest cut set."""
-        from mcpn.nets.events import Event
+        from mcpn.events import Event
 
         if self.simulation.situation.outcome:
             return "the mission has ended; undo or restart first"

@@ -64,14 +64,14 @@ def bench(
     (causes --rates), which stand beside: exit code 1 where one lies outside of its interval, or where
     generated code does anything else than the runtime.
     """
-    from mcpn.bench.fault_scripts import read_script
     from mcpn.bench.runs import bench as played
     from mcpn.bench.runs import nominal_run_of, one_run_of
     from mcpn.bench.world import World
     from mcpn.controller.document import document
     from mcpn.files import write_folder
     from mcpn.mission.static.intervals import at_their_means
-    from mcpn.runtime.tables import Tables
+    from mcpn.robot.bench.fault_scripts import read_script
+    from mcpn.robot.runtime.tables import Tables
 
     study = question.study(mission)
     mission_net = study.mission_net
@@ -193,7 +193,7 @@ def _beside(share: float, low: float, high: float, expected: float | None) -> di
 
 
 def _journal(run: BenchRun) -> str:
-    from mcpn.runtime.file_schema import signed_line
+    from mcpn.robot.runtime.file_schema import signed_line
 
     rows = (
         {"time": event.hours * 3600, "event": event.event, "refused": event.refused} for event in run.events

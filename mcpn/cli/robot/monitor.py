@@ -44,8 +44,8 @@ def monitor(
         raise click.UsageError("--btcpp needs -o, the directory to write to")
     from mcpn.controller.monitors.writing import files, monitors_of
     from mcpn.files import write_folder
-    from mcpn.runtime.journal import JournalError
-    from mcpn.runtime.monitors import Monitors, told, watch
+    from mcpn.robot.runtime.journal import JournalError
+    from mcpn.robot.runtime.monitors import Monitors, told, watch
 
     study = question.study(mission)
     if study.is_net:

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 
 from mcpn.errors import InputError, Source
 from mcpn.files import no_regular_file, sync_folder, why_not_written, write_atomically
-from mcpn.runtime.journal import Journal
+from mcpn.robot.runtime.journal import Journal
 
 if TYPE_CHECKING:
     pass
 
-_log = logging.getLogger("mcpn.drivers")
+_log = logging.getLogger("mcpn.robot.drivers")
 
 MOST_WAITING = 64 << 20
 """Bytes of a journal that wait for room on the disk."""
@@ -146,7 +146,7 @@ class Records:
         self._snapshot: SnapshotFile | None = None
 
     def journal_of(self, path: Path, resumed: int | None) -> Journal:
-        """A journal in a file; give it to :meth:`mcpn.runtime.Controller.observe`.
+        """A journal in a file; give it to :meth:`mcpn.robot.runtime.Controller.observe`.
 
         Args:
             path: The file.

@@ -16,13 +16,13 @@ from mcpn.errors import InputError, Source
 from mcpn.files import read_bounded, why_not_written
 
 if TYPE_CHECKING:
-    from mcpn.drivers.mapping import Plan
-    from mcpn.drivers.running import RobotRun
-    from mcpn.drivers.topics import StopMessage
-    from mcpn.drivers.warden import ProcessGroup
-    from mcpn.runtime.controller import Controller
-    from mcpn.runtime.monitors import Monitors
-    from mcpn.runtime.tables import Tables
+    from mcpn.robot.drivers.mapping import Plan
+    from mcpn.robot.drivers.running import RobotRun
+    from mcpn.robot.drivers.topics import StopMessage
+    from mcpn.robot.drivers.warden import ProcessGroup
+    from mcpn.robot.runtime.controller import Controller
+    from mcpn.robot.runtime.monitors import Monitors
+    from mcpn.robot.runtime.tables import Tables
 
 
 LONGEST = 600.0
@@ -55,7 +55,7 @@ def beside(monitors: Monitors | None, runner: RobotRun | None, ended: bool) -> d
     """
     from dataclasses import astuple
 
-    from mcpn.drivers.warden import started_at
+    from mcpn.robot.drivers.warden import started_at
 
     found: dict[str, Any] = {}
     if monitors is not None:
@@ -100,7 +100,7 @@ def resumed(
     Raises:
         InputError: The snapshot or the journal is damaged or of another run, or the run still goes on.
     """
-    from mcpn.runtime.file_schema import DamagedFile
+    from mcpn.robot.runtime.file_schema import DamagedFile
 
     try:
         text = read_bounded(path).decode()
@@ -127,7 +127,7 @@ def resumed(
 
 def _begun(path: Path, said: Mapping[str, Any]) -> tuple[int, tuple[StopMessage, ...]]:
     """How many drivers a run has started, and what it has to tell to stop."""
-    from mcpn.drivers.topics import StopMessage
+    from mcpn.robot.drivers.topics import StopMessage
 
     starts, untold = said.get("starts", 0), said.get("untold", [])
     whole = (
@@ -145,8 +145,8 @@ def _begun(path: Path, said: Mapping[str, Any]) -> tuple[int, tuple[StopMessage,
 
 
 def _rows(path: Path, said: Any) -> list[ProcessGroup]:
-    from mcpn.drivers.known import MOST_SECONDS
-    from mcpn.drivers.warden import ProcessGroup
+    from mcpn.robot.drivers.known import MOST_SECONDS
+    from mcpn.robot.drivers.warden import ProcessGroup
 
     if said is None:
         return []
@@ -172,7 +172,7 @@ def _rows(path: Path, said: Any) -> list[ProcessGroup]:
 
 def _alone(path: Path, said: Mapping[str, Any] | None, rows: list[ProcessGroup]) -> None:
     """Ends what is left of the run before, or refuses where that run goes on."""
-    from mcpn.drivers import warden
+    from mcpn.robot.drivers import warden
 
     if said is None:
         return
@@ -217,8 +217,8 @@ def _taken(controller: Controller, monitors: Monitors | None, path: Path) -> int
     Returns:
         The number of the first event; ``None`` if there is none.
     """
-    from mcpn.runtime.journal import JournalError, read_journal
-    from mcpn.runtime.tables import Refused
+    from mcpn.robot.runtime.journal import JournalError, read_journal
+    from mcpn.robot.runtime.tables import Refused
 
     if not path.exists():
         return None
@@ -264,7 +264,7 @@ def _taken(controller: Controller, monitors: Monitors | None, path: Path) -> int
 
 def _is_whole(line: bytes) -> bool:
     """Whether a line of a journal lacks nothing, but the end of the line."""
-    from mcpn.runtime.file_schema import DamagedFile, parsed, signed_line
+    from mcpn.robot.runtime.file_schema import DamagedFile, parsed, signed_line
 
     try:
         text = line.decode()
@@ -291,7 +291,7 @@ def _mend(path: Path, whole: int | None) -> None:
 
 
 def _fail(controller: Controller, tables: Tables, plan: Plan, may_repeat: Callable[[str, str], bool]) -> None:
-    from mcpn.drivers.mapping import FAILURE, ending
+    from mcpn.robot.drivers.mapping import FAILURE, ending
 
     state = controller.state
     for objective in state.objectives:

@@ -19,15 +19,15 @@ from mcpn.cli.verified import require_verified
 from mcpn.errors import InputError, Source
 
 if TYPE_CHECKING:
-    from mcpn.drivers.running import RobotRun
     from mcpn.editor.served import RobotPage
-    from mcpn.runtime.controller import Controller
-    from mcpn.runtime.monitors import Monitors
-    from mcpn.runtime.tables import Action
+    from mcpn.robot.drivers.running import RobotRun
+    from mcpn.robot.runtime.controller import Controller
+    from mcpn.robot.runtime.monitors import Monitors
+    from mcpn.robot.runtime.tables import Action
     from mcpn.study import Study
 from mcpn.cli.robot.signals import EventLines, WarningLines, caught
 
-_log = logging.getLogger("mcpn.drivers")
+_log = logging.getLogger("mcpn.robot.drivers")
 
 INTERRUPTED = 128
 """To this the number of the signal is added."""
@@ -78,10 +78,10 @@ def run(
     fails or aborts, or a monitor finds a requirement violated, 2 if its journal or snapshot is not whole.
     """
     from mcpn.controller.document import document
-    from mcpn.drivers.mapping import check_plan
-    from mcpn.drivers.reading import read_drivers
-    from mcpn.runtime.controller import Controller
-    from mcpn.runtime.tables import Tables
+    from mcpn.robot.drivers.mapping import check_plan
+    from mcpn.robot.drivers.reading import read_drivers
+    from mcpn.robot.runtime.controller import Controller
+    from mcpn.robot.runtime.tables import Tables
 
     if paged and resume is not None:
         raise click.UsageError("--page shows a run from its start: it cannot be given with --resume")
@@ -103,7 +103,7 @@ def run(
     monitors = monitors_for(study, question.max_states) if watched else None
     from mcpn.cli.robot.records import Records
     from mcpn.cli.robot.resuming import Resumed, beside, resumed
-    from mcpn.drivers.running import RobotRun
+    from mcpn.robot.drivers.running import RobotRun
 
     goes_on = resume is not None
     before = (
@@ -169,9 +169,9 @@ def run(
 def _begin(study: Study, drivers: Path, question: Question) -> None:
     """Writes a file of drivers to start from; one that is there is not overwritten."""
     from mcpn.controller.document import document
-    from mcpn.drivers.reading import skeleton
     from mcpn.files import write_atomically
-    from mcpn.runtime.tables import Tables
+    from mcpn.robot.drivers.reading import skeleton
+    from mcpn.robot.runtime.tables import Tables
 
     if drivers.exists():
         raise InputError.at(Source(str(drivers)), "exists already, and is not overwritten")
@@ -207,7 +207,7 @@ def _warnings() -> Iterator[WarningLines]:
     handler = WarningLines()
     silent = logging.NullHandler()
     # What asyncio logs would else be written by the loop's thread, which must not wait for standard error.
-    handlers = {"mcpn.drivers": handler, "asyncio": handler, "mcpn.runtime": silent}
+    handlers = {"mcpn.robot.drivers": handler, "asyncio": handler, "mcpn.robot.runtime": silent}
     for name, each in handlers.items():
         logging.getLogger(name).addHandler(each)
     try:

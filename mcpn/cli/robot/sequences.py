@@ -54,11 +54,11 @@ def tests(
         _mocks(study, btcpp, tree, made, question)
         return
     assert output is not None
-    from mcpn.bench.sequences import files, sequences
     from mcpn.controller.document import document
-    from mcpn.controller.targets.json import FILE_NAME, write_json
     from mcpn.files import write_folder
-    from mcpn.runtime.tables import Tables
+    from mcpn.robot.bench.sequences import files, sequences
+    from mcpn.robot.runtime.tables import Tables
+    from mcpn.robot.targets.json import FILE_NAME, write_json
 
     study = question.study(mission)
     controller = study.controller("hierarchical", max_states=question.max_states)
@@ -88,8 +88,8 @@ def _mocks(study: Study, output: Path, tree: Path, imported: Imported, question:
     """Writes tests of the tree that a mission was made of."""
     import json
 
-    from mcpn.bench.mocks import document, mocks
     from mcpn.files import write_atomically
+    from mcpn.tree_tests import document, mocks
 
     mission_net = study.mission_net
     checked = study.verdicts(max_states=question.max_states)

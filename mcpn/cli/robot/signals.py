@@ -20,7 +20,7 @@ import click
 from mcpn.cli import SIGNALS
 
 if TYPE_CHECKING:
-    from mcpn.runtime.controller import Step
+    from mcpn.robot.runtime.controller import Step
 
 
 SUSPENDING = {signal.SIGTSTP}

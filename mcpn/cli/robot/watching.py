@@ -10,14 +10,14 @@ import click
 
 if TYPE_CHECKING:
     from mcpn.controller.monitors.writing import MissionMonitors
-    from mcpn.runtime.monitors import Monitors
+    from mcpn.robot.runtime.monitors import Monitors
     from mcpn.study import Study
 
 
 def monitors_for(study: Study, max_states: int | None) -> Monitors:
     """The monitors of a mission that its controller plays: its own continuations decide, where they can."""
     from mcpn.controller.monitors.writing import files, monitors_of
-    from mcpn.runtime.monitors import Monitors
+    from mcpn.robot.runtime.monitors import Monitors
 
     monitors = monitors_of(study.mission_spaces("what it requires"), max_states, within=True)
     for line in not_within(monitors):

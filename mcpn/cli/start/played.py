@@ -7,7 +7,7 @@ import asyncio
 import signal
 import sys
 
-from mcpn.drivers.functions import Call
+from mcpn.robot.drivers.functions import Call
 
 
 async def drive(call: Call) -> bool:

@@ -10,13 +10,13 @@ from typing import Any
 from mcpn.answers.requirements import asked_of
 from mcpn.answers.spaces import MissionSpaces
 from mcpn.controller.monitors.watched import Monitor, Watcher, on_one_path
-from mcpn.controller.targets.c import LONGEST_PREFIX, Array
-from mcpn.controller.targets.names import C_PREFIX_RESERVED, C_SIGNIFICANT, c_string, comment, identifiers
-from mcpn.controller.targets.render import render
 from mcpn.errors import InputError
-from mcpn.runtime.documents import MONITORS, MONITORS_VERSION
-from mcpn.runtime.file_schema import digest_of
-from mcpn.runtime.monitors import VALUES
+from mcpn.robot.runtime.documents import MONITORS, MONITORS_VERSION
+from mcpn.robot.runtime.file_schema import digest_of
+from mcpn.robot.runtime.monitors import VALUES
+from mcpn.robot.targets.c import LONGEST_PREFIX, Array
+from mcpn.robot.targets.names import C_PREFIX_RESERVED, C_SIGNIFICANT, c_string, comment, identifiers
+from mcpn.robot.targets.render import render
 from mcpn.spaces.engine_names import EXPLICIT
 from mcpn.spaces.engines import Choice
 

@@ -9,10 +9,10 @@ from typing import Literal, TypeAlias
 from mcpn.drawing.templates.interface import Meeting
 from mcpn.drawing.templates.names import names_of
 from mcpn.errors import Source
+from mcpn.events import ENDING, Event, What
 from mcpn.mission.flatten import ObjectivesGraph, ParallelSection
 from mcpn.mission.robot import Activity, Alternative, Fact
 from mcpn.mission.static.resource_use import Usage
-from mcpn.nets.events import ENDING, Event, What
 from mcpn.nets.petri import NetBuilder, Provenance
 
 RoleName: TypeAlias = Literal[

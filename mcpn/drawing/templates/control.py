@@ -10,10 +10,10 @@ from mcpn.drawing.templates.facts import draw_facts
 from mcpn.drawing.templates.interrupt_net import Interrupting
 from mcpn.drawing.templates.interrupt_positions import draw_once
 from mcpn.drawing.templates.leaving import Leaving
+from mcpn.events import START, Event, What
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.graph import TIMED_OUT
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
-from mcpn.nets.events import START, Event, What
 
 
 def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:

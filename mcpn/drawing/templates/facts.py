@@ -20,9 +20,9 @@ from typing import NamedTuple
 
 from mcpn.drawing.templates.canvas import Canvas
 from mcpn.errors import LimitError
+from mcpn.events import Event, What
 from mcpn.mission.expansion.routes import FactCase
 from mcpn.mission.robot import Fact
-from mcpn.nets.events import Event, What
 
 MAX_WAYS = 4096
 """Combinations of values of facts that one event may be drawn for."""

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from mcpn.nets.events import What
+from mcpn.events import What
 
 
 class Meeting(NamedTuple):

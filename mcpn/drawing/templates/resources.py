@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from mcpn.drawing.templates.canvas import Canvas, Pen
+from mcpn.events import Event, What
 from mcpn.mission.expansion.faults import Crash
 from mcpn.mission.robot import Activity, Hardware, Software
-from mcpn.nets.events import Event, What
 
 
 def draw_hardware(canvas: Canvas, resource: Hardware) -> None:

@@ -16,8 +16,8 @@ from __future__ import annotations
 from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from mcpn.did_you_mean import Hints
 from mcpn.errors import Problem
-from mcpn.mission.did_you_mean import Hints
 from mcpn.mission.robot import Activity, Alternative, Fault, Hardware, Robot
 
 

@@ -16,10 +16,20 @@ from pathlib import Path
 from typing import Any
 
 from mcpn.errors import InputError, Source
-from mcpn.nets.events import Event
+from mcpn.events import Event
 from mcpn.nets.formats.counts import check_counts
 from mcpn.nets.petri import EVENTS, Arcs, NetBuilder, PetriNet, Provenance
-from mcpn.runtime.shapes import Boolean, Integer, ListOf, MapOf, Misfit, Nullable, ObjectOf, OneOf, String
+from mcpn.robot.runtime.shapes import (
+    Boolean,
+    Integer,
+    ListOf,
+    MapOf,
+    Misfit,
+    Nullable,
+    ObjectOf,
+    OneOf,
+    String,
+)
 from mcpn.sentences import quoted
 
 MAX_DIGITS = 4_000

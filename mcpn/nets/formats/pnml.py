@@ -22,7 +22,7 @@ from lxml import etree
 
 from mcpn.declared import Declared, ElementRule, ElementTable, name_of, refuse, text_of
 from mcpn.errors import InputError, Source
-from mcpn.nets.events import Event
+from mcpn.events import Event
 from mcpn.nets.formats.counts import MAX_DIGITS, read_count
 from mcpn.nets.inhibitors import Inhibitor, without_inhibitors
 from mcpn.nets.petri import EVENTS, NetBuilder, PetriNet

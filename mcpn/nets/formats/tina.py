@@ -34,7 +34,7 @@ from pathlib import Path
 from typing import NamedTuple, NoReturn
 
 from mcpn.errors import InputError, Source
-from mcpn.nets.events import Event
+from mcpn.events import Event
 from mcpn.nets.formats.counts import MAX_COUNT, MAX_DIGITS, check_counts, read_count
 from mcpn.nets.inhibitors import Inhibitor, without_inhibitors
 from mcpn.nets.petri import NetBuilder, PetriNet

@@ -1,7 +1,7 @@
 """What commands print and write as JSON: each format declared once.
 
 The writers stand beside what they write; tests hold what they write against the declarations. What mcpn reads
-again is declared in :mod:`mcpn.runtime.documents`, for the runtime imports nothing else.
+again is declared in :mod:`mcpn.robot.runtime.documents`, for the runtime imports nothing else.
 """
 
 from __future__ import annotations
@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import Any
 
 from mcpn.report.documents import answers, graphs, nets, robots, versions
-from mcpn.runtime.documents import READ_AGAIN
-from mcpn.runtime.shapes import (
+from mcpn.robot.runtime.documents import READ_AGAIN
+from mcpn.robot.runtime.shapes import (
     Boolean,
     Document,
     Either,

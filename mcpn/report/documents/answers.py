@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from mcpn.answers.safety import ASKED
 from mcpn.report.documents.graphs import ANSWERED
-from mcpn.runtime.documents import REQUIREMENT, texts
-from mcpn.runtime.shapes import (
+from mcpn.robot.runtime.documents import REQUIREMENT, texts
+from mcpn.robot.runtime.shapes import (
     Boolean,
     Document,
     Integer,

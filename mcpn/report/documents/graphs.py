@@ -2,8 +2,18 @@
 
 from __future__ import annotations
 
-from mcpn.runtime.documents import ACTION, STATE, texts
-from mcpn.runtime.shapes import Document, Integer, ListOf, MapOf, Nullable, Number, ObjectOf, OneOf, String
+from mcpn.robot.runtime.documents import ACTION, STATE, texts
+from mcpn.robot.runtime.shapes import (
+    Document,
+    Integer,
+    ListOf,
+    MapOf,
+    Nullable,
+    Number,
+    ObjectOf,
+    OneOf,
+    String,
+)
 from mcpn.spaces.engine_names import EXPLICIT, LOCAL, PYEDA, SYMBOLIC
 
 ENGINES = ("auto", EXPLICIT, SYMBOLIC, LOCAL, PYEDA)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from mcpn.nets.formats.json import SHAPE
-from mcpn.runtime.documents import texts
-from mcpn.runtime.shapes import (
+from mcpn.robot.runtime.documents import texts
+from mcpn.robot.runtime.shapes import (
     Anything,
     Boolean,
     Document,

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from mcpn.runtime.documents import texts
-from mcpn.runtime.shapes import (
+from mcpn.robot.runtime.documents import texts
+from mcpn.robot.runtime.shapes import (
     Boolean,
     Document,
     Integer,

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from mcpn.report.documents.answers import CLAIM
-from mcpn.runtime.documents import texts
-from mcpn.runtime.shapes import Boolean, Document, JsonShape, ListOf, MapOf, Nullable, ObjectOf, String
+from mcpn.robot.runtime.documents import texts
+from mcpn.robot.runtime.shapes import Boolean, Document, JsonShape, ListOf, MapOf, Nullable, ObjectOf, String
 
 
 def _of_both(meaning: str, shape: JsonShape) -> ObjectOf:

@@ -10,7 +10,7 @@ from mcpn.answers.causes.cutsets import CutSet, Unaided
 from mcpn.answers.causes.find import Causes, GoalCauses, Survival
 from mcpn.answers.causes.prospects import CriticalEvent
 from mcpn.answers.claims import claims_of_causes
-from mcpn.nets.events import Event
+from mcpn.events import Event
 from mcpn.report.failures.sentences import condition, safe
 from mcpn.spaces.run import Run
 

@@ -11,7 +11,7 @@ from mcpn.answers.causes.effects import Severity
 from mcpn.answers.causes.find import Causes, GoalCauses
 from mcpn.answers.causes.fmeca import Row
 from mcpn.drawing.compose import MissionNet
-from mcpn.nets.events import ENDING, Event, What
+from mcpn.events import ENDING, Event, What
 from mcpn.report.failures.tables import STANDARD, Classes, fmeca_rows
 from mcpn.report.terminal import Terminal
 from mcpn.report.text import print_counts, print_steps

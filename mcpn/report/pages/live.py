@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.causes.cutsets import CutSet
 from mcpn.controller.simulator import likelihood
-from mcpn.nets.events import Event
+from mcpn.events import Event
 from mcpn.nets.petri import Arcs, PetriNet
 from mcpn.report.words import folded, what_happens
-from mcpn.runtime.tables import START
+from mcpn.robot.runtime.tables import START
 
 if TYPE_CHECKING:
     from mcpn.answers.causes.find import Causes

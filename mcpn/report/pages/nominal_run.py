@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from mcpn.runtime import Controller
-from mcpn.runtime.tables import START
+from mcpn.robot.runtime import Controller
+from mcpn.robot.runtime.tables import START
 
 if TYPE_CHECKING:
     from mcpn.findings import Findings

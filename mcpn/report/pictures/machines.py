@@ -18,9 +18,9 @@ from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.forgetful import forgetful
 from mcpn.drawing.sections import part_of
 from mcpn.errors import LimitError
+from mcpn.events import Event, What
 from mcpn.findings import LocalGraph
 from mcpn.mission.graph import ObjectivesGraph, names_in
-from mcpn.nets.events import Event, What
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.report.pictures.graph import Arrow, Cluster, Graph, Node, Placed, drawing, lay_out_all
 from mcpn.report.pictures.objectives import ENDS, objectives_picture

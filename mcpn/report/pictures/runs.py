@@ -10,7 +10,7 @@ from mcpn.answers.spaces import MissionSpaces
 from mcpn.answers.verdicts.mission import MissionCheck, check, required_of
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import InputError
-from mcpn.nets.events import Event, What
+from mcpn.events import Event, What
 from mcpn.report.pictures.drawing import Drawing, rendered
 from mcpn.report.pictures.layout import text_width
 from mcpn.report.words import in_words

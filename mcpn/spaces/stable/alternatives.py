@@ -17,7 +17,7 @@ import numpy as np
 
 from mcpn._kernel import Exploration, stable_ends
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
-from mcpn.nets.events import Event
+from mcpn.events import Event
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.markings.explicit import KernelNet

@@ -12,7 +12,7 @@ from heapq import heappop, heappush
 
 from mcpn._kernel import Exploration
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsError, UnsafeError
-from mcpn.nets.events import What
+from mcpn.events import What
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.markings.masked import MaskedNet, mask_of, unsafe_after

@@ -12,9 +12,9 @@ from typing import Protocol, TypeAlias, TypeVar
 
 from mcpn.answers.verdicts.modes import Situation, situation
 from mcpn.drawing.compose import MissionNet
+from mcpn.events import Event
 from mcpn.mission.model import Mission
-from mcpn.nets.events import Event
-from mcpn.runtime.tables import Inside
+from mcpn.robot.runtime.tables import Inside
 from mcpn.spaces.markings.graph import StateGraph
 from mcpn.testing.judge.interpreter import Happening, Interpreter, Seen, State, Undetermined, words
 

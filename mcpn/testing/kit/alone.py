@@ -17,9 +17,9 @@ from mcpn.drawing.compose import compose
 from mcpn.drawing.templates import TemplateSet
 from mcpn.drawing.templates.canvas import RoleName
 from mcpn.drawing.templates.names import names_of
+from mcpn.events import Event
 from mcpn.mission.model import Mission
 from mcpn.mission.static.resource_use import Usage
-from mcpn.nets.events import Event
 from mcpn.nets.petri import Transition
 from mcpn.testing.kit.contract import drawn_by
 from mcpn.testing.kit.subject import Violation

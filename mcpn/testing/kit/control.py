@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import strategies as st
 from hypothesis.stateful import invariant, precondition, rule
 
-from mcpn.nets.events import START, Event, What
+from mcpn.events import START, Event, What
 from mcpn.testing.kit.alone import CHOICE, TemplateMachine, told
 
 

@@ -7,7 +7,7 @@ from typing import ClassVar
 from hypothesis import strategies as st
 from hypothesis.stateful import invariant, precondition, rule
 
-from mcpn.nets.events import What
+from mcpn.events import What
 from mcpn.testing.kit.alone import CHOICE, TemplateMachine, told
 from mcpn.testing.kit.contract import states_of
 

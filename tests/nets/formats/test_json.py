@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.errors import InputError, Source
-from mcpn.nets.events import Event
+from mcpn.events import Event
 from mcpn.nets.formats.json import read_json, write_json
 from mcpn.nets.petri import NetBuilder, PetriNet, Provenance
 from mcpn.report.documents import FORMATS, json_schema

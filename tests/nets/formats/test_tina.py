@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.errors import InputError, Problem
-from mcpn.nets.events import Event
+from mcpn.events import Event
 from mcpn.nets.formats import read_net
 from mcpn.nets.formats.tina import read_tina, write_tina
 from mcpn.nets.petri import NetBuilder, PetriNet

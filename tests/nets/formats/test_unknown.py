@@ -14,9 +14,9 @@ from lxml import etree
 
 from mcpn.declared import Declared, name_of
 from mcpn.errors import InputError, McpnError
+from mcpn.events import Event
 from mcpn.logic.contest import KNOWN as OF_PROPERTIES
 from mcpn.logic.contest import read_properties
-from mcpn.nets.events import Event
 from mcpn.nets.formats import read_net
 from mcpn.nets.formats.json import write_json
 from mcpn.nets.formats.pnml import KNOWN as OF_PNML

@@ -1,8 +1,8 @@
 """Drivers that a file of drivers names: an activity is an action of ROS 2, events come from a topic.
 
-Each is a function on a thread of its own (mcpn.drivers); callbacks are the executor's, in groups that are
-reentrant, so that they come while the node is being deactivated. They share the node of :mod:`mcpn_ros.node`,
-which puts itself into :data:`node`.
+Each is a function on a thread of its own (mcpn.robot.drivers); callbacks are the executor's, in groups that
+are reentrant, so that they come while the node is being deactivated. They share the node of
+:mod:`mcpn_ros.node`, which puts itself into :data:`node`.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from rclpy.action import ActionClient
 from rclpy.callback_groups import ReentrantCallbackGroup
 from std_msgs.msg import String
 
-from mcpn.drivers.functions import Call
+from mcpn.robot.drivers.functions import Call
 
 LOOKS = 0.05
 """Seconds between two looks at whether the driver is to end."""

@@ -1,8 +1,8 @@
 """A lifecycle node that runs a mission: configured it has verified it, activated it runs it.
 
 Parameters: ``mission`` and ``drivers``, the paths of both files. Each step is published on the topic
-``mission/journal``, a line of JSON (mcpn.runtime.journal). Deactivated in the middle of a mission, it stops
-what runs; so it does on SIGINT and SIGTERM.
+``mission/journal``, a line of JSON (mcpn.robot.runtime.journal). Deactivated in the middle of a mission, it
+stops what runs; so it does on SIGINT and SIGTERM.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import String
 
 from mcpn.controller.document import document
-from mcpn.drivers.mapping import check_plan
-from mcpn.drivers.reading import read_drivers
-from mcpn.drivers.running import RobotRun
 from mcpn.errors import McpnError
-from mcpn.runtime import Controller
-from mcpn.runtime.journal import step_object
-from mcpn.runtime.tables import Tables
+from mcpn.robot.drivers.mapping import check_plan
+from mcpn.robot.drivers.reading import read_drivers
+from mcpn.robot.drivers.running import RobotRun
+from mcpn.robot.runtime import Controller
+from mcpn.robot.runtime.journal import step_object
+from mcpn.robot.runtime.tables import Tables
 from mcpn.study import open_study
 from mcpn_ros import bridge
 
