@@ -242,12 +242,6 @@ class EventReaction:
         before, after = self.states.subset([level]), self.leading(level)
         return (before - after) | (after - before)
 
-    def after_one(self, state: Sequence[int]) -> Sequence[int]:
-        """The marked levels after the event from one of the states, given as its own."""
-        after = self.remembering.encoding.store.singleton(state).images(self._ahead).pick()
-        assert after is not None, "each of the states enables the event"
-        return after
-
     # --- places ---
 
     def before(self, place: int) -> Zdd:

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 
@@ -24,18 +25,21 @@ def library() -> Any:
 class _Played:
     """One run of a tree."""
 
+    made_now: ClassVar[_Played]
+    """The run whose tree is made, for its leaves."""
+
     def __init__(self, tree: Path, seed: int) -> None:
         self.chance = random.Random(seed)
         self.running: dict[int, str] = {}
         self.seen: list[tuple[str, str]] = []
         self.answers = 0
         self.ending: int | None = None
-        made = {name: _leaf(self, name) for name in (*LEAVES, *CONDITIONS)}
+        _Played.made_now = self
         text = tree.read_text()
         # Without memory children are asked again, and a parallel node asks all that run, whatever ends it.
         self.unseen = "<Parallel" in text or 'memory="false"' in text
         self.root = library().parsers.behaviour_tree_xml.parse_behaviour_tree_xml(
-            str(tree), node_registry=made
+            str(tree), node_registry=_leaves()
         )
 
     def asked(self, leaf: int, name: str, *, begins: bool) -> str:
@@ -63,26 +67,32 @@ class _Played:
                 return
 
 
-def _leaf(run: _Played, kind: str) -> type:
-    """A leaf of a name, as the parser wants them: with ports, though it has none."""
+@cache
+def _leaves() -> dict[str, type]:
+    """A class of leaves for each name, as the parser wants them: with ports, though they have none.
+
+    py_trees keeps each class by its name and warns of another of the same name: these are for all runs.
+    """
     py_trees: Any = library()
 
     class Leaf(py_trees.ports.PortsMixin, py_trees.behaviour.Behaviour):  # type: ignore[misc]
         INPUT_PORTS: dict[str, object] = {}  # noqa: RUF012
         OUTPUT_PORTS: dict[str, object] = {}  # noqa: RUF012
+        KIND = ""
 
         def __init__(self, name: str, **_: object) -> None:
             super().__init__(name=name)
+            self.run = _Played.made_now
 
         def update(self) -> Any:
             begins = self.status != py_trees.common.Status.RUNNING
-            return py_trees.common.Status[run.asked(id(self), kind, begins=begins)]
+            return py_trees.common.Status[self.run.asked(id(self), self.KIND, begins=begins)]
 
         def terminate(self, new_status: Any) -> None:
             if new_status == py_trees.common.Status.INVALID:
-                run.running.pop(id(self), None)
+                self.run.running.pop(id(self), None)
 
-    return Leaf
+    return {kind: type(f"Leaf_{kind}", (Leaf,), {"KIND": kind}) for kind in (*LEAVES, *CONDITIONS)}
 
 
 def played(tree: Path, seed: int) -> list[Tick]:
