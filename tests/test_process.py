@@ -125,6 +125,37 @@ main()
     assert (run.returncode, run.stdout, run.stderr.strip()) == (code, "", said)
 
 
+@pytest.mark.parametrize("number", ENDS)
+def test_a_signal_in_a_finaliser_is_not_lost(number: signal.Signals) -> None:
+    """Python tells what is raised there and goes on."""
+    script = f"""
+import os, sys
+class Finalised:
+    def __del__(self):
+        os.kill(os.getpid(), {int(number)})
+        for _ in range(1000): pass
+class Late:
+    def find_spec(self, name, path=None, target=None):
+        if name == "click":
+            Finalised()
+            while True: pass
+sys.meta_path.insert(0, Late())
+sys.argv = ["mcpn", "check", {str(ULYSSE)!r}]
+from mcpn.cli import main
+main()
+"""
+    run = subprocess.run(
+        [sys.executable, "-c", script],
+        capture_output=True,
+        text=True,
+        check=False,
+        preexec_fn=interruptible,
+        timeout=30,
+    )
+    code, said = ENDS[number]
+    assert (run.returncode, run.stdout, run.stderr.strip()) == (code, "", said)
+
+
 @pytest.mark.parametrize("unbuffered", ["", "1"])
 @pytest.mark.parametrize("arguments", [["check", str(ULYSSE)], ["--help"], ["states", str(ULYSSE), "--json"]])
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")

@@ -63,6 +63,15 @@ def main() -> NoReturn:
         signal.signal(number, signal.SIG_DFL)  # a second one does not wait for anything
         raise KeyboardInterrupt
 
+    def swallowed(ignored: sys.UnraisableHookArgs) -> None:
+        """Interrupts again, and soon, what was interrupted in a finaliser or a callback of a reference."""
+        if received and issubclass(ignored.exc_type, KeyboardInterrupt):
+            signal.signal(signal.SIGALRM, stop)
+            signal.setitimer(signal.ITIMER_REAL, 0.001)
+        else:
+            sys.__unraisablehook__(ignored)
+
+    sys.unraisablehook = swallowed
     try:
         for number in SIGNALS:
             if signal.getsignal(number) not in (signal.SIG_IGN, None):
