@@ -5,11 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from string import Formatter
 
+import pytest
 from hypothesis import event, given
 from hypothesis import strategies as st
 
 from mcpn.answers.causes.fmeca import fmeca
-from mcpn.answers.claims import KINDS, Claim, claims_of, claims_of_causes
+from mcpn.answers.claims import KINDS, Claim, claims_of, claims_of_causes, entries, found
 from mcpn.errors import ConfluenceError, LimitError, UnsafeError
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
@@ -146,6 +147,45 @@ def test_a_second_emergency_interrupts_what_the_first_leads_to(tmp_path: Path) -
     ever = claims["alternate_for_ever"]
     assert ever.holds
     assert ever.sentence == "low and critical may go on for ever, and nothing else happens."
+
+
+def test_a_set_with_what_may_crash_is_supposed_to_be_missing(tmp_path: Path) -> None:
+    claims = of(
+        '<hardware name="sonar"/><activity name="look"><alternative name="cam" faulty="true"/>'
+        '<alternative name="ear" consumes="sonar"/></activity></robot>'
+        '<objective name="see" activities="look"/>',
+        tmp_path,
+    )
+    assert claims["missing_defeats: look.cam and sonar"].sentence == (
+        "Without look.cam and sonar from the start on, for good, there is no way to success."
+    )
+    assert claims["loss_before_defeats: sonar"].holds is False
+
+
+def test_of_many_objectives_one_claim_says_what_is_so_of_the_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nothing is left out: a claim on all others takes the place of one on each."""
+    text = (
+        '<hardware name="motor"/><event name="leak"/><activity name="go" consumes="motor"/>'
+        '<activity name="wait"/></robot><objective name="a" activities="wait"/>'
+        '<objective name="b" activities="go"><on event="leak" goto="c"/></objective>'
+        '<objective name="c" activities="wait"/>'
+    )
+    every = of(text, tmp_path)
+    for module in (entries, found):
+        monkeypatch.setattr(module, "MOST_PAIRS", 1)
+    some = of(text, tmp_path)
+    assert {key for key in every if key not in some} == {
+        "ignored: leak, b",
+        "ignored: leak, c",
+        *(f"loss_at_entry_defeats: motor, {entered}" for entered in "abc"),
+    }
+    else_ = some["handled_else: leak"]
+    assert (else_.holds, else_.formula) == (True, "AG (((objective(b))) -> event(leak))")
+    assert some["loss_at_entries_spares_success: motor"].holds
+    assert some["ignored: leak, a"].holds
+    confirm(read_mission(tmp_path / "m.xml"), list(some.values()), "symbolic")
 
 
 def test_keys_are_those_of_one_claim(tmp_path: Path) -> None:

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from mcpn.answers.verdicts.mission import MissionCheck, Verdict
     from mcpn.drawing.compose import MissionNet
 
-MOST_RUNNING = 60
-"""Objectives up to which a formula names all that may run."""
+MOST_PAIRS = 2_000
+"""Pairs of two things up to which each has a claim; of more, one claim says what is so of the others."""
 
 
 def claims_found(check: MissionCheck) -> Iterator[Claim]:
@@ -92,17 +92,18 @@ def _some(word: str, names: Iterable[str]) -> str:
 
 def _of_events(check: MissionCheck) -> Iterator[Claim]:
     """Which declared events are handled whatever runs, and while what runs the others change nothing."""
-    net, idle = check.mission_net, {each.event: each for each in check.changing_nothing}
+    net, changing = check.mission_net, {each.event: each for each in check.changing_nothing}
     if check.alternatives is None and check.markings is None:
         return
     objectives, led = plain_names(net, (objective.name for objective in net.graph.walk())), led_to(net)
-    for declared in (event for event in net.mission.events if not event.changes_facts):
-        name, each = declared.name, idle.get(declared.name)
+    events = [event for event in net.mission.events if not event.changes_facts]
+    few = len(events) * len(objectives) <= MOST_PAIRS
+    for declared in events:
+        name, each = declared.name, changing.get(declared.name)
         severity: Severity = "required" if declared.required else "informative"
-        few, inside = len(objectives) <= MOST_RUNNING, led.get(name, [])
-        if few:
-            formula = KINDS["handled_always"].formula.format(name, running=_some("objective", objectives))
-            yield Claim("handled_always", (name,), each is None, Assumes(moment="every"), formula)
+        inside = led.get(name, [])
+        formula = KINDS["handled_always"].formula.format(name, running=_some("objective", objectives))
+        yield Claim("handled_always", (name,), each is None, Assumes(moment="every"), formula)
         not_led = "".join(f" & !objective({other})" for other in inside)
         ignored, answering = ((), ()) if each is None else (each.objectives, each.answering)
         for kind, names, asked in (
@@ -113,6 +114,10 @@ def _of_events(check: MissionCheck) -> Iterator[Claim]:
             for during in asked if few else so:
                 formula = KINDS[kind].formula.format(name, during, not_led=not_led)
                 yield Claim(kind, (name, during), during in so, formula=formula, severity=severity)
+        idle = {*plain_names(net, (*ignored, *answering))}
+        if not few and idle and (others := [other for other in objectives if other not in idle]):
+            formula = KINDS["handled_else"].formula.format(name, running=_some("objective", others))
+            yield Claim("handled_else", (name,), True, Assumes(moment="every"), formula)
 
 
 def _of_late_losses(check: MissionCheck) -> Iterator[Claim]:

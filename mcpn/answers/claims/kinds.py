@@ -10,6 +10,7 @@ from mcpn.answers.claims.kinds_of_reach import OF_REACH
 _SAFE_ENDS = "where an abort may come by the failure of what should make safe, safe ends are events"
 
 _UNSEEN = "it is asked of the present run of an objective, which no word of formulas names"
+_MISSING = "what crashes does so as it runs, and what is out at first need not fail: no event takes it"
 _OF_MARKINGS = "formulas speak of stable states, and this is so of all markings"
 
 KINDS: Mapping[str, ClaimKind] = {
@@ -195,6 +196,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "a run",
             shown=EVERYWHERE,
             good=False,
+            several="one of {}, whichever it is",
         ),
         ClaimKind(
             "without_repair_defeated",
@@ -216,6 +218,19 @@ KINDS: Mapping[str, ClaimKind] = {
             "all states after the loss",
             EVERYWHERE,
             joint=", or of ",
+            several="{}",
+            good=False,
+        ),
+        ClaimKind(
+            "missing_defeats",
+            "",
+            "without {0} from the start on, for good, there is no way to success",
+            "without {0} from the start on, for good, there is a way to success",
+            "whether there is a way to success without {0} is not known",
+            "all states after the loss",
+            EVERYWHERE,
+            _MISSING,
+            joint=", or without ",
             several="{}",
             good=False,
         ),
@@ -263,6 +278,19 @@ KINDS: Mapping[str, ClaimKind] = {
             EVERYWHERE,
             _SAFE_ENDS,
             joint=", or of ",
+            several="{}",
+            good=False,
+        ),
+        ClaimKind(
+            "missing_endangers",
+            "",
+            "without {0} from the start on, for good, there is no way to a safe end",
+            "without {0} from the start on, for good, there is a way to a safe end",
+            "whether there is a way to a safe end without {0} is not known",
+            "all states after the loss",
+            EVERYWHERE,
+            _MISSING,
+            joint=", or without ",
             several="{}",
             good=False,
         ),
@@ -334,6 +362,16 @@ KINDS: Mapping[str, ClaimKind] = {
             EVERYWHERE,
             several="{}",
             good=False,
+        ),
+        ClaimKind(
+            "handled_else",
+            "AG (({running}) -> event({0}))",
+            "{0} is handled during each objective of which nothing else is said",
+            "{0} is ignored during an objective of which nothing is said",
+            "whether {0} is handled elsewhere is not known",
+            "all states",
+            good=True,
+            several="{}",
         ),
         ClaimKind(
             "answered_already",

@@ -100,6 +100,32 @@ OF_REACH = (
         good=False,
     ),
     ClaimKind(
+        "loss_at_entries_spares_success",
+        "",
+        "the loss of {0}, not repaired, leaves a way to success from the entry of each section of which "
+        "nothing else is said",
+        "the loss of {0}, not repaired, leaves no way to success from the entry of a section of which "
+        "nothing is said",
+        "whether the loss of {0} at other entries leaves a way to success is not known",
+        "all states at the entries",
+        why=_ENTRY,
+        several="{}",
+        good=True,
+    ),
+    ClaimKind(
+        "loss_at_entries_spares_safety",
+        "",
+        "the loss of {0}, not repaired, leaves a way to a safe end from the entry of each section of which "
+        "nothing else is said",
+        "the loss of {0}, not repaired, leaves no way to a safe end from the entry of a section of which "
+        "nothing is said",
+        "whether the loss of {0} at other entries leaves a way to a safe end is not known",
+        "all states at the entries",
+        why=_ENTRY,
+        several="{}",
+        good=True,
+    ),
+    ClaimKind(
         "loss_at_entry_endangers",
         "",
         "the loss of {0}, not repaired, leaves no way to a safe end from the entry of {1} on",

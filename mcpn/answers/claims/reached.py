@@ -8,7 +8,7 @@ from typing import Generic
 
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.claims.claim import Claim
-from mcpn.answers.claims.found import MOST_RUNNING, plain_names
+from mcpn.answers.claims.found import plain_names
 from mcpn.answers.claims.kinds import KINDS
 from mcpn.events import Event, What
 from mcpn.spaces.algebra import S, Space
@@ -97,10 +97,8 @@ class Reached(Generic[S]):
         names = list(dict.fromkeys(map(str, own.values())))
         ended = self.space.marked(self.net.ends.values())
         stuck = self.space.everything - self.space.enabling(own) - ended
-        kind, formula = KINDS["waits_for_hardware"], ""
-        if len(names) <= MOST_RUNNING:
-            some = " | ".join(f"event({name})" for name in names)
-            formula = kind.formula.format(ends=" | ".join(self.net.ends), some=some)
+        kind, some = KINDS["waits_for_hardware"], " | ".join(f"event({name})" for name in names)
+        formula = kind.formula.format(ends=" | ".join(self.net.ends), some=some)
         return Claim(kind.name, (), bool(stuck), formula=formula)
 
     def _claim(self, kind: str, subject: tuple[str, ...], holds: bool, event: str = "") -> Claim:

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from mcpn.answers.causes.fmeca import Row
 
 BEFORE = Assumes(repairs="others", moment="start")
-MOST_SETS = 100
-"""Sets of losses of one kind that have a claim; the table of causes has all."""
 
 
 def claims_of_causes(causes: Causes, rows: Sequence[Row] = ()) -> list[Claim]:
@@ -48,23 +46,24 @@ def _of_goal(causes: Causes, goal: GoalCauses, verb: str, words: str) -> Iterato
     if needs_repair:
         return
     mission, prospects = causes.mission_net.mission, causes.prospects
-    # What crashes as it runs is never lost before.
+    # What crashes as it runs is never lost before by an event; that it is gone from the start is supposed.
     begin = prospects.space.initial
     fails = {name: prospects.carrying(What.OUT_OF_SERVICE, name) for name in prospects.hardware}
     can_fail = [name for name, own in fails.items() if own and begin & prospects.space.enabling(own)]
     alone = [(name,) for name in can_fail if name not in causes.unused]
-    asked = [*alone, *(lost for lost in goal.cut_sets if len(lost) > 1)][: MOST_SETS + len(alone)]
+    known, minimal = {*can_fail}, {*goal.cut_sets}
+    several = [lost for lost in goal.cut_sets if len(lost) > 1 and {*lost} <= known]
     certain = causes.safety is not goal or (prospects.safety is not None and not prospects.safety.ends_from)
-    asked = [lost for lost in asked if {*lost} <= {*can_fail}]
     certain &= not any(h.initial == "oos" for h in mission.hardware)
-    for lost in asked:
+    for lost in (*alone, *several):
         repairs = [f"{name}_EV_RD" for name in lost if prospects.carrying(What.REPAIRED, name)]
         formula = f"!{some_run(repairs, words)}"
         for name in reversed(lost):
             formula = KINDS[before].formula.format(name, then=formula)
-        holds = lost in goal.cut_sets
-        yield Claim(before, (_set(lost),), holds, BEFORE, formula if certain else "")
-    for lost in [lost for lost in goal.only_at_worst if len(lost) > 1][:MOST_SETS]:
+        yield Claim(before, (_set(lost),), lost in minimal, BEFORE, formula if certain else "")
+    for lost in (lost for lost in goal.cut_sets if not {*lost} <= known):
+        yield Claim(f"missing_{verb}s", (enumeration(lost),), True, BEFORE)
+    for lost in (lost for lost in goal.only_at_worst if len(lost) > 1):
         yield Claim(at_worst, (_set(lost),), True, Assumes(repairs="others"))
 
 

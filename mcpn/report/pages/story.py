@@ -84,8 +84,9 @@ def losses(findings: Findings, verb: str, most: int = MOST_TOLD) -> list[str]:
     aided = [c for c in findings.held(f"loss_{verb}s") if c.assumes.help == "declared"]
     later = [claim for claim in aided if claim.subject not in known]
     unaided = [claim for claim in findings.held(f"loss_{verb}s") if claim.refers_to]
-    several = findings.held(f"losses_{verb}")
-    return sentences([*findings.held(f"without_repair_{verb}ed"), *before, *later, *several, *unaided], most)
+    missing, several = findings.held(f"missing_{verb}s"), findings.held(f"losses_{verb}")
+    needed = findings.held(f"without_repair_{verb}ed")
+    return sentences([*needed, *before, *missing, *later, *several, *unaided], most)
 
 
 def kept(findings: Findings, verb: str, most: int = MOST_TOLD) -> list[str]:
