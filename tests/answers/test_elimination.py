@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.answers.causes.linear_systems import Elimination, Floats, resolvent
+from mcpn.answers.causes import linear_systems
+from mcpn.answers.causes.linear_systems import Elimination, Floats, resolvent, solver_of
 
 
 @given(st.data())
@@ -70,3 +71,19 @@ def test_a_resolvent_is_exact_however_rarely_it_is_left(size: int, seed: int, ra
             matrix[j] = [x - matrix[j][i] * y for x, y in zip(matrix[j], matrix[i], strict=True)]
     inverse = [[float(x) for x in row[size:]] for row in matrix]
     assert resolvent(steps, leaving) == pytest.approx(np.array(inverse), rel=1e-12)
+
+
+@given(st.integers(2, 12), st.integers(0, 10_000))
+def test_iteration_is_as_exact_as_elimination(size: int, seed: int) -> None:
+    """From nowhere are more than some four steps expected: the two differ by the roundings of so many."""
+    random = np.random.default_rng(seed)
+    steps = random.random((size, size)) * (random.random((size, size)) < 0.5)
+    leaving = random.uniform(0.3, 1.0, size) * (steps.sum(axis=1) + 1)
+    whole = steps.sum(axis=1) + leaving
+    steps, leaving = steps / whole[:, None], leaving / whole
+    right = (random.random(size) * leaving)[:, None]
+    inverse = solver_of(lambda columns: np.asarray(steps @ columns), lambda: leaving, size)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(linear_systems, "MOST_DENSE", 0)
+        iterated = solver_of(lambda columns: np.asarray(steps @ columns), lambda: leaving, size)
+    assert iterated(right) == pytest.approx(inverse(right), rel=2e-14)

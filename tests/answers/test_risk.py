@@ -47,12 +47,16 @@ def sections_numbers(found: MissionNet, max_states: int = 5000) -> Risk:
     return risk(Prospects(found, spaces_of(found).space("local", "alternatives")), max_states)
 
 
+OF_IMPORTANCE = 4 * linear_systems.PRECISION
+"""It is a difference of two probabilities, each of which either way has to :data:`PRECISION` of itself."""
+
+
 def assert_same(one: Risk, other: Risk) -> None:
     """Equal but for rounding: each number by composition and on the whole."""
     assert other.success == pytest.approx(one.success, rel=1e-9, abs=1e-12)
     assert other.failure == pytest.approx(one.failure, rel=1e-9, abs=1e-12)
     assert other.degraded_modes == pytest.approx(one.degraded_modes, rel=1e-9, abs=1e-12)
-    assert other.importance == pytest.approx(one.importance, rel=1e-9, abs=1e-12)
+    assert other.importance == pytest.approx(one.importance, rel=1e-9, abs=OF_IMPORTANCE)
     assert (other.abort is None) == (one.abort is None)
     assert other.abort == pytest.approx(one.abort or 0.0, rel=1e-9, abs=1e-12) or other.abort is None
 

@@ -209,14 +209,14 @@ CHUNK = 64
 MOST_DENSE = 4096
 """Unknowns of a system that is solved directly where it is dense; a larger one by iteration."""
 
+A_STEP = 1e-15
+"""What one step costs of an unknown, relative to it: some ten roundings of 1.1e-16."""
+
 MOST_STEPS = 1e4
-"""Expected steps on the way to what is asked for, up to which factors of a sparse matrix are taken.
+"""Expected steps on the way to what is asked for, up to which factors of a sparse matrix are taken."""
 
-A rounding of 1.1e-16 some ten times for each of them is 1e-11.
-"""
-
-PRECISION = 1e-11
-"""Of the iteration, relative to each unknown."""
+PRECISION = A_STEP * MOST_STEPS
+"""Of an unknown, relative to it, at worst: by factors, and by iteration."""
 
 MOST_SWEEPS = 2_000
 """Of the iteration."""
@@ -274,7 +274,8 @@ def _iterated(system: Callable[[Floats], Floats], right: Floats) -> Floats:
 
     Where each unknown gains by the next sweep between ``p`` and ``q`` times what it gained by this one, so
     it does ever after, since ``N`` has no negative entry: what is to come is between ``p / (1 - p)`` and
-    ``q / (1 - q)`` times the last gain.
+    ``q / (1 - q)`` times the last gain. Some ``1 / (1 - q)`` steps are expected; the bounds need not be
+    closer than the roundings of so many.
     """
     found, gained = right, right
     for _ in range(MOST_SWEEPS):
@@ -285,7 +286,8 @@ def _iterated(system: Callable[[Floats], Floats], right: Floats) -> Floats:
             low, high = shares.min(initial=1.0), shares.max(initial=0.0)
             if high < 1:
                 least, most = (share / (1 - share) if len(shares) else 0.0 for share in (low, high))
-                if np.all((most - least) / 2 * gained <= PRECISION * found):
+                precision = min(A_STEP / (1 - high), PRECISION)
+                if np.all((most - least) / 2 * gained <= precision * found):
                     return np.asarray(found + (most + least) / 2 * gained)
         found, gained = found + more, more
     raise LimitError(f"the values at {len(right)} entries of sections in loops did not settle")
