@@ -209,6 +209,7 @@ TEXTS = [
     *sorted(ROOT.glob("*.md")),
     *sorted((ROOT / "papers").glob("*.md")),
     ROOT / "experiments" / "README.md",
+    *sorted((ROOT / "experiments").glob("*/README.md")),
     ROOT / "changelog.d" / "README.md",
 ]
 

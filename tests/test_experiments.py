@@ -15,15 +15,18 @@ import pytest
 from tests.conftest import ROOT
 
 FOLDER = ROOT / "experiments"
-LIBRARIES = {"callers", "dd_engine", "drawing", "limits", "plots"}
+LIBRARIES = {"faults/callers", "nets/dd_engine", "shared/drawing", "shared/limits", "shared/plots"}
 """Modules that scripts share and that are no scripts."""
-SCRIPTS = sorted(path.stem for path in FOLDER.glob("*.py") if path.stem not in LIBRARIES)
+FOLDERS = ("counts", "growth", "nets", "judges", "faults", "robots", "shared")
+"""The other folders hold missions."""
+MODULES = {f"{name}/{path.stem}" for name in FOLDERS for path in (FOLDER / name).glob("*.py")}
+SCRIPTS = sorted(MODULES - LIBRARIES)
 PAPER = ROOT / "papers" / "mcpn.md"
 PAPERS = (PAPER, ROOT / "papers" / "comparison.md")
 
 
 def python(*arguments: object, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
-    environment = {**os.environ, "PYTHONPATH": str(FOLDER)}
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(str(FOLDER / name) for name in FOLDERS)}
     environment.pop("PYTHONSAFEPATH", None)
     return subprocess.run(
         [sys.executable, *map(str, arguments)],
@@ -36,10 +39,16 @@ def python(*arguments: object, folder: Path | None = None) -> subprocess.Complet
 
 
 def test_the_readme_names_every_script_and_how_long_it_takes() -> None:
-    text = (FOLDER / "README.md").read_text()
-    rows = dict(re.findall(r"^\| `(\w+)\.py`[^|]*\|.*\| ([^|]+) \|$", text, re.MULTILINE))
-    assert sorted(rows) == SCRIPTS
-    assert all(re.search(r"second|minute", time) for time in rows.values())
+    _, *parts = re.split(r"^### \[?(\w+)/", (FOLDER / "README.md").read_text(), flags=re.MULTILINE)
+    row = re.compile(r"^\| `(\w+)\.py`[^|]*\|.*\| ([^|]+) \|$", re.MULTILINE)
+    rows = [
+        (f"{folder}/{name}", time)
+        for folder, text in zip(parts[::2], parts[1::2], strict=True)
+        for name, time in row.findall(text)
+    ]
+    assert sorted(name for name, _ in rows) == SCRIPTS
+    assert all(re.search(r"second|minute", time) for _, time in rows)
+    assert not [*FOLDER.glob("*.py")], "a script stands in the folder of its question"
 
 
 @pytest.mark.parametrize("script", SCRIPTS)
@@ -51,7 +60,7 @@ def test_a_script_says_how_long_it_takes(script: str) -> None:
 
 
 def test_help_shows_the_time() -> None:
-    found = python(FOLDER / "explicit_vs_symbolic.py", "--help")
+    found = python(FOLDER / "counts" / "explicit_vs_symbolic.py", "--help")
     assert found.returncode == 0, found.stderr
     assert "minutes" in found.stdout
 
@@ -88,14 +97,14 @@ def stale(tables: Mapping[str, str], **asked: object) -> str:
 
 @pytest.mark.parametrize("table", SMALL)
 def test_counts_in_the_papers_are_those_of_today(table: str) -> None:
-    assert not stale({table: SMALL[table]}, seconds=60, timed=False), "run python experiments/paper.py"
+    assert not stale({table: SMALL[table]}, seconds=60, timed=False), "run python experiments/counts/paper.py"
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("table", [name for name, rows in SMALL.items() if rows != ".*"])
 def test_all_counts_in_the_papers_are_those_of_today(table: str) -> None:
     """Also of large missions, by each engine: some ten minutes."""
-    assert not stale({table: ".*"}), "run python experiments/paper.py"
+    assert not stale({table: ".*"}), "run python experiments/counts/paper.py"
 
 
 def test_each_table_of_the_papers_is_measured_and_held() -> None:
@@ -191,7 +200,7 @@ def test_explicit_and_symbolic_side_by_side() -> None:
 
 def test_trees_are_asked_the_same() -> None:
     """By mcpn, and by a model checker where one is installed with BehaVerify: each answer is known."""
-    found = python(FOLDER / "trees.py", "--sizes", 2, 3)
+    found = python(FOLDER / "judges" / "trees.py", "--sizes", 2, 3)
     assert found.returncode == 0, found.stderr
     rows = rows_of(found.stdout)
     assert [row[:2] for row in rows] == [["2", "7"], ["3", "10"]]
@@ -229,7 +238,7 @@ def test_nav2s_default_tree(request: pytest.FixtureRequest, tmp_path: Path) -> N
     given = request.config.getoption("--trees")
     if not given:
         pytest.skip("needs a folder of behaviour trees: --trees")
-    found = python(FOLDER / "nav2.py", "--trees", given)
+    found = python(FOLDER / "robots" / "nav2.py", "--trees", given)
     assert found.returncode == 0, found.stderr
     sets = ("controller_server", "lidar", "odometry", "planner_server", "wheels")
     fails = " or ".join(f"`{name}`" for name in sets)
@@ -245,13 +254,13 @@ def test_what_grows_is_plotted(tmp_path: Path) -> None:
     """The smallest member of each family, in the files of ``-o``."""
     pytest.importorskip("matplotlib", reason="needs matplotlib: the extra experiments")
     folder = tmp_path / "new" / "folder"
-    found = python(FOLDER / "explicit_vs_symbolic.py", "--most", 1, "-o", folder)
+    found = python(FOLDER / "counts" / "explicit_vs_symbolic.py", "--most", 1, "-o", folder)
     assert found.returncode == 0, found.stderr
     with (folder / "explicit_vs_symbolic.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [(row["family"], row["n"]) for row in rows] == [("branches", "1"), ("row", "1")]
     assert (folder / "explicit_vs_symbolic.svg").read_text().count(">CPU seconds<") == 2
     (tmp_path / "file").touch()
-    found = python(FOLDER / "families.py", "-o", tmp_path / "file" / "below")
+    found = python(FOLDER / "counts" / "explicit_vs_symbolic.py", "-o", tmp_path / "file" / "below")
     assert (found.returncode, found.stdout) == (2, "")
     assert "Traceback" not in found.stderr

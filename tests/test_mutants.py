@@ -28,11 +28,11 @@ def larger(a: int, b: int, often: bool = False) -> int:
 
 @pytest.fixture(scope="module")
 def mutants() -> ModuleType:
-    sys.path.append(str(ROOT / "experiments"))
+    sys.path.append(str(ROOT / "experiments" / "faults"))
     try:
         import mutants  # type: ignore[import-not-found]
     finally:
-        sys.path.remove(str(ROOT / "experiments"))
+        sys.path.remove(str(ROOT / "experiments" / "faults"))
     found: ModuleType = mutants
     return found
 
@@ -106,9 +106,9 @@ def test_the_tests_that_call_what_is_changed(mutants: ModuleType) -> None:
 @pytest.fixture
 def checkout(tmp_path: Path) -> Path:
     """A checkout with two files and the experiment."""
-    for path in ("experiments", "mcpn/spaces"):
+    for path in ("experiments/faults", "mcpn/spaces"):
         (tmp_path / path).mkdir(parents=True)
-    shutil.copy(ROOT / "experiments" / "mutants.py", tmp_path / "experiments")
+    shutil.copy(ROOT / "experiments" / "faults" / "mutants.py", tmp_path / "experiments" / "faults")
     for name in ("old", "new"):
         (tmp_path / "mcpn" / "spaces" / f"{name}.py").write_bytes(SOURCE)
     return tmp_path
@@ -117,7 +117,7 @@ def checkout(tmp_path: Path) -> Path:
 def listed(checkout: Path, *arguments: str, path: str | None = None) -> tuple[set[str], str]:
     """The files of which mutants are drawn, and what is said beside."""
     environment = {**os.environ, "GIT_CEILING_DIRECTORIES": str(checkout.parent)}
-    command = [sys.executable, "experiments/mutants.py", "--list", "--seed", "1", *arguments]
+    command = [sys.executable, "experiments/faults/mutants.py", "--list", "--seed", "1", *arguments]
     found = subprocess.run(
         command,
         cwd=checkout,
@@ -165,7 +165,14 @@ def test_without_git_all_files_are_drawn_and_it_says_so(checkout: Path, path: st
 
 @pytest.mark.slow
 def test_a_run(tmp_path: Path) -> None:
-    command = [sys.executable, str(ROOT / "experiments" / "mutants.py"), "--seed", "1", "--number", "3"]
+    command = [
+        sys.executable,
+        str(ROOT / "experiments" / "faults" / "mutants.py"),
+        "--seed",
+        "1",
+        "--number",
+        "3",
+    ]
     what = ["--why", "--folder", "mcpn/errors.py", "--tests", "tests/test_errors.py"]
     found = subprocess.run([*command, *what], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert found.returncode == 0, found.stderr

@@ -11,7 +11,7 @@ from unittest.mock import patch
 
 import pytest
 
-from experiments.boards import (
+from experiments.robots.boards import (
     BOARDS,
     EVENTS,
     LARGE,
@@ -133,7 +133,7 @@ def test_the_page_s_figures_are_those_of_today() -> None:
     assert written is not None
     if versions() not in written[0]:
         pytest.skip(f"the page was measured with other versions than {versions()}")
-    assert "\n".join(page()) + "\n" == written[0], "run python experiments/boards.py --write"
+    assert "\n".join(page()) + "\n" == written[0], "run python experiments/robots/boards.py --write"
 
 
 def test_the_page_names_its_compilers() -> None:

@@ -85,7 +85,7 @@ def test_shares_are_those_of_risk_and_the_published_run_shows_the_open_dumpster(
     world: dict[str, str], tmp_path: Path
 ) -> None:
     """It ends with 1 where a share lies outside of its interval, a run is not replayed, or a goal missed."""
-    script = ROOT / "experiments" / "roscon.py"
+    script = ROOT / "experiments" / "robots" / "roscon.py"
     command = [sys.executable, str(script), "--runs", "8", "--only", "problem1", "--jobs", "1"]
     found = subprocess.run(command, cwd=tmp_path, env=world, capture_output=True, text=True, check=False)
     assert found.returncode == 0, found.stdout + found.stderr

@@ -21,7 +21,7 @@ from tests.judge.players import MODULAR, OfGraph
 from tests.small import activity, hw, mission, robot
 
 MOST_STATES = 400
-"""A few larger missions took most of the time; ``experiments/judge.py`` draws missions of up to 3,000."""
+"""A few larger missions took most of the time; ``experiments/judges/judge.py`` draws up to 3,000."""
 
 
 def check(of: Mission, most: int = MOST_STATES) -> str:
@@ -327,7 +327,8 @@ def test_branches_of_a_repeated_block_have_their_own_names() -> None:
 def test_one_event_in_two_branches_lets_a_producer_return() -> None:
     """A leak stops what one branch consumes, and lets the other begin: the producer stops between the two.
 
-    Drawn missions show it (``experiments/judge.py --missions 150 --jobs 1 --seed 11``, before it was mended).
+    Drawn missions show it (``experiments/judges/judge.py --missions 150 --jobs 1 --seed 11``, before it was
+    mended).
     """
     leak = (Handler(event="leak", goto="fail"),)
     here = Recursive(

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from experiments.template_faults import FAULTS, HARMLESS, RIGHT, Faulty, Held
+from experiments.faults.template_faults import FAULTS, HARMLESS, RIGHT, Faulty, Held
 from mcpn.drawing.compose import compose
 from mcpn.drawing.templates import Canvas, PaperTemplates, TemplateSet
 from mcpn.drawing.templates.canvas import RoleName

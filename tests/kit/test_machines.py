@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from hypothesis.stateful import run_state_machine_as_test
 
-from experiments.template_faults import BY_ELEMENT, FAULTS, HARMLESS, Faulty, Held
+from experiments.faults.template_faults import BY_ELEMENT, FAULTS, HARMLESS, Faulty, Held
 from mcpn.drawing.templates import PaperTemplates, TemplateSet
 from mcpn.drawing.templates.compact import CompactTemplates
 from mcpn.testing.kit.subject import Violation

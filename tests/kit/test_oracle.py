@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import pytest
 
-from experiments.template_faults import FAULTS, Faulty
+from experiments.faults.template_faults import FAULTS, Faulty
 from mcpn.drawing.compose import compose
 from mcpn.drawing.templates import Canvas, PaperTemplates
 from mcpn.drawing.templates.compact import CompactTemplates

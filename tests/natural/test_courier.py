@@ -1,4 +1,4 @@
-"""The courier beside the scripts: its facts, the routes that they ask for, and what fails with others."""
+"""The worked courier: its facts, the routes that they ask for, and what fails with others."""
 
 from __future__ import annotations
 

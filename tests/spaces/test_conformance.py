@@ -31,7 +31,7 @@ def sizes(summary: SpaceSummary) -> SpaceSummary:
     return replace(summary, nodes=None, peak_nodes=None, order=None, engine="", seconds=0)
 
 
-OWN = ("tests.spaces.plain:PlainSets", "experiments.dd_engine:DdSets")
+OWN = ("tests.spaces.plain:PlainSets", "experiments.nets.dd_engine:DdSets")
 """Engines as a caller may bring them: sets of Python, and the diagrams of the package dd."""
 
 
@@ -120,7 +120,7 @@ def test_the_contest_s_answers(engine: str, mcc: Path, mcc_oracles: dict[str, di
     assert checked >= {"explicit": 20, "symbolic": 30, "pyeda": 15}[engine]
 
 
-# Left to experiments/mcc.py, which gives each net a minute.
+# Left to experiments/nets/mcc.py, which gives each net a minute.
 SLOW = {
     "Solitaire-PT-SqrNC5x5",
     "Dekker-PT-050",

@@ -140,8 +140,8 @@ def _stands_on_hardware(net: PetriNet, order: Order) -> bool:
 
 
 def _named(net: PetriNet) -> Iterator[tuple[str, Order]]:
-    # As they won on nets of the contest and on those of experiments/hard_nets.py; each of the first four is
-    # good for nets of which the others are bad.
+    # As they won on nets of the contest and on those of experiments/nets/hard_nets.py; each of the first
+    # four is good for nets of which the others are bad.
     seeded = cuthill_mckee(net)
     few_pairs = sum(len(places) ** 2 for places in _touched(net)) <= MOST_PAIRS
     if few_pairs:
