@@ -45,7 +45,6 @@ WAY = [
     "answers",
     "controller",
     "certificates",
-    "bench",
     "tree_tests",
     "findings",
     "report",

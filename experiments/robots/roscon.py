@@ -28,11 +28,11 @@ from pathlib import Path
 from typing import Any
 
 from mcpn.answers.causes.risk import risk
-from mcpn.bench.runs import interval
 from mcpn.controller.document import document
 from mcpn.controller.monitors.writing import files, monitors_of
 from mcpn.controller.simulator import Simulation
 from mcpn.events import Event
+from mcpn.robot.bench.runs import interval
 from mcpn.robot.drivers.mapping import check_plan
 from mcpn.robot.drivers.reading import read_drivers
 from mcpn.robot.drivers.running import RobotRun

@@ -7,15 +7,10 @@ which internal transitions fire is that of their ranks: what is on its way comes
 before their consumers. Within a rank the order makes no difference to the actions (tests draw it at random).
 This holds for the net of a mission and for that of one of its sections alike, so that machines made of either
 give the robot the same orders.
-
-Simulations and benches may ask for the run on which nothing fails. All such runs are decided by
-:mod:`mcpn.answers.verdicts.nominal`; here one of them is played, of a mission of any size: of several
-objectives that run, the first of the document succeeds first.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Hashable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
@@ -24,8 +19,7 @@ import numpy as np
 
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import DivergenceError
-from mcpn.events import START, Event, What
-from mcpn.mission.model import Mission
+from mcpn.events import What
 from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.markings.masked import MaskedNet, bits_of
 
@@ -215,52 +209,3 @@ class Runner:
                     places, at_rest = found[name]
                     found[name] = places | 1 << number, at_rest | (place.initial and 1 << number)
         return found
-
-
-MOST_EVENTS = 100_000
-"""Most events of one run."""
-
-
-def awaited(mission: Mission) -> frozenset[str]:
-    """Hardware that is out of service at the start and comes back before it."""
-    return frozenset(h.name for h in mission.hardware if h.initial == "oos" and h.repairable)
-
-
-def nominal_event(possible: Sequence[Event], back: Collection[str]) -> Event | None:
-    """What happens next while nothing fails; ``None`` where nothing can succeed.
-
-    Args:
-        possible: What may happen.
-        back: Hardware that comes back before the start.
-    """
-    succeeding = None
-    for event in possible:
-        if event == START:
-            repairs = (e for e in possible if e.what is What.REPAIRED and e.element in back)
-            return next(repairs, START)
-        if event.what is What.SUCCESS and succeeding is None:
-            succeeding = event
-    return succeeding
-
-
-def nominal_run(
-    possible: Callable[[], Sequence[Event]], take: Callable[[Event], Hashable], back: Collection[str]
-) -> list[Event]:
-    """Takes the run on which nothing fails, from before the start on.
-
-    Args:
-        possible: What may happen now, successes in the order of the document.
-        take: Takes an event, and says where it has led: equal only where the same may follow.
-        back: Hardware that comes back before the start.
-
-    Returns:
-        The events, up to where the mission has ended, nothing can succeed, or the run is where it was before.
-    """
-    run, seen = list[Event](), set[Hashable]()
-    while len(run) < MOST_EVENTS and (event := nominal_event(possible(), back)) is not None:
-        run.append(event)
-        here = take(event)
-        if here in seen:
-            break
-        seen.add(here)
-    return run

@@ -16,11 +16,7 @@ from hypothesis import strategies as st
 
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.causes.risk import risk
-from mcpn.bench.controller_places import ControllerPlace, Places
-from mcpn.bench.generated_code import Program, compare
-from mcpn.bench.runs import bench, interval, one_run
-from mcpn.bench.scxml_replay import Statechart
-from mcpn.bench.world import World
+from mcpn.controller.chances import chances_of
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.drawing.compose import MissionNet, compose
@@ -29,7 +25,12 @@ from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Hardware
 from mcpn.mission.writer import write_mission
 from mcpn.mission.xml import read_mission
+from mcpn.robot.bench.controller_places import ControllerPlace, Places
+from mcpn.robot.bench.generated_code import Program, compare
+from mcpn.robot.bench.runs import bench, interval, one_run
+from mcpn.robot.bench.scxml_replay import Statechart
 from mcpn.robot.bench.sequences import sequences
+from mcpn.robot.bench.world import World
 from mcpn.robot.runtime import Controller
 from mcpn.robot.runtime.machines import TypeTables
 from mcpn.robot.runtime.tables import Tables
@@ -57,7 +58,8 @@ NEVER = 1 - 1e-7
 
 
 def world(mission_net: MissionNet, duration: float | None = None) -> World:
-    return World(mission_net, Tables(document(generate(mission_net), mission_net)), duration)
+    tables = Tables(document(generate(mission_net), mission_net))
+    return World(tables, chances_of(mission_net), duration)
 
 
 @fewer(0.2)
@@ -181,8 +183,8 @@ def test_generated_code_on_the_same_runs(target: str, ulysse_net: MissionNet, tm
     places = Places(Tables(document(controller, ulysse_net)))
     every = sorted(places.tables.known)
     runs = [["MISSION_EV_START", *random.Random(n).choices(every, k=30), "no_such_EV"] for n in range(20)]
-    assert compare(Program(controller, ulysse_net, target, tmp_path), places, runs) is None
-    wrong = Program(generate(ulysse_net, "flat"), ulysse_net, target, tmp_path)
+    assert compare(Program(document(controller, ulysse_net), target, tmp_path), places, runs) is None
+    wrong = Program(document(generate(ulysse_net, "flat"), ulysse_net), target, tmp_path)
     answers = wrong.answers(runs)
 
     class Damaged(Program):
@@ -213,7 +215,7 @@ def test_scxml_in_lockstep(mission: Mission, seed: int, flat: bool) -> None:
     mission_net = compose(mission)
     try:
         controller = generate(mission_net, "flat" if flat else "hierarchical", max_states=200)
-        statechart = Statechart(controller, mission_net)
+        statechart = Statechart(document(controller, mission_net))
     except (SemanticsError, LimitError) as error:
         returns_early(type(error).__name__)
         return
@@ -231,7 +233,7 @@ def test_scxml_in_lockstep(mission: Mission, seed: int, flat: bool) -> None:
 
     run = next((run for run in runs if places.after(reached(places, run[:-1]), run[-1]) is not None), None)
     if run is not None and len(run) > 1:
-        deaf = Deaf(controller, mission_net)
+        deaf = Deaf(document(controller, mission_net))
         difference = compare(deaf, places, [run])
         if deaf.answers([run]) == statechart.answers([run]):  # the last event did what the one before did
             assert difference is None
@@ -270,7 +272,7 @@ def test_the_command_runs_scxml(written: str) -> None:
 def test_without_the_interpreter_of_scxml(ulysse_net: MissionNet, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "statemachine.io.scxml.processor", None)
     with pytest.raises(LimitError, match="needs python-statemachine: pip install 'mcpn"):
-        Statechart(generate(ulysse_net), ulysse_net)
+        Statechart(document(generate(ulysse_net), ulysse_net))
 
 
 # --- sequences ---

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from hypothesis import given
 
-from mcpn.bench.controller_places import Places
-from mcpn.bench.runs import edge_of
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
 from mcpn.drawing.compose import compose
 from mcpn.errors import ConfluenceError
 from mcpn.mission.model import Mission
+from mcpn.robot.bench.controller_places import Places
+from mcpn.robot.bench.runs import edge_of
 from mcpn.robot.bench.sequences import sequences
 from mcpn.robot.runtime import Controller
 from mcpn.robot.runtime.tables import Tables

@@ -70,7 +70,7 @@ def scion_version() -> str | None:
 def python_statemachine(path: Path, events: list[str]) -> Answers:
     """The interpreter of python-statemachine."""
     pytest.importorskip("statemachine.io.scxml.processor", reason="needs python-statemachine")
-    from mcpn.bench.scxml_replay import answer, interpreted
+    from mcpn.robot.bench.scxml_replay import answer, interpreted
 
     processor = interpreted(path.read_text())
     found: Answers = []

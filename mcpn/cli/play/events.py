@@ -80,7 +80,7 @@ class EventSession(Prompt):
 
     def play_nominal(self) -> None:
         """Takes the run on which nothing fails, and says where it does not succeed."""
-        from mcpn.controller.run_to_completion import awaited, nominal_run
+        from mcpn.robot.bench.nominal_run import nominal_run
 
         simulation = self.simulation
 
@@ -88,7 +88,9 @@ class EventSession(Prompt):
             self.take(event)
             return simulation.marking
 
-        nominal_run(lambda: simulation.possible, take, awaited(simulation.mission_net.mission))
+        hardware = simulation.mission_net.mission.hardware
+        back = frozenset(h.name for h in hardware if h.initial == "oos" and h.repairable)
+        nominal_run(lambda: simulation.possible, take, back)
         if simulation.situation.outcome is None:
             self.say("the run without failures goes on for ever, or nothing can succeed here: see mcpn check")
 

@@ -15,10 +15,8 @@ from mcpn.errors import InputError, LimitError
 
 if TYPE_CHECKING:
     from mcpn.answers.causes.risk import Risk
-    from mcpn.bench.generated_code import Difference, Generated
-    from mcpn.bench.runs import Bench, BenchRun
-    from mcpn.controller.modular import AnyController
-    from mcpn.drawing.compose import MissionNet
+    from mcpn.robot.bench.generated_code import Difference, Generated
+    from mcpn.robot.bench.runs import Bench, BenchRun
     from mcpn.study import Study
 
 
@@ -64,20 +62,22 @@ def bench(
     (causes --rates), which stand beside: exit code 1 where one lies outside of its interval, or where
     generated code does anything else than the runtime.
     """
-    from mcpn.bench.runs import bench as played
-    from mcpn.bench.runs import nominal_run_of, one_run_of
-    from mcpn.bench.world import World
+    from mcpn.controller.chances import chances_of
     from mcpn.controller.document import document
     from mcpn.files import write_folder
     from mcpn.mission.static.intervals import at_their_means
     from mcpn.robot.bench.fault_scripts import read_script
+    from mcpn.robot.bench.runs import bench as played
+    from mcpn.robot.bench.runs import nominal_run_of, one_run_of
+    from mcpn.robot.bench.world import World
     from mcpn.robot.runtime.tables import Tables
 
     study = question.study(mission)
     mission_net = study.mission_net
     untimed = duration is None and any(section.duration is None for section in mission_net.graph.walk())
     controller = study.controller("auto", max_states=question.max_states)
-    world = World(mission_net, Tables(document(controller, mission_net)), duration)
+    said = document(controller, mission_net)
+    world = World(Tables(said), chances_of(mission_net), duration)
     script = [] if faults is None else read_script(faults, world.places.tables.known)
     nominal = nominal_run_of(world)
     started = time.perf_counter()
@@ -118,14 +118,14 @@ def bench(
         told["traces"] = [str(traces / name) for name in files]
     every = (one_run_of(world, seed, number, script) for number in range(runs))
     if watching:
-        from mcpn.bench.monitored_runs import watched
+        from mcpn.robot.bench.monitored_runs import watched
 
         told["monitors"] = watched(monitors_for(study, question.max_states), every)
     if against is not None:
-        from mcpn.bench.generated_code import compare
+        from mcpn.robot.bench.generated_code import compare
 
         with tempfile.TemporaryDirectory() as folder:
-            program = _generated(against, controller, mission_net, Path(folder))
+            program = _generated(against, said, Path(folder))
             every = (one_run_of(world, seed, number, script) for number in range(runs))
             difference = compare(program, world.places, ([e.event for e in run.events] for run in every))
         told["against"] = _difference(against, difference)
@@ -139,17 +139,17 @@ def bench(
         click.get_current_context().exit(EXIT_FAILED)
 
 
-def _generated(target: str, controller: AnyController, mission_net: MissionNet, folder: Path) -> Generated:
+def _generated(target: str, document: dict[str, Any], folder: Path) -> Generated:
     if target == "scxml":
-        from mcpn.bench.scxml_replay import Statechart
-        from mcpn.controller.modular import ModularController
+        from mcpn.robot.bench.scxml_replay import Statechart
+        from mcpn.robot.runtime.documents import FORMS
 
-        if isinstance(controller, ModularController):
+        if document["form"] == FORMS[-1]:
             raise LimitError("--against scxml: the controller is modular, and SCXML has no such form")
-        return Statechart(controller, mission_net)
-    from mcpn.bench.generated_code import Program
+        return Statechart(document)
+    from mcpn.robot.bench.generated_code import Program
 
-    return Program(controller, mission_net, target, folder)
+    return Program(document, target, folder)
 
 
 def _risk(study: Study, max_states: int | None) -> tuple[Risk | None, str | None]:
@@ -167,7 +167,7 @@ def _risk(study: Study, max_states: int | None) -> tuple[Risk | None, str | None
 def _shares(found: Bench, numbers: Risk | None, confidence: float) -> dict[str, Any]:
     from statistics import NormalDist
 
-    from mcpn.bench.runs import ENDS, interval
+    from mcpn.robot.bench.runs import ENDS, interval
 
     outcomes = {}
     expected: dict[str, float | None] = {name: getattr(numbers, name, None) for name in ENDS}

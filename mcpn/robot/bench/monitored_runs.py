@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from mcpn.bench.runs import BenchRun
+from mcpn.robot.bench.runs import BenchRun
 from mcpn.robot.runtime.monitors import Monitors
 
 

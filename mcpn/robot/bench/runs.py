@@ -10,10 +10,10 @@ from dataclasses import dataclass, field
 from math import inf, sqrt
 from statistics import NormalDist
 
-from mcpn.bench.controller_places import ControllerPlace, StartDemand
-from mcpn.bench.world import BenchNode, World
-from mcpn.controller.run_to_completion import awaited, nominal_run
 from mcpn.events import Event
+from mcpn.robot.bench.controller_places import ControllerPlace, StartDemand
+from mcpn.robot.bench.nominal_run import nominal_run
+from mcpn.robot.bench.world import BenchNode, World
 from mcpn.robot.runtime.controller import timeout_event, timer_order
 from mcpn.robot.runtime.machines import TypeTables
 from mcpn.robot.runtime.tables import Tables
@@ -178,7 +178,9 @@ def nominal_run_of(world: World) -> BenchRun:
     def possible() -> list[Event]:
         return [Event.parse(event) for event in node.place.possible]
 
-    events = nominal_run(possible, take, awaited(world.mission_net.mission))
+    tables = world.tables
+    back = tables.out_of_service.intersection(tables.repairs.values())
+    events = nominal_run(possible, take, back)
     return BenchRun(node.place.outcome, 0.0, 0, tuple(TracedEvent(0.0, str(event)) for event in events))
 
 

@@ -5,16 +5,13 @@ from __future__ import annotations
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
-from mcpn.bench.controller_places import ControllerPlace, Places
-from mcpn.controller.document import document
-from mcpn.controller.modular import AnyController
-from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
+from mcpn.robot.bench.controller_places import ControllerPlace, Places
 from mcpn.robot.runtime.tables import Action
 from mcpn.robot.targets import files
 
@@ -54,8 +51,7 @@ class Program:
     """A program made of generated code in C or Python, its lines with modes and events in order.
 
     Args:
-        controller: The controller.
-        mission_net: The mission's net.
+        document: The controller's.
         target: ``c`` or ``python``.
         folder: Where its files go.
 
@@ -63,8 +59,8 @@ class Program:
         LimitError: There is no compiler.
     """
 
-    def __init__(self, controller: AnyController, mission_net: MissionNet, target: str, folder: Path) -> None:
-        texts = files(document(controller, mission_net), target)
+    def __init__(self, document: Mapping[str, Any], target: str, folder: Path) -> None:
+        texts = files(document, target)
         for name, text in texts.items():
             (folder / name).write_text(text, encoding="utf-8")
         if target == "python":

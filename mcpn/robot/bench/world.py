@@ -12,15 +12,12 @@ and what each event does there are asked of the runtime once.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from itertools import accumulate
 
-from mcpn.bench.controller_places import ControllerPlace, Demands, Places
-from mcpn.drawing.compose import MissionNet
 from mcpn.events import Event, What
-from mcpn.mission.expansion.routes import Interrupted
-from mcpn.mission.flatten import ElementarySection, ParallelSection
+from mcpn.robot.bench.chances import Chances
+from mcpn.robot.bench.controller_places import ControllerPlace, Demands, Places
 from mcpn.robot.runtime.tables import Action, Inside, Tables, TableSection
 
 UNTIMED = 1.0
@@ -54,49 +51,21 @@ class World:
     """Fake drivers around a controller.
 
     Args:
-        mission_net: The mission, whose file gives rates and durations.
-        tables: Its controller.
+        tables: The controller.
+        chances: How likely what happens around it is.
         duration: Mean hours of objectives that have none in the file; without it such an objective takes
             one hour, or as long as its timer: a time that says nothing, for runs of which none is asked.
     """
 
-    def __init__(self, mission_net: MissionNet, tables: Tables, duration: float | None = None) -> None:
-        self.mission_net = mission_net
+    def __init__(self, tables: Tables, chances: Chances, duration: float | None = None) -> None:
         self.tables = tables
         self.places = Places(tables)
-        self._objectives: dict[str, ElementarySection] = {o.name: o for o in mission_net.graph.walk()}
+        self.chances = chances
+        self.demands = Demands(tables, chances)
         self._duration = duration
-        self.demands = Demands(mission_net)
-        mission = mission_net.mission
-        self._rates: dict[Event, float] = {}
-        for hardware in mission.hardware:
-            self._rates[Event(What.OUT_OF_SERVICE, hardware.name)] = hardware.failure_rate or 0.0
-            self._rates[Event(What.REPAIRED, hardware.name)] = hardware.repair_rate or 0.0
-        for activity in mission.activities:
-            for name in activity.detects:
-                self._rates[Event(What.DETECTED, name)] = activity.detection_rate or 0.0
-        for declared in mission.events:
-            self._rates[Event(What.DECLARED, declared.name)] = declared.rate or 0.0
-        self._stopping: dict[str, set[Event]] = {name: set() for name in self._objectives}
-        changing = mission_net.usage.world.changing.items()
-        for section in mission_net.graph.all_sections():
-            asked = {said for each in section.becomes for said in each.when}
-            by_facts = {
-                Event(What.DECLARED, name)
-                for name, changes in changing
-                if any((fact, value) in asked for fact, to in changes.items() for value in to.values())
-            }
-            inside: list[tuple[Interrupted, Iterable[ElementarySection]]] = [(section, section.walk())]
-            if isinstance(section, ParallelSection):
-                inside = [(section, branch.graph.walk()) for branch in section.branches]
-                inside += [(pause_graph, pause_graph.graph.walk()) for pause_graph in section.pause_graphs]
-            for outer, stopped in inside:
-                events = {Event(What.DECLARED, handler.event) for handler in outer.interruptions}
-                if outer is section:  # the time of a block that pauses does not go on
-                    events |= {Event(What.TIMEOUT, section.name), *by_facts}
-                for inner in stopped:
-                    self._stopping[inner.name] |= events
-        self._first = {a.name: a.alternatives[0].name for a in mission.activities}
+        self._first = {
+            name: next(iter(activity["alternatives"])) for name, activity in tables.laws.activities.items()
+        }
         self._parsed: dict[str, Event] = {}
         self._nodes: dict[ControllerPlace, BenchNode] = {}
         self._hope: dict[tuple[str, str, int, frozenset[str]], bool] = {}
@@ -128,19 +97,19 @@ class World:
             if event.what is What.START:
                 at_once.append(text)
             elif event.what is What.SUCCESS:
-                objective = self._objectives[event.element]
-                rate = 1.0 / self._mean(objective)
-                rates[text] = rate * (1.0 - objective.failure_probability)
-                for (reason, _), share in zip(objective.failures, objective.shares, strict=True):
+                objective = self.chances.objectives[event.element]
+                rate = 1.0 / self._mean(event.element)
+                rates[text] = rate * (1.0 - objective.failure)
+                for reason, share in objective.reasons.items():
                     rates[str(Event(What.FAILURE, event.element, reason))] = rate * share
             elif event.what is What.FAILURE and not event.reason:
                 success = str(Event(What.SUCCESS, event.element))
                 if success not in possible and self._seems_well(event.element, inside):
-                    rates[text] = 1.0 / self._mean(self._objectives[event.element])
+                    rates[text] = 1.0 / self._mean(event.element)
                 elif event.element in inside.objectives and not self._can_succeed(event.element, place):
                     at_once.append(text)
-            elif event in self._rates:
-                rates[text] = self._rates[event]
+            elif text in self.chances.rates:
+                rates[text] = self.chances.rates[text]
         some = {text: rate for text, rate in rates.items() if rate > 0 and text in possible}
         node = BenchNode(
             place,
@@ -153,20 +122,20 @@ class World:
         self._nodes[place] = node
         return node
 
-    def _mean(self, objective: ElementarySection) -> float:
-        if objective.duration is not None:
-            return objective.duration
+    def _mean(self, objective: str) -> float:
+        duration = self.chances.objectives[objective].duration
+        if duration is not None:
+            return duration
         if self._duration is not None:
             return self._duration
-        return UNTIMED if objective.timeout is None else objective.timeout / 3600
+        timeout = self.tables.laws.timeouts.get(objective)
+        return UNTIMED if timeout is None else timeout / 3600
 
     def _seems_well(self, objective: str, inside: Inside) -> bool:
         """Whether all activities of an objective run, so that it succeeds, unless it uses what is lost."""
         return objective in inside.objectives and inside.mode.keys() >= {
-            *self._objectives[objective].activities
+            *self.tables.laws.objectives[objective]["activities"]
         }
-
-    # --- can the present run of an objective still succeed? ---
 
     def _can_succeed(self, objective: str, place: ControllerPlace) -> bool:
         """Whether some run of what may happen, in which it goes on, makes its success possible."""
@@ -187,7 +156,7 @@ class World:
             if success in possible or self._seems_well(objective, section.state(state)):
                 return True
             for text in possible:
-                if not self._goes_on(objective, self._event(text)):
+                if not self._goes_on(objective, text):
                     continue
                 step = section.move(state, text, true)
                 if step is None or isinstance(step[0], str):
@@ -201,8 +170,11 @@ class World:
                     queue.extend(sorted(fresh, key=lambda at: at[0]))
         return False
 
-    def _goes_on(self, objective: str, event: Event) -> bool:
+    def _goes_on(self, objective: str, text: str) -> bool:
         """Whether an event may happen, and does not end the present run of an objective."""
+        event = self._event(text)
         if event.what in (What.SUCCESS, What.FAILURE):
             return event.element != objective
-        return self._rates.get(event, 0.0) > 0 and event not in self._stopping[objective]
+        return self.chances.rates.get(text, 0.0) > 0 and (
+            text not in self.chances.objectives[objective].stopped_by
+        )

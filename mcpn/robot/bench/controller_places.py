@@ -11,9 +11,8 @@ from collections.abc import Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple, TypeAlias
 
-from mcpn.drawing.compose import MissionNet
-from mcpn.drawing.sections import SectionParts, Used
 from mcpn.events import Event, What
+from mcpn.robot.bench.chances import Chances
 from mcpn.robot.runtime.controller import Controller
 from mcpn.robot.runtime.restoring import Saved
 from mcpn.robot.runtime.tables import Action, Inside, Tables, TableSection
@@ -41,21 +40,18 @@ class Demands:
     """What may fail on demand as alternatives start.
 
     Args:
-        mission_net: The mission, whose file says how probable that is.
+        tables: The controller's, which say what alternatives consume.
+        chances: How probable that is.
     """
 
-    def __init__(self, mission_net: MissionNet) -> None:
-        mission = mission_net.mission
-        self.probability = {h.name: h.demand_probability for h in mission.hardware if h.demand_probability}
+    def __init__(self, tables: Tables, chances: Chances) -> None:
+        self.probability = chances.on_demand
+        self._orders = chances.orders
         self._ways = {
-            (activity.name, way.name): (number, [k for k in way.consumes if k in self.probability])
-            for activity in mission.activities
-            for number, way in enumerate(activity.alternatives)
+            (activity, way): (number, [k for k in said["consumes"] if k in self.probability])
+            for activity, row in tables.laws.activities.items()
+            for number, (way, said) in enumerate(row["alternatives"].items())
         }
-        parts = SectionParts(mission_net.usage)
-        self._used: dict[str, Used] = {}
-        for section in mission_net.graph.sections if self.probability else ():
-            self._used.update(dict.fromkeys((o.name for o in section.walk()), parts.alone(section).used))
 
     def started(self, inside: Inside, actions: Iterable[Action]) -> tuple[StartDemand, ...]:
         """What is asked after an event, in order.
@@ -66,14 +62,14 @@ class Demands:
         """
         if not self.probability or not inside.objectives:
             return ()
-        used, found = self._used[inside.objectives[0]], list[StartDemand]()
+        order, found = self._orders[inside.objectives[0]], list[StartDemand]()
         for action in actions:
             activity, alternative = action.activity, action.alternative
             if activity is not None and alternative is not None:
                 number, consumed = self._ways[activity, alternative]
+                task = order.activities[activity]
                 found += (
-                    StartDemand((used.number[k], used.task[activity], number), activity, alternative, k)
-                    for k in consumed
+                    StartDemand((order.hardware[k], task, number), activity, alternative, k) for k in consumed
                 )
         return tuple(sorted(found))
 

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import redirect_stdout
 from typing import Any
 
 from lxml import etree
 
-from mcpn.bench.controller_places import ControllerPlace
-from mcpn.controller.document import document
-from mcpn.controller.hierarchy import TableController
-from mcpn.drawing.compose import MissionNet
 from mcpn.errors import LimitError
+from mcpn.robot.bench.controller_places import ControllerPlace
 from mcpn.robot.runtime.tables import Action
 from mcpn.robot.targets import files
 from mcpn.robot.targets.scxml import Regions, event_name
@@ -55,23 +52,21 @@ class Statechart:
     It says nothing of events that it ignores: what is logged and where it is are compared.
 
     Args:
-        controller: The controller.
-        mission_net: The mission's net.
+        document: The controller's, which is not modular.
 
     Raises:
         LimitError: The interpreter is not installed.
     """
 
-    def __init__(self, controller: TableController, mission_net: MissionNet) -> None:
-        said = document(controller, mission_net)
-        (text,) = files(said, "scxml").values()
+    def __init__(self, document: Mapping[str, Any]) -> None:
+        (text,) = files(document, "scxml").values()
         root = etree.fromstring(text.encode())
         for sending in list(root.iter("{*}send", "{*}cancel")):
             parent = sending.getparent()
             assert parent is not None
             parent.remove(sending)
         self._processor = interpreted(etree.tostring(root, encoding="unicode"))
-        self._regions = Regions(said)
+        self._regions = Regions(document)
         self._timers = frozenset(self._regions.timers.values())
 
     def answers(self, runs: list[list[str]]) -> list[str]:
