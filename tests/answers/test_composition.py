@@ -62,7 +62,7 @@ def check_equal(mission_net: MissionNet, whole: MissionCheck, local: MissionChec
         check_run(whole.verdicts[name], local.verdicts[name], mission_net)
 
 
-def test_ulysse(ulysse_net: MissionNet) -> None:
+def test_ulysse_gets_the_same_verdicts_by_composition(ulysse_net: MissionNet) -> None:
     check_equal(ulysse_net, check(ulysse_net), check(ulysse_net, engine="local"))
 
 

@@ -54,7 +54,7 @@ def types(space: CompositeSpace) -> set[SectionType]:
     return {placed.type for placed in space.sections.values()}
 
 
-def test_ulysse(ulysse_net: MissionNet) -> None:
+def test_ulysse_by_sections_has_the_states_of_the_reference_net(ulysse_net: MissionNet) -> None:
     composite = composite_space(ulysse_net)
     assert sizes(composite) == (260, 1332)  # the reference net's
     assert len(types(composite)) == 2

@@ -93,7 +93,9 @@ def every(ulysse_net: MissionNet) -> list[AnyController]:
     return [generate(ulysse_net, form) for form in FORMS]
 
 
-def test_ulysse(ulysse_net: MissionNet, every: list[AnyController]) -> None:
+def test_every_controller_of_ulysse_walks_beside_its_net(
+    ulysse_net: MissionNet, every: list[AnyController]
+) -> None:
     for seed in range(10):
         walk(ulysse_net, every, random.Random(seed), 200)
 

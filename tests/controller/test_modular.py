@@ -118,7 +118,7 @@ def test_missions_with_declared_events(of: Mission) -> None:
     check(of)
 
 
-def test_ulysse(ulysse_net: MissionNet) -> None:
+def test_the_parts_of_ulysse_reach_its_260_stable_states(ulysse_net: MissionNet) -> None:
     assert side_by_side(ulysse_net, generate(ulysse_net, "modular")) == 260
 
 

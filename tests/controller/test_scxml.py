@@ -71,7 +71,9 @@ def check(name: str, path: Path, controller: TableController, traced: Traced, ev
 
 @pytest.mark.parametrize("name", list(INTERPRETERS))
 @pytest.mark.parametrize("form", ["flat", "hierarchical"])
-def test_ulysse(name: str, form: str, ulysse_net: MissionNet, tmp_path: Path) -> None:
+def test_scxml_of_ulysse_does_the_same_in_each_interpreter(
+    name: str, form: str, ulysse_net: MissionNet, tmp_path: Path
+) -> None:
     controller = generate(ulysse_net, "flat" if form == "flat" else "hierarchical")
     ((file, text),) = files(document(controller, ulysse_net), "scxml").items()
     (tmp_path / file).write_text(text)

@@ -209,7 +209,7 @@ ENDS = "success | failure"
         ("EF (objective(going_up) & alternative(localisation.imu_localisation))", (), True),
     ],
 )
-def test_ulysse(
+def test_ctl_formulas_of_ulysse_by_each_engine(
     ulysse_net: MissionNet, engine: Asked, on: str, formula: str, fair: tuple[str, ...], holds: bool
 ) -> None:
     questions = Questions(

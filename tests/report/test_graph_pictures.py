@@ -165,7 +165,9 @@ def test_places_of_a_resource_have_the_colours_of_the_paper(ulysse: MissionNet) 
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("section", [None, "transect.diving"])
-def test_ulysse(ulysse: MissionNet, kind: str, section: str | None, tmp_path: Path) -> None:
+def test_each_kind_of_picture_of_ulysse_is_drawn_or_refused(
+    ulysse: MissionNet, kind: str, section: str | None, tmp_path: Path
+) -> None:
     if section and kind in ("mission", "objectives", "run"):
         with pytest.raises(InputError, match="expected one of a section"):
             drawn(ulysse, kind, section)

@@ -27,7 +27,7 @@ from tests.shares import returns_early
 from tests.small import activity, hw, mission, robot
 
 
-def test_ulysse(ulysse_net: MissionNet) -> None:
+def test_the_text_says_of_ulysse_what_the_graph_says(ulysse_net: MissionNet) -> None:
     agree(ulysse_net)
 
 

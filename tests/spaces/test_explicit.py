@@ -89,7 +89,7 @@ def test_runs_are_shortest_and_backward_search_agrees(net: PetriNet) -> None:
             assert bool(before[other]) == (graph.run_to(goal, other) is not None)
 
 
-def test_ulysse(ulysse_markings: StateGraph) -> None:
+def test_ulysse_has_the_markings_that_others_counted(ulysse_markings: StateGraph) -> None:
     # Counted by two independent explorers before this program was written.
     assert (ulysse_markings.states, ulysse_markings.edges) == (44299, 124078)
 

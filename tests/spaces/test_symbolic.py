@@ -79,7 +79,7 @@ def test_missions_have_the_counts_of_the_explicit_engine(mission: Mission) -> No
     assert space.stable is not None
 
 
-def test_ulysse(reference: Path) -> None:
+def test_the_reference_net_has_the_markings_that_others_counted(reference: Path) -> None:
     # Counted by two independent explorers before this program was written.
     space = reach(read_net(reference / "ulysse_reference.net"))
     assert (space.states, space.edges) == (44299, 124078)

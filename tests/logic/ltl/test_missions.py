@@ -75,7 +75,7 @@ def test_every_engine_and_tableaux_agree_on_missions(mission: Mission, data: st.
         ("G F oos(GPS_sensor) -> G F happens(GPS_sensor_EV_OOS)", (), False),  # it never returns
     ],
 )
-def test_ulysse(
+def test_formulas_of_runs_of_ulysse(
     ulysse_net: MissionNet, engine: Asked, formula: str, fair: tuple[str, ...], holds: bool
 ) -> None:
     questions = Questions(spaces_of(ulysse_net), engine=engine, fair=fair)
