@@ -60,6 +60,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     drawn = random.randrange(1 << 32)
     parser.addoption("--seed", type=int, default=drawn, help="Seed of what is drawn afresh (default: any).")
     parser.addoption("--cases", type=int, default=10_000, help="Mutated inputs of a campaign.")
+    parser.addoption("--rewrite", action="store_true", help="Write tests/snapshots/ anew.")
     for option, variable, what in (
         ("--mcc", "MCPN_MCC", "nets of the Model Checking Contest with oracles.tsv"),
         ("--reference", "MCPN_REFERENCE", "reference nets of the Ulysse mission"),
