@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+import runpy
 import subprocess
 import sys
 from functools import cache
@@ -121,6 +122,14 @@ def test_files_do_not_import_each_other_in_circles() -> None:
     assert files.number_of_edges() > 1_000
     circles = networkx.strongly_connected_components(files)
     assert [sorted(circle) for circle in circles if len(circle) > 1] == []
+
+
+def test_the_page_draws_the_imports() -> None:
+    rooms = runpy.run_path(str(PACKAGE.parent / "docs" / "rooms.py"))
+    page = (PACKAGE.parent / "docs" / "architecture.md").read_text()
+    assert rooms["renewed"](page) == page, "run python docs/rooms.py"
+    told = {*re.findall(r"`mcpn/(\w+)", page), "base"}
+    assert {*rooms["graph"]()} - told == set(), "the page does not say what they hold"
 
 
 def test_the_wing_of_nets_knows_no_mission() -> None:
