@@ -7,15 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import partial
-from itertools import chain
 
 from mcpn._kernel import Zdd
 from mcpn.composite.glued import CompositeSet, Filter, Glued, Member, SectionSets
-from mcpn.composite.sections import NOWHERE, Kind
+from mcpn.composite.sections import NOWHERE
 from mcpn.nets.petri import Marking
 from mcpn.spaces.algebra import Edge, Guards, Piece
 from mcpn.spaces.by_steps import layers_back
-from mcpn.spaces.memoized import memoized
 from mcpn.spaces.projections import ImageStore
 
 
@@ -31,35 +29,6 @@ class CompositeSpace(Glued):
     """The alternatives graph of a mission by composition: see :class:`mcpn.spaces.algebra.Space`."""
 
     # --- what states say ---
-
-    @memoized
-    def _holding(self, kind: Kind) -> tuple[Mapping[int, Sequence[str]], Mapping[int, list[list[str]]]]:
-        """By place, or by transition: stages that have it in their control, and groups using it."""
-        control: dict[int, tuple[str] | list[str]] = {}
-        alike: dict[int, tuple[Sequence[int], list[str]]] = {}
-        for name, stage in self.stages.items():
-            alone, used = (name,), stage.used[kind]  # most are of one section, and share how it is written
-            alike.setdefault(id(used), (used, []))[1].append(name)
-            for where, other in zip(getattr(stage, kind), used, strict=True):
-                if where != other and (known := control.setdefault(where, alone)) is not alone:
-                    if isinstance(known, list):
-                        known.append(name)
-                    else:
-                        control[where] = [*known, name]
-        using: dict[int, list[list[str]]] = {}
-        for used, names in alike.values():
-            for where in {*used} - {NOWHERE}:
-                using.setdefault(where, []).append(names)
-        return control, using
-
-    def holders(self, kind: Kind, where: int) -> Sequence[str]:
-        """The stages whose local nets have a place, or a transition, in the mission's order."""
-        control, using = self._holding(kind)
-        groups = using.get(where, ())
-        if not groups:
-            return control.get(where, ())
-        names = {*control.get(where, ()), *chain.from_iterable(groups)}
-        return groups[0] if len(names) == len(groups[0]) else sorted(names, key=self.order.__getitem__)
 
     def marking(self, state: Member) -> Marking:
         """The marking of a member in the whole net, as tokens by place."""
@@ -114,8 +83,8 @@ class CompositeSpace(Glued):
     def enabling(self, transitions: Collection[int]) -> CompositeSet:
         """States with an edge of some of these transitions."""
         allowed, enabling, parts = self.filtered(transitions), dict[str, Zdd](), self.everything.parts
-        holders = (name for t in transitions for name in self.holders("transitions", t))
-        for name in {*holders} if self.layout.toggles.keys().isdisjoint(transitions) else parts:
+        having = self.having(transitions)
+        for name in parts if having is None else having:
             if name in parts:
                 stage, part = self.stages[name], parts[name]
                 own = stage.type.graph.enabling(allowed(name).local or ())
@@ -158,6 +127,13 @@ class CompositeSpace(Glued):
             if route in into:
                 edges.append(Edge(stage.transitions[edge.transition], (route, there)))
         return iter(sorted(edges, key=lambda edge: edge.transition))
+
+    def reaches_without(self, goal: CompositeSet, left_out: Sequence[frozenset[int]]) -> Sequence[bool]:
+        """Whether the initial state reaches a goal without some transitions, for each of several sets."""
+        from mcpn.composite.leaving_out import LeavingOut
+
+        asked = LeavingOut(self, goal)
+        return [asked.reaches(each) for each in left_out]
 
     # --- runs ---
 

@@ -16,7 +16,7 @@ from typing import TypeAlias
 from mcpn._kernel import Zdd
 from mcpn.composite.layout import Layout
 from mcpn.composite.section_type import ALL, Allowed
-from mcpn.composite.sections import BEGIN, Stage, WholeNet, ends_of, outside
+from mcpn.composite.sections import BEGIN, NOWHERE, Kind, Stage, WholeNet, ends_of, outside
 from mcpn.spaces.algebra import Guards, Without
 from mcpn.spaces.components import strongly_connected
 from mcpn.spaces.memoized import ByKey, memoized
@@ -173,6 +173,43 @@ class Glued:
         """One object for equal sets (interning)."""
         return local
 
+    @memoized
+    def _holding(self, kind: Kind) -> tuple[Mapping[int, Sequence[str]], Mapping[int, list[list[str]]]]:
+        """By place, or by transition: stages that have it in their control, and groups using it."""
+        control: dict[int, tuple[str] | list[str]] = {}
+        alike: dict[int, tuple[Sequence[int], list[str]]] = {}
+        for name, stage in self.stages.items():
+            alone, used = (name,), stage.used[kind]  # most are of one section, and share how it is written
+            alike.setdefault(id(used), (used, []))[1].append(name)
+            for where, other in zip(getattr(stage, kind), used, strict=True):
+                if where != other and (known := control.setdefault(where, alone)) is not alone:
+                    if isinstance(known, list):
+                        known.append(name)
+                    else:
+                        control[where] = [*known, name]
+        using: dict[int, list[list[str]]] = {}
+        for used, names in alike.values():
+            for where in {*used} - {NOWHERE}:
+                using.setdefault(where, []).append(names)
+        return control, using
+
+    def holders(self, kind: Kind, where: int) -> Sequence[str]:
+        """The stages whose local nets have a place, or a transition, in the mission's order."""
+        control, using = self._holding(kind)
+        groups = using.get(where, ())
+        if not groups:
+            return control.get(where, ())
+        names = {*control.get(where, ()), *chain.from_iterable(groups)}
+        return groups[0] if len(names) == len(groups[0]) else sorted(names, key=self.order.__getitem__)
+
+    def having(self, transitions: Collection[int] | None) -> Collection[str] | None:
+        """The sections that have some of these transitions; ``None`` where any section may."""
+        if transitions is None or isinstance(transitions, Without) or len(transitions) > len(self.stages):
+            return None
+        if not self.layout.toggles.keys().isdisjoint(transitions):
+            return None
+        return dict.fromkeys(name for t in transitions for name in self.holders("transitions", t))
+
     # --- one step ---
 
     def ends_into(self, stage: Stage, parts: Mapping[str, Zdd]) -> Zdd:
@@ -180,11 +217,18 @@ class Glued:
         routes = (route for route in stage.routes.values() if route in parts)
         return stage.ends({route: self.stages[route].entries(parts[route]) for route in routes})
 
-    def leaving(self, into: Mapping[str, Zdd], within: CompositeSet, allowed: Filter) -> SectionSets:
-        """States of a set with an event that leads out of their section, into another set."""
+    def leaving(
+        self,
+        into: Mapping[str, Zdd],
+        within: CompositeSet,
+        allowed: Filter,
+        having: Collection[str] | None = None,
+    ) -> SectionSets:
+        """States of a set with an event that leads out of their section, of some, into another set."""
         sources = SectionSets()
-        if len(within.parts) == 1:  # a region of one section, which is most of them
-            names = [n for n in within.parts if not into.keys().isdisjoint(self.stages[n].routes.values())]
+        if len(within.parts) == 1 or having is not None:  # a region of one section, which is most of them
+            few = within.parts if having is None else [name for name in having if name in within.parts]
+            names = [n for n in few if not into.keys().isdisjoint(self.stages[n].routes.values())]
         else:
             names = [n for n in dict.fromkeys(s for r in into for s in self.into[r]) if n in within.parts]
         for name in names:
@@ -212,11 +256,11 @@ class Glued:
     ) -> CompositeSet:
         """States with an edge into some states."""
         allowed = self.filtered(transitions, guards)
-        within = self.everything if among is None else among
-        sources = self.leaving(states.parts, within, allowed)
-        for name, part in states.parts.items():
-            if name in within.parts:
-                sources.add(name, self.stages[name].back(part, allowed(name), within.of(name)))
+        within, having = self.everything if among is None else among, self.having(transitions)
+        sources = self.leaving(states.parts, within, allowed, having)
+        for name in states.parts if having is None else having:
+            if name in within.parts and name in states.parts:
+                sources.add(name, self.stages[name].back(states.of(name), allowed(name), within.of(name)))
         return CompositeSet(self, sources)
 
     def after(
@@ -226,9 +270,11 @@ class Glued:
         guards: Guards[CompositeSet] = None,
     ) -> CompositeSet:
         """States that an edge leads to from some states."""
-        allowed = self.filtered(transitions, guards)
-        targets = self.entering(states.parts, self.everything, allowed)
-        for name, part in states.parts.items():
+        allowed, having = self.filtered(transitions, guards), self.having(transitions)
+        names = states.parts if having is None else having
+        parts = {name: states.of(name) for name in names if name in states.parts}
+        targets = self.entering(parts, self.everything, allowed)
+        for name, part in parts.items():
             targets.add(name, self.stages[name].forth(part, allowed(name)))
         return CompositeSet(self, targets)
 

@@ -267,6 +267,9 @@ class Space(Protocol[S]):
             transitions: What the edges of the run may carry.
         """
 
+    def reaches_without(self, goal: S, left_out: Sequence[frozenset[int]]) -> Sequence[bool]:
+        """Whether the initial state reaches a goal without some transitions, for each of several sets."""
+
     # --- runs ---
 
     def edges(self, state: Any) -> Iterator[Edge]:

@@ -85,6 +85,11 @@ class BySteps(Generic[S]):
             stays = stays - lost
         return stays
 
+    def reaches_without(self: Space[S], goal: S, left_out: Sequence[frozenset[int]]) -> Sequence[bool]:
+        """Whether the initial state reaches a goal without some transitions, for each of several sets."""
+        every = frozenset(range(len(self.net.transitions)))
+        return [bool(self.reaching(goal, transitions=every - few) & self.initial) for few in left_out]
+
     def run(
         self: Space[S],
         begin: Any,

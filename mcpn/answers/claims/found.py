@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -145,3 +145,13 @@ def plain_names(mission_net: MissionNet, objectives: Iterable[str]) -> list[str]
     """Objectives by the names that mean all copies of each."""
     copies = mission_net.graph.copies
     return list(dict.fromkeys(copies.plain(name) for name in objectives))
+
+
+def copies_by_name(mission_net: MissionNet, objectives: Iterable[str]) -> Mapping[str, Sequence[str]]:
+    """Objectives by the names that mean all copies of each, with all of these copies."""
+    plain, every = mission_net.graph.copies.plain, mission_net.graph.copies.objectives
+    found: dict[str, list[str]] = {name: [] for name in plain_names(mission_net, objectives)}
+    for copy in every:
+        if (name := plain(copy)) in found:
+            found[name].append(copy)
+    return found

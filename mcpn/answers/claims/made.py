@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Generic, Literal
 
 from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.answers.claims.claim import Assumes, Claim
-from mcpn.answers.claims.found import claims_found, led_to, plain_names
+from mcpn.answers.claims.found import claims_found, copies_by_name, led_to
 from mcpn.answers.claims.kinds import KINDS
 from mcpn.answers.claims.of_text import claims_of_text
 from mcpn.answers.claims.reached import Reached
@@ -75,17 +75,14 @@ class _Made(Generic[S]):
 
     def without(self) -> Iterator[Claim]:
         """Which objectives success needs, of those that are meant to be entered."""
-        space, prospects = self.space, self.prospects
-        for name in plain_names(self.net, meant_to_be_entered(self.net)):
-            copies = self.net.graph.copies.meant(name)
-            needed = frozenset[int]().union(*(prospects.carrying(What.SUCCESS, copy) for copy in copies))
-            if not needed:
-                continue
-            hopeful = space.reaching(prospects.mission.won, transitions=prospects.everything - needed)
+        carrying, needed = self.prospects.carrying, dict[str, frozenset[int]]()
+        for name, copies in copies_by_name(self.net, meant_to_be_entered(self.net)).items():
+            own = frozenset[int]().union(*(carrying(What.SUCCESS, copy) for copy in copies))
+            needed |= {name: own} if own else {}
+        reached = self.space.reaches_without(self.prospects.mission.won, list(needed.values()))
+        for name, holds in zip(needed, reached, strict=True):
             formula = KINDS["succeeds_without"].formula.format(name)
-            yield Claim(
-                "succeeds_without", (name,), bool(hopeful & space.initial), Assumes(moment="start"), formula
-            )
+            yield Claim("succeeds_without", (name,), holds, Assumes(moment="start"), formula)
 
     # --- events ---
 

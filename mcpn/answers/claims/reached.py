@@ -8,7 +8,7 @@ from typing import Generic
 
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.claims.claim import Claim
-from mcpn.answers.claims.found import plain_names
+from mcpn.answers.claims.found import copies_by_name
 from mcpn.answers.claims.kinds import KINDS
 from mcpn.events import Event, What
 from mcpn.spaces.algebra import S, Space
@@ -41,8 +41,7 @@ class Reached(Generic[S]):
 
     def _ends_of_objectives(self) -> Iterator[Claim]:
         """Which objectives can succeed, fail or be late, and whose end so can put success out of reach."""
-        for name in plain_names(self.net, self.prospects.sections):
-            copies = self.net.graph.copies.meant(name)
+        for name, copies in copies_by_name(self.net, self.prospects.sections).items():
             for word, what in WORDS.items():
                 own = self._carrying(Event(what, copy) for copy in copies)
                 if not own:
@@ -123,5 +122,9 @@ class Reached(Generic[S]):
 
     def _decides(self, own: Collection[int]) -> bool:
         """Whether some of these events lead from a way to success to none."""
-        lost = self.space.everything - self._hopeful
-        return bool(lost and self.space.before(lost, own) & self._hopeful)
+        return bool(self._lost and self.space.before(self._lost, own) & self._hopeful)
+
+    @cached_property
+    def _lost(self) -> S:
+        """States from which no run succeeds."""
+        return self.space.everything - self._hopeful

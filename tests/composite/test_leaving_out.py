@@ -1,0 +1,84 @@
+"""Whether a mission reaches its success without some events: by sections, and by a closure for each set."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import given
+
+from mcpn.answers.claims import claims_of
+from mcpn.answers.verdicts.mission import check
+from mcpn.composite.composing import composite_space
+from mcpn.composite.glued import Glued, SectionSets
+from mcpn.drawing.compose import MissionNet, compose
+from mcpn.errors import LimitError, SemanticsError
+from mcpn.events import What
+from mcpn.mission.model import SUCCEED, Handler, Mission, Objective
+from mcpn.spaces.by_steps import BySteps
+from mcpn.testing import missions
+from tests.draws import composed, fewer
+from tests.shares import returns_early
+from tests.small import activity, hw, mission, robot
+
+
+def check_each_set(net: MissionNet) -> list[bool]:
+    space = composite_space(net)
+    events = {t: event for t, each in enumerate(net.net.transitions) if (event := each.event) is not None}
+    asked = [frozenset([t]) for t in events]
+    asked += [frozenset(t for t, event in events.items() if event.what is what) for what in What]
+    names = {event.element.partition("_try")[0] for event in events.values()}
+    asked += [frozenset(t for t, e in events.items() if e.element.partition("_try")[0] == n) for n in names]
+    won = space.marked([net.success])
+    found = space.reaches_without(won, asked)
+    assert found == BySteps.reaches_without(space, won, asked)
+    return list(found)
+
+
+@fewer(0.5)
+@given(missions())
+def test_each_set_is_left_out_as_by_a_closure_of_its_own(drawn: Mission) -> None:
+    try:
+        check_each_set(composed(drawn))
+    except (SemanticsError, LimitError):
+        returns_early("no composite")
+
+
+def sites(number: int, *, back: str = "") -> MissionNet:
+    """Sites with a retry each, the first of which must succeed; the last may lead back to one."""
+    doing = robot(hw("H", "G"), activity("go", ("H",), ("G",)), events=("low",))
+    onward = [*(f"site{i + 1}" for i in range(number - 1)), SUCCEED]
+    blocks = [
+        Objective(
+            name=f"site{i}",
+            activities=("go",),
+            retries=1,
+            success=to,
+            failure=(to if i else None) if to != SUCCEED or not back else back,
+            handlers=(Handler(event="low", goto=f"site{i + 2}"),) if 0 < i < number - 2 else (),
+        )
+        for i, to in enumerate(onward)
+    ]
+    return compose(mission(doing, *blocks))
+
+
+@pytest.mark.parametrize("back", ["", "site1", "site4"])
+def test_some_are_needed_and_others_are_not(back: str) -> None:
+    assert {*check_each_set(sites(7, back=back))} == {True, False}
+
+
+def test_claims_on_what_is_left_out_work_on_few_sections_each(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A closure of the whole mission for each objective takes time as the square of the sections."""
+    counts, work = list[int](), Glued.leaving
+
+    def counted(self: Glued, *given: Any, **named: Any) -> SectionSets:
+        counts[-1] += 1
+        return work(self, *given, **named)
+
+    monkeypatch.setattr(Glued, "leaving", counted)
+    for number in (10, 40):
+        counts.append(0)
+        claims = claims_of(check(sites(number), engine="local"))
+        needed = [c.subject[0] for c in claims if c.kind == "succeeds_without" and not c.holds]
+        assert needed[0] == "site0"
+    assert counts[1] < 5 * counts[0]
