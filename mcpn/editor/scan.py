@@ -124,12 +124,6 @@ def _scan(
     return found, around
 
 
-def enclosing(text: str, offset: int) -> ScannedElement | None:
-    """The element in whose content a place stands; ``None`` outside of all, and in a comment."""
-    found = scan(text[:offset] + "<here/>")
-    return found[-1].parent if found and found[-1].tag == "here" else None
-
-
 class Scan:
     """The elements of a text that is edited: an edit inside some tags costs what is edited.
 
@@ -174,7 +168,7 @@ class Scan:
         return _scan(self.text, last.begin, min(offset, last.end), last.parent)[0][0]
 
     def around(self, offset: int) -> ScannedElement | None:
-        """The element in whose content a place between two tags stands, as :func:`enclosing` says it."""
+        """The element in whose content a place between two tags stands, if one does, and not in a comment."""
         number = bisect_left(self.elements, offset, key=lambda e: e.begin)
         if not number or _commented(self.text, offset):
             return None

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from lxml import etree
 
 from mcpn.editor.names import symbols
-from mcpn.editor.scan import Scan, ScannedElement, enclosing, scan
+from mcpn.editor.scan import Scan, ScannedElement, scan
 from mcpn.mission.model import Mission
 from mcpn.mission.writer import write_mission
 from mcpn.mission.xml import read_mission
@@ -35,6 +35,12 @@ def test_a_scan_finds_what_a_parser_finds() -> None:
             )
             for attribute in element.attributes:
                 assert text[attribute.begin : attribute.end] == attribute.value
+
+
+def enclosing(text: str, offset: int) -> ScannedElement | None:
+    """What :meth:`Scan.around` finds, by a scan of all that stands before."""
+    found = scan(text[:offset] + "<here/>")
+    return found[-1].parent if found and found[-1].tag == "here" else None
 
 
 @example("<!--")

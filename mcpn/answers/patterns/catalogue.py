@@ -233,19 +233,6 @@ def _patrolled(texts: Texts) -> Iterator[str]:
     yield from (f"!{after} U {each}" for each, after in pairwise(texts))
 
 
-def _nested(each: str, times: int) -> str:
-    """At least so many states of the path are at the location."""
-    return f"F ({each} & X {_nested(each, times - 1)})" if times > 1 else f"F {each}"
-
-
-def _exact(each: str, times: int) -> str:
-    """Exactly so many states of the path are at the location."""
-    inside = f"X G !{each}"
-    for _ in range(times):
-        inside = f"X (!{each} U ({each} & {inside}))"
-    return inside.removeprefix("X ")
-
-
 PUBLISHED_MOVEMENTS: Mapping[str, Callable[[Texts], str]] = {
     "visit any": lambda places: _all(f"F {each}" for each in places),
     "visit sequenced": _sequence,
@@ -275,13 +262,6 @@ PUBLISHED_MOVEMENTS: Mapping[str, Callable[[Texts], str]] = {
     ),
 }
 """By pattern the formula that is published, of any number of locations."""
-
-PUBLISHED_COUNTS: Mapping[str, Callable[[str, int], str]] = {
-    "at_most": lambda each, times: f"!{_nested(each, times)}",  # which says: less often
-    "at_least": _nested,
-    "exactly": _exact,
-}
-"""By what is said of a number of visits, the formula that is published."""
 
 REACTIONS: Mapping[str, str] = {
     "instantaneous": "G ({to} -> {gives})",

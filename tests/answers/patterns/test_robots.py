@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,6 @@ from mcpn.answers.patterns.catalogue import (
     FUTURE,
     GLOBAL,
     PAST,
-    PUBLISHED_COUNTS,
     PUBLISHED_MOVEMENTS,
     REACTIONS,
     WAIT,
@@ -40,6 +41,27 @@ def test_movements(pattern: str, number: int) -> None:
         expected = meant.movement(words, kind, order, of)
         agree(words, movement(kind, order, list(of)), expected)
         agree(words, PUBLISHED_MOVEMENTS[pattern](list(of)), expected, meant.traces(words, of))
+
+
+def nested(each: str, times: int) -> str:
+    """At least so many states of the path are at the location."""
+    return f"F ({each} & X {nested(each, times - 1)})" if times > 1 else f"F {each}"
+
+
+def exact(each: str, times: int) -> str:
+    """Exactly so many states of the path are at the location."""
+    inside = f"X G !{each}"
+    for _ in range(times):
+        inside = f"X (!{each} U ({each} & {inside}))"
+    return inside.removeprefix("X ")
+
+
+PUBLISHED_COUNTS: Mapping[str, Callable[[str, int], str]] = {
+    "at_most": lambda each, times: f"!{nested(each, times)}",  # which says: less often
+    "at_least": nested,
+    "exactly": exact,
+}
+"""By what is said of a number of visits, the formula that is published."""
 
 
 @pytest.mark.parametrize("times", [1, 2, 3])
