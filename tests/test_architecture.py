@@ -26,6 +26,7 @@ BASE = (
     "declared",
     "version",
     "steps",
+    "turns",
     "cluster",
     "workers",
     "events",

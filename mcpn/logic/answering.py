@@ -12,10 +12,10 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Container, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import chain, count
+from itertools import chain
 from math import inf
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -35,6 +35,7 @@ from mcpn.spaces.engines import Choice, NoSpace
 from mcpn.spaces.search import EXPLICIT, HOME, INITIAL_STATE, RANDOM_WALK, STATE_EQUATION
 from mcpn.spaces.search.goal import FALSE, TRUE, And, AtMost, Fires, Formula
 from mcpn.steps import Doing, step
+from mcpn.turns import FIRST_SLICE, in_turns
 
 if TYPE_CHECKING:
     from mcpn.logic.contest import Property
@@ -47,7 +48,9 @@ if TYPE_CHECKING:
 # What searches is loaded when something is searched.
 
 DIAGRAMS, REWRITING, COMPOSITION = "DECISION_DIAGRAMS", "QUERY_REDUCTION", "COMPOSITION"
-FIRST_SLICE, FIRST_ROUND, SLICE_FACTOR = 0.4, 1.0, 3.0
+FIRST_STEPS, STEPS_FACTOR = 150_000, 2
+"""Of the race for the space, and how many times as many each of its turns has."""
+FIRST_SLICE_OF_QUESTION, FIRST_ROUND, SLICE_FACTOR = 0.4, 1.0, 3.0
 WALK_STEPS = 50_000
 Meaning: TypeAlias = Formula | tuple[int, ...] | str
 """A formula; places, where the most tokens that they hold together is asked; or an examination's name."""
@@ -70,10 +73,6 @@ LOCAL_STEPS = (20_000, 200_000, 1_000_000, 5_000_000, 25_000_000, 125_000_000)
 """For each part of a formula, in rounds."""
 PACED, FEWEST_STEPS = 1_000, 2_000
 """Places and transitions of a net up to which steps are not made fewer, and the fewest of each round."""
-QUICK = 200_000
-"""States of a space that are listed up to which it is asked before searches."""
-BESIDE = 4
-"""How many of these rounds take turns with the race for the space; others stand between rounds of slices."""
 
 
 @dataclass(frozen=True)
@@ -181,66 +180,36 @@ class _Answers:
         self.bounding: dict[Formula, list[tuple[Formula, bool]]] = {}
         self.nested: set[Formula] = set()  # parts inside others that have one value everywhere
         self.rounds = self.path_rounds = 0
+        self.failed: McpnError | None = None
+        """Why there is no space."""
 
     def all(self) -> Iterator[ContestAnswer]:
-        """Asks one way after the other; where there is a space, in turns with markings as they are needed."""
-        questions, store = self.questions, None
-        yield from self.one_safe_at_sight()
-        if questions.searchable:
-            yield from self.rewritten()
-            if not self.typed:
-                yield from self.bounds_by_space() if questions.brief() else self.by_equation()
-            yield from self.by_need(LOCAL_STEPS[0], searched=False)
-            if not self.typed:
-                yield from self.by_paths(LOCAL_STEPS[0])
-            # The space of a mission is not far, once a search has found nothing; in a small one it has the
-            # shortest runs.
-            if not (questions.small or self.there) or questions.engine == "search":
-                yield from self.by_search(short=self.net.priorities)
-            for steps in LOCAL_STEPS[1 : 2 if self.typed else BESIDE]:
-                if self.there or (steps > LOCAL_STEPS[1] and questions.made):
-                    break
-                yield from self.by_need(steps, searched=steps > LOCAL_STEPS[1])
-                if not self.typed:
-                    yield from self.by_paths(steps, enrich=True)
-        try:
-            yield from self.one_safe()
-            if self.waiting and isinstance(questions.space, DiagramMarkings | DiagramAlternatives):
-                store = questions.space.encoding.store
-        except McpnError as error:
-            if isinstance(error, LimitError) and questions.searchable and self.net.priorities:
-                yield from self.by_search()
-            for steps in LOCAL_STEPS[2 if self.typed else BESIDE :] if questions.searchable else ():
-                yield from self.by_need(steps, runs=True)
-            for steps in LOCAL_STEPS[2:4] if self.typed else ():
-                yield from self.by_paths(steps, enrich=True)
-            if self.waiting and questions.engine == "search":
-                raise LimitError(f"engine search leaves open: {', '.join(self.waiting)}") from error
-            if self.waiting:
-                raise
-        tried: Counter[str] = Counter()
-        for number in count():
-            begun = time.process_time()
-            for name in sorted(self.waiting, key=lambda name: (tried[name], _effort(self.waiting[name]))):
-                if name not in self.waiting:  # what was answered before it has implied its answer
-                    continue
-                if store and time.process_time() - begun > FIRST_ROUND * SLICE_FACTOR**number:
-                    break
-                value = None
-                tried[name] += 1
-                with within_seconds(store, FIRST_SLICE * SLICE_FACTOR ** (tried[name] - 1)):
-                    value = self.by_space(name)
-                if value is not None:
-                    yield from self.answer(name, value, _technique(questions.choice.engine))
-            if not self.waiting:
-                return
-            # Those whose slice has not done are asked of markings for about as long, all once of searches.
-            if number == 0 and self.there and questions.searchable:
-                yield from self.by_search()
-            steps, now = LOCAL_STEPS[min(1 + number, len(LOCAL_STEPS) - 1)], time.process_time()
-            until = now + (now - begun)
-            yield from self.by_need(steps, among=tried, until=until)
-            yield from self.by_paths(steps, enrich=True, among=tried, until=until)
+        """Asks all ways by turns; of typed formulas, whose runs are to be the same each time, one by one."""
+        first = inf if self.typed else FIRST_SLICE
+        yield from _told(in_turns(self.ways_to_go(), lambda: not self.waiting, first=first))
+        if self.waiting:
+            open_ones = f"{self.questions.engine} leaves open: {', '.join(self.waiting)}"
+            raise self.failed or LimitError(f"engine {open_ones}")
+
+    def ways_to_go(self) -> list[Iterator[ContestAnswer | None]]:
+        """The ways to answer that there are, in the order in which they begin."""
+        questions = self.questions
+        space = [] if questions.engine == "search" else [self.by_space()]
+        if not questions.searchable:
+            return [self.one_safe_at_sight(), *space]
+        if not self.typed:
+            at_sight = chain(self.one_safe_at_sight(), self.rewritten(), self.by_structure())
+            markings = self.by_need(), self.by_paths(), self.by_search()
+            return [at_sight, *space, self.by_equation(), *markings]
+        # The space of a mission is not far, once a search has found nothing; in a small one it has the
+        # shortest runs.
+        ways = [self.one_safe_at_sight(), self.rewritten(), self.by_need(LOCAL_STEPS[:1])]
+        if not questions.small or not space:
+            ways.append(self.by_search(short=self.net.priorities))
+        ways += [self.by_need(LOCAL_STEPS[1:2]), *space]
+        if self.net.priorities:
+            ways.append(self.by_search())
+        return [*ways, self.by_need(LOCAL_STEPS[2:], runs=True), self.by_paths(LOCAL_STEPS[2:4], enrich=True)]
 
     def shown(self, formula: Formula, holds: bool, ways: Sequence[str]) -> tuple[Witness, Choice | NoSpace]:
         """The run that shows the value of a formula, and who has answered."""
@@ -268,18 +237,6 @@ class _Answers:
 
         return Searches(self.net)
 
-    @property
-    def there(self) -> bool:
-        """Whether the space is there, needs no run to show its answers, and is quick or can be broken off."""
-        if self.typed or not self.questions.made:
-            return False
-        space = self.questions.space
-        if isinstance(space, DiagramMarkings | DiagramAlternatives):
-            return True
-        from mcpn.spaces.arrays import ArraySpace
-
-        return not isinstance(space, ArraySpace) or space.graph.states <= QUICK
-
     # --- what waits ---
 
     def answer(self, name: str, value: int, *ways: str) -> Iterator[ContestAnswer]:
@@ -303,20 +260,14 @@ class _Answers:
             then += [(part, True) for part in self.parts() if _asks_firing(part)]
         return then
 
-    def raced(self) -> Callable[[], bool]:
-        """What to ask between searches: whether the space, where it was not there yet, has come meanwhile."""
-        waits = self.questions.searchable and not (self.typed or self.questions.made)
-        return self.questions.brief if waits else lambda: False
-
     def paced(self, steps: int) -> int:
         """Fewer steps where each takes longer, since the net is large."""
         size = len(self.net.places) + len(self.net.transitions)
         return max(FEWEST_STEPS, steps * PACED // max(size, PACED))
 
-    def parts(self, among: Container[str] | None = None) -> list[Formula]:
-        """The parts whose initial values are asked for, of all or of some questions, cheap ones first."""
-        names = self.waiting if among is None else [name for name in self.waiting if name in among]
-        formulas = (asked for name in names if isinstance(asked := self.waiting[name], Formula))
+    def parts(self) -> list[Formula]:
+        """The parts whose initial values are asked for, cheap ones first."""
+        formulas = (asked for asked in self.waiting.values() if isinstance(asked, Formula))
         return sorted(dict.fromkeys(chain.from_iterable(map(parts_at_first, formulas))), key=_effort)
 
     def learn(self, part: Meaning, value: int, *ways: str) -> Iterator[ContestAnswer]:
@@ -384,18 +335,44 @@ class _Answers:
                     self.ways[name].update(dict.fromkeys(by))
                 yield from self.left(name, rest, *how)
 
-    def bounds_by_space(self) -> Iterator[ContestAnswer]:
-        """Answers bounds and examinations where the space is there at once, each within a short slice."""
-        yield from self.one_safe()
-        space = self.questions.space
-        store = space.encoding.store if isinstance(space, DiagramMarkings) else None
-        for name, asked in list(self.waiting.items()):
-            if name in self.waiting and not isinstance(asked, Formula) and asked != ONE_SAFE:
-                value = None
-                with within_seconds(store, FIRST_SLICE):
-                    value = self.by_space(name)
-                if value is not None:
-                    yield from self.answer(name, value, _technique(self.questions.choice.engine))
+    def by_structure(self) -> Iterator[ContestAnswer | None]:
+        """Bounds places by invariants, and simplifies by them."""
+        if self.net.priorities:
+            return
+        from mcpn.nets.structure import bounding
+
+        self.known.bounds = yield from bounding(self.net)
+        if self.facts:
+            self.facts.bounded_by(self.known.bounds)
+        self.known.forget()
+        yield from self.rewritten()
+
+    def by_space(self) -> Iterator[ContestAnswer | None]:
+        """Asks the space, once the race for it is over: cheap questions first, each with a slice of time."""
+        questions, steps = self.questions, FIRST_STEPS
+        try:
+            if questions.searchable and not (self.typed or self.net.priorities):
+                while not questions.made and not questions.spaces.go_on(steps):
+                    yield None
+                    steps *= STEPS_FACTOR
+            yield from self.one_safe()
+            space = questions.space if self.waiting else None
+        except McpnError as error:
+            self.failed = error
+            return
+        store = space.encoding.store if isinstance(space, DiagramMarkings | DiagramAlternatives) else None
+        tried: Counter[str] = Counter()
+        until = time.process_time() + FIRST_ROUND
+        while self.waiting:
+            name = min(self.waiting, key=lambda name: (tried[name], _effort(self.waiting[name])))
+            value = None
+            with within_seconds(store, FIRST_SLICE_OF_QUESTION * SLICE_FACTOR ** tried[name]):
+                value = self.value(name)
+            tried[name] += 1
+            if value is not None:
+                yield from self.answer(name, value, _technique(questions.choice.engine))
+            if time.process_time() > until:  # a space that is there answers soon
+                yield None
 
     def bounded(self) -> Iterator[ContestAnswer]:
         """Finds weaker and stronger parts that speak of one operator: what is not so weakly is not so."""
@@ -420,43 +397,61 @@ class _Answers:
             self.known.forget()
             yield from self.rewritten(HOME)
 
-    def by_equation(self) -> Iterator[ContestAnswer]:
+    def by_equation(self) -> Iterator[ContestAnswer | None]:
         """Answers bounds and examinations by the state equation and by walks that come to what it allows."""
-        if self.net.priorities or not self.waiting:
+        if self.net.priorities:
             return
         from mcpn.spaces.search.facts import Facts
 
-        facts = self.facts = Facts(self.net, self.known.bounds, self.searches)
+        self.facts = Facts(self.net, self.known.bounds, self.searches)
+        ways = self.sums_by_equation(), self.examined_by_equation(), self.simplified_by_equation()
+        yield from in_turns(ways, lambda: not self.waiting)
+
+    def sums_by_equation(self) -> Iterator[ContestAnswer | None]:
+        """Answers bounds of sums of tokens."""
+        assert self.facts is not None
         sums = [asked for asked in dict.fromkeys(self.waiting.values()) if isinstance(asked, tuple)]
-        for places, bound, ways in facts.sums(sums):
-            yield from self.learn(places, bound, *ways)
-        came = self.raced()
-        for name, decide in facts.examinations.items():
-            if came():
-                yield from self.bounds_by_space()
-                return
+        for found in self.facts.sums(asked for asked in sums if asked in self.waiting.values()):
+            if found is None:
+                yield None
+            else:
+                places, bound, ways = found
+                yield from self.learn(places, bound, *ways)
+
+    def examined_by_equation(self) -> Iterator[ContestAnswer | None]:
+        """Answers examinations."""
+        assert self.facts is not None
+        for name, decide in self.facts.examinations.items():
             if name in self.waiting.values():
-                value, ways = decide()
+                value, ways = yield from decide()
                 if value is not None:
                     yield from self.learn(name, value, *ways)
-        formulas = [asked for asked in self.waiting.values() if isinstance(asked, Formula)]
-        facts.know(chain.from_iterable(map(conditions, map(self.known.simple, formulas))))
-        if LIVE in self.waiting.values() or any(self.known.goal(part) is None for part in self.parts()):
-            self.known.home = facts.home
-        self.known.believe(facts)
-        if home := self.known.home:
-            dead = not self.net.enabled(home.marking)
-            yield from self.learn(SOME_DEADLOCK, dead, HOME, STATE_EQUATION)
-        yield from self.rewritten(STATE_EQUATION)
 
-    def by_search(self, *, short: bool = False) -> Iterator[ContestAnswer]:
-        """Answers what asks for reachable markings by search, until it turns out that the space is small.
+    def simplified_by_equation(self) -> Iterator[ContestAnswer | None]:
+        """Simplifies formulas by what always holds, or may always hold again."""
+        facts = self.facts
+        assert facts is not None
+        formulas = [asked for asked in self.waiting.values() if isinstance(asked, Formula)]
+        yield from facts.knowing(chain.from_iterable(map(conditions, map(self.known.simple, formulas))))
+        self.known.believe(facts)
+        yield from self.rewritten(STATE_EQUATION)
+        if LIVE in self.waiting.values() or any(self.known.goal(part) is None for part in self.parts()):
+            self.known.home = home = yield from facts.going_home()
+            if home:
+                dead = not self.net.enabled(home.marking)
+                yield from self.learn(SOME_DEADLOCK, dead, HOME, STATE_EQUATION)
+                self.known.forget()
+                yield from self.rewritten(STATE_EQUATION)
+
+    def by_search(self, *, short: bool = False) -> Iterator[ContestAnswer | None]:
+        """Answers what asks for reachable markings by search.
 
         Args:
             short: Whether there is no more than one search, for a short run.
         """
+        if short is False and self.net.priorities and self.typed and not isinstance(self.failed, LimitError):
+            return
         tried: set[Formula] = set()
-        brief = self.questions.brief
         while True:  # what one search decides may bring up parts for another
             yield from self.bounded()
             parts = [part for part in (*self.parts(), *self.bounding) if part not in tried]
@@ -468,9 +463,15 @@ class _Answers:
             tried |= goals.keys()
             budgets = [self.limited(budget) for budget in ([SHORT] if short else ROUNDS)]
             searched = list(goals)
-            for index, found in Portfolio(self.net, self.searches).decide(
-                list(goals.values()), budgets, go_on=lambda: not brief()
-            ):
+
+            def asked(index: int, among: Sequence[Formula] = searched) -> bool:
+                return among[index] not in self.known.values
+
+            for told in Portfolio(self.net, self.searches).deciding(list(goals.values()), budgets, asked):
+                if told is None:
+                    yield None
+                    continue
+                index, found = told
                 if found.run is not None:
                     self.known.runs[searched[index]] = found.run
                 yield from self.learn(searched[index], found.reachable, *found.techniques)
@@ -481,89 +482,74 @@ class _Answers:
         return budget if most is None else replace(budget, states=min(budget.states, most))
 
     def by_need(
-        self,
-        steps: int,
-        *,
-        searched: bool = True,
-        runs: bool = False,
-        among: Container[str] | None = None,
-        until: float = inf,
-    ) -> Iterator[ContestAnswer]:
-        """Asks markings as they are needed, so many steps for each part.
+        self, rounds: Sequence[int] = LOCAL_STEPS, *, runs: bool = False
+    ) -> Iterator[ContestAnswer | None]:
+        """Asks markings as they are needed; each part has its turn in each round.
 
         Args:
-            steps: How many.
-            searched: Whether parts are asked that a search may decide.
+            rounds: Steps for each part, in rounds.
             runs: Whether a part that holds is answered although no run is known that shows it.
-            among: Names of the questions whose parts are asked; by default all.
-            until: Seconds of CPU time of this process after which no other part is asked.
         """
-        asked = [part for part in (*self.parts(), *self.nested) if not says_paths(part)]
-        counted = {*self.parts(among), *self.nested}
-        parts = [part for part in asked if part in counted and (searched or self.known.goal(part) is None)]
-        if not parts or self.net.priorities:  # whose atoms are no conditions on tokens alone
+        if self.net.priorities or not self.searches.fits:  # whose atoms are no conditions on tokens alone
             return
-        if not self.searches.fits:
-            return
-        if self.local is None:
-            from mcpn.logic.on_the_fly import LocalChecks
+        for steps in rounds:
+            searched = steps > LOCAL_STEPS[0 if not self.typed else 1]
+            asked = [part for part in (*self.parts(), *self.nested) if not says_paths(part)]
+            parts = [part for part in asked if searched or self.known.goal(part) is None]
+            if not parts:
+                continue
+            if self.local is None:
+                from mcpn.logic.on_the_fly import LocalChecks
 
-            self.local = LocalChecks(self.net, self.searches)
-        self.local.ask(asked)
-        came = self.raced()
-        for part in parts:
-            if came() or time.process_time() > until:
-                return
-            value = self.local.decide(part, self.paced(steps), seed=self.rounds)
-            # EX is shown by one step; other parts that hold need a run, which is not known.
-            if value is False or (value and (runs or not self.typed or isinstance(part, EX))):
-                yield from self.learn(part, value, EXPLICIT)
-        self.rounds += 1
+                self.local = LocalChecks(self.net, self.searches)
+            self.rounds += 1
+            for part in parts:
+                if part in self.known.values:
+                    continue
+                self.local.ask(asked)
+                value = self.local.decide(part, self.paced(steps), seed=self.rounds - 1)
+                # EX is shown by one step; other parts that hold need a run, which is not known.
+                if value is False or (value and (runs or not self.typed or isinstance(part, EX))):
+                    yield from self.learn(part, value, EXPLICIT)
+                yield None
 
     def by_paths(
-        self,
-        steps: int,
-        *,
-        enrich: bool = False,
-        among: Container[str] | None = None,
-        until: float = inf,
-    ) -> Iterator[ContestAnswer]:
-        """Looks for paths that parts ask for, marking by marking, so many steps for each part.
+        self, rounds: Sequence[int] = LOCAL_STEPS, *, enrich: bool = False
+    ) -> Iterator[ContestAnswer | None]:
+        """Looks for paths that parts ask for, marking by marking; each part has its turn in each round.
 
         Args:
-            steps: How many.
-            enrich: Whether to ask first what holds always, or never.
-            among: Names of the questions whose parts are asked; by default all.
-            until: Seconds of CPU time of this process after which no other part is asked.
+            rounds: Steps for each part, in rounds.
+            enrich: Whether to ask in the first round, too, what holds always, or never.
         """
-        yield from self.bounded()
-        # Others are asked marking by marking as well, and the space is quicker, once it is there.
-        every = enrich and steps <= LOCAL_STEPS[1] and not (self.typed or self.questions.made)
-        parts = [part for part in self.parts(among) if every or says_paths(part)]
-        parts += () if self.questions.made else self.bounding
-        parts = [part for part in parts if self.known.goal(part) is None]
-        if not parts or not self.questions.searchable or self.net.priorities:
+        if self.net.priorities:
             return
-        if self.paths is None:
-            from mcpn.logic.ltl.parts import PathParts
+        for steps in rounds:
+            yield from self.bounded()
+            enrich = enrich or steps > rounds[0]
+            # Others are asked marking by marking as well, and the space is quicker, once it is there.
+            every = enrich and steps <= LOCAL_STEPS[1] and not (self.typed or self.questions.made)
+            parts = [part for part in self.parts() if every or says_paths(part)]
+            parts += () if self.questions.made else self.bounding
+            if self.paths is None:
+                from mcpn.logic.ltl.parts import PathParts
 
-            self.paths = PathParts(self.net, self.searches)
-        self.path_rounds += 1
-        came = self.raced()
-        for part in parts:
-            if came() or time.process_time() > until:
-                return
-            path = on_one_path(part, self.net)
-            if path is None:
-                continue
-            found = self.paths.decide(path, self.paced(steps), self.path_rounds, enrich=enrich)
-            if found is None or found.outcome not in ("found", "none"):
-                continue
-            if found.outcome == "found":
-                self.known.paths[part] = found
-            yield from self.learn(part, found.outcome == "found", EXPLICIT)
+                self.paths = PathParts(self.net, self.searches)
+            self.path_rounds += 1
+            for part in parts:
+                path = on_one_path(part, self.net)
+                if path is None or part in self.known.values or self.known.goal(part) is not None:
+                    continue
+                found = yield from self.paths.deciding(
+                    path, self.paced(steps), self.path_rounds, enrich=enrich
+                )
+                if found is not None and found.outcome in ("found", "none"):
+                    if found.outcome == "found":
+                        self.known.paths[part] = found
+                    yield from self.learn(part, found.outcome == "found", EXPLICIT)
+                yield None
 
-    def by_space(self, name: str) -> int:
+    def value(self, name: str) -> int:
         """The answer by the space: a truth value or a number."""
         # A typed formula is asked as it was written: so is the run that shows it.
         meaning, questions = (self.asked if self.typed else self.waiting)[name], self.questions
@@ -576,6 +562,11 @@ class _Answers:
 
             return EXAMINATIONS[meaning](Behaviour(questions.space))
         return questions.evaluation.holds(meaning)
+
+
+def _told(turns: Iterator[ContestAnswer | None]) -> Iterator[ContestAnswer]:
+    """What comes without the pauses."""
+    return (told for told in turns if told is not None)
 
 
 def _asks_firing(asked: Meaning) -> bool:

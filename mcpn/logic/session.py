@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -26,9 +25,6 @@ from mcpn.spaces.search.goal import Formula
 
 if TYPE_CHECKING:
     from mcpn.logic.witness import Witness
-
-FIRST_STEPS, STEPS_FACTOR = 150_000, 2
-"""Of the race for the space, of which rounds are taken between searches."""
 
 
 @dataclass(frozen=True)
@@ -86,8 +82,6 @@ class Session:
         self.on: On = on
         self.engine = engine
         self.max_states = max_states
-        self._steps = FIRST_STEPS
-        self._begun = self._for_space = 0.0
         self.names = self.spaces.names()
         self.fair: tuple[Justice, ...] = ()  # a constraint speaks of all paths itself
         self.fair = tuple(
@@ -170,23 +164,6 @@ class Session:
             choice = Choice(EXPLICIT, "its markings were listed before a diagram held them")
         return space, choice
 
-    def brief(self) -> bool:
-        """Gives the space of a net that is searched meanwhile its turn: as much time as searches have had.
-
-        Returns:
-            Whether the space is there.
-        """
-        if self.made or self.net.priorities or self.engine == "search":
-            return self.made
-        now = time.process_time()
-        if self._steps == FIRST_STEPS or self._for_space <= now - self._begun - self._for_space:
-            self._begun = self._begun or now
-            self._steps *= STEPS_FACTOR
-            if self.spaces.go_on(self._steps):
-                _ = self._chosen
-            self._for_space += time.process_time() - now
-        return self.made
-
     def one_safe(self) -> bool:
         """Whether no place ever holds two tokens; where none does, the space has then been built.
 
@@ -194,7 +171,7 @@ class Session:
             LimitError: A limit was hit.
         """
         try:
-            if not (self.made or self._steps > FIRST_STEPS):
+            if not self.made and (self.net.priorities or not self.searchable):
                 self._chosen = self._made(tokens=False)
                 return True
             space = self.space

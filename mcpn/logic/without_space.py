@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import inf
 from typing import TYPE_CHECKING
 
 from mcpn.logic.formulas import EG, EU
@@ -65,6 +66,7 @@ class Known:
         runs: By part that begins with ``EF`` and holds the transitions of a run to where its operand holds.
         paths: By part that asks for some path and holds such a path.
         home: A marking that every reachable one leads to, where one is known.
+        bounds: Most tokens of each place, as far as is known.
     """
 
     def __init__(self, net: PetriNet, *, settled: bool) -> None:
@@ -73,6 +75,7 @@ class Known:
         self.runs: dict[Formula, tuple[int, ...]] = {}
         self.paths: dict[Formula, FoundPath] = {}
         self.home: Home | None = None
+        self.bounds: Sequence[float] = [inf] * len(net.places)
         self._facts: Facts | None = None
         self._simple: dict[Formula, Formula] = {}
 
@@ -93,14 +96,6 @@ class Known:
             for _ in Completion(self.net).settle(marking):
                 pass
         return tuple(marking)
-
-    @cached_property
-    def bounds(self) -> Sequence[float]:
-        """Most tokens of each place, as far as invariants say."""
-        from mcpn.nets.structure import place_bounds
-
-        # The space of a net with priorities is there only if it is 1-safe: its bounds are not worth knowing.
-        return [float("inf")] * len(self.net.places) if self.net.priorities else place_bounds(self.net)
 
     def simple(self, formula: Formula) -> Formula:
         """A smaller formula with the same value in every state."""

@@ -28,6 +28,7 @@ from math import gcd, inf
 from typing import TypeAlias
 
 from mcpn.nets.petri import Marking, PetriNet
+from mcpn.turns import Pausing, finished
 
 Sparse: TypeAlias = dict[int, int]
 """A vector of integers by index, without its zeros."""
@@ -78,6 +79,11 @@ def invariants(net: PetriNet) -> tuple[Sparse, ...]:
         :func:`mcpn.nets.siphons.p_semiflows`: all of minimal support, none negative.
         :func:`state_machine_units`: the places of which one is marked at a time.
     """
+    return finished(_eliminated(net))
+
+
+def _eliminated(net: PetriNet) -> Pausing[tuple[Sparse, ...]]:
+    """The invariants, with a pause after each transition."""
     rows = [dict(row) for row in incidence(net)]
     sums: list[Sparse] = [{place: 1} for place in range(len(rows))]
     columns: dict[int, set[int]] = {}
@@ -110,6 +116,7 @@ def invariants(net: PetriNet) -> tuple[Sparse, ...]:
             columns[changed].discard(pivot)
             heappush(queue, (len(columns[changed]), changed))
         spent.add(pivot)
+        yield
     return tuple(_positive_first(sums[place]) for place in range(len(rows)) if place not in spent)
 
 
@@ -188,6 +195,11 @@ def state_machine_units(net: PetriNet, *, steps: int = SEARCH_STEPS) -> tuple[tu
     Returns:
         Groups in the order found, each ascending; each verified, whatever the search did.
     """
+    return finished(_grown(net, steps))
+
+
+def _grown(net: PetriNet, steps: int) -> Pausing[tuple[tuple[int, ...], ...]]:
+    """The units, with a pause after each search."""
     search = _UnitSearch(net)
     units: list[tuple[int, ...]] = []
     for unit in net.units:
@@ -201,6 +213,7 @@ def state_machine_units(net: PetriNet, *, steps: int = SEARCH_STEPS) -> tuple[tu
             if search.group and _holds_one_token(search.rows, net.initial, search.group):
                 units.append(tuple(sorted(search.group)))
                 search.covered.update(search.group)
+            yield
     return tuple(units)
 
 
@@ -339,13 +352,18 @@ def conflicts(net: PetriNet, transitions: Iterable[int]) -> tuple[tuple[int, int
 
 def place_bounds(net: PetriNet) -> list[float]:
     """Most tokens that a place can hold in a reachable marking, by the invariants; else infinity."""
+    return finished(bounding(net))
+
+
+def bounding(net: PetriNet) -> Pausing[list[float]]:
+    """:func:`place_bounds`, with pauses."""
     bounds = [inf] * len(net.places)
-    for vector in invariants(net):
+    for vector in (yield from _eliminated(net)):
         if min(vector.values()) > 0:
             total = sum(weight * net.initial[place] for place, weight in vector.items())
             for place, weight in vector.items():
                 bounds[place] = min(bounds[place], total // weight)
-    for unit in state_machine_units(net):
+    for unit in (yield from _grown(net, SEARCH_STEPS)):
         for place in unit:
             bounds[place] = min(bounds[place], 1)
     return bounds

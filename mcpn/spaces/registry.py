@@ -336,7 +336,7 @@ class Spaces:
             steps: How many the rounds of the race of orders may have.
 
         Returns:
-            Whether it is there; where an error has ended the work, whoever asks for the space meets it.
+            Whether it has ended; where an error has ended it, whoever asks for the space meets it.
         """
         return self._reaching(tokens=True, edges=True).go_on(steps)
 

@@ -32,6 +32,7 @@ from mcpn.spaces.names import Names
 from mcpn.spaces.search.equation import Ceiling, Proof, Solution, StateEquation
 from mcpn.spaces.search.goal import Goal
 from mcpn.testing.nets import FAMILIES
+from mcpn.turns import Pausing
 from tests.draws import fewer
 from tests.logic.formulas import RELATIONS, Written, edges_of, formulas, read, satisfying
 from tests.nets.nets import graph_of, nets, state_machines, token_nets
@@ -354,23 +355,25 @@ def test_what_is_answered_without_a_space_is_right(net: PetriNet, data: st.DataO
 def proofs_given() -> Iterator[list[tuple[Proof, PetriNet, dict[int, int], Fraction]]]:
     """The proofs of the state equation meanwhile, each with its net and the bound that it shows of a sum."""
     given: list[tuple[Proof, PetriNet, dict[int, int], Fraction]] = []
-    solve, most = StateEquation.solve, StateEquation.most
+    solve, most = StateEquation.solving, StateEquation.bounding
     less = Fraction(1, 10**9)
 
-    def solved(self: StateEquation, goal: Goal, *cases: int) -> Solution:
-        found = solve(self, goal, *cases)
+    def solved(self: StateEquation, goal: Goal, *cases: int) -> Pausing[Solution]:
+        found = yield from solve(self, goal, *cases)
         assert bool(found.proofs) == (found.kind == "unreachable")
         given.extend((proof, self.net, {}, -less) for proof in found.proofs)
         return found
 
-    def bounded(self: StateEquation, weights: Mapping[int, int], empty: Iterable[int] = ()) -> Ceiling:
-        found = most(self, weights, empty)
+    def bounded(
+        self: StateEquation, weights: Mapping[int, int], empty: Iterable[int] = ()
+    ) -> Pausing[Ceiling]:
+        found = yield from most(self, weights, empty)
         if found.bound is not None:
             assert found.proof is not None
             given.append((found.proof, self.net, dict(weights), found.bound + 1 - less))
         return found
 
-    with patch.object(StateEquation, "solve", solved), patch.object(StateEquation, "most", bounded):
+    with patch.object(StateEquation, "solving", solved), patch.object(StateEquation, "bounding", bounded):
         yield given
 
 

@@ -9,6 +9,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from mcpn._kernel import Checker, Goals, TokenNet
+from mcpn.logic.answering import answer_all
 from mcpn.logic.asking import Questions
 from mcpn.logic.formulas import EG, EU, EX
 from mcpn.logic.on_the_fly import LocalChecks, OnTheFlyCheck
@@ -148,28 +149,8 @@ def test_the_kernel_checks_what_it_is_given() -> None:
     assert checker.decide(0, 1) == "steps"
 
 
-def test_the_space_has_as_much_time_as_searches(monkeypatch: pytest.MonkeyPatch) -> None:
-    """It begins at once; each of its turns may take more steps, and waits until searches have had as long."""
-    clock, turns = 100.0, list[int]()
-    questions = Questions(philosophers(2))
-
-    def go_on(steps: int) -> bool:
-        nonlocal clock
-        clock += 10
-        turns.append(steps)
-        return len(turns) == 3
-
-    monkeypatch.setattr("mcpn.logic.session.time.process_time", lambda: clock)
-    monkeypatch.setattr(questions.spaces, "go_on", go_on)
-    found = []
-    for now in (100, 110, 119, 120, 130, 139, 140, 150):
-        clock = now
-        found.append((questions.brief(), len(turns)))
-    assert found == [(False, 1)] * 3 + [(False, 2)] * 3 + [(True, 3)] * 2
-    assert turns[0] < turns[1] < turns[2]
-    assert questions.made
-
-
-def test_a_space_that_nobody_asked_for_is_not_begun() -> None:
+def test_a_space_that_nobody_asked_for_is_not_begun(monkeypatch: pytest.MonkeyPatch) -> None:
     questions = Questions(philosophers(2), engine="search")
-    assert not any(questions.brief() for _ in range(3))
+    monkeypatch.setattr(questions.spaces, "go_on", lambda _: pytest.fail("it is begun"))
+    found = list(answer_all(questions, (), ["Liveness", "ReachabilityDeadlock"]))
+    assert {verdict.value for verdict in found} == {"TRUE", "FALSE"}

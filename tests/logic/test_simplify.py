@@ -18,6 +18,7 @@ from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.search.facts import Facts
 from mcpn.spaces.search.goal import FALSE, TRUE, And, AtMost, Deadlock, Not, Or, as_goal, holds
+from mcpn.turns import finished
 from tests.draws import fewer
 from tests.logic.formulas import Written, edges_of, formulas, read, satisfying
 from tests.nets.nets import graph_of, nets, reachable, state_machines, token_nets
@@ -95,8 +96,8 @@ def test_conditions_that_are_said_to_be_constant_are(net: PetriNet, data: st.Dat
     cores = [read(drawn(data, net, leaves=8), net) for _ in range(4)]
     asked = {condition for core in cores for condition in conditions(core)}
     facts = Facts(net)
-    facts.know_transitions()
-    facts.know(asked)
+    finished(facts.knowing_transitions())
+    finished(facts.knowing(asked))
     for condition in asked:
         goal = as_goal(condition, net)
         assert goal is not None

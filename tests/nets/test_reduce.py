@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping, Set
 from itertools import pairwise, product
 
@@ -10,9 +11,13 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet
+from mcpn.nets.reduce.draft import Draft
 from mcpn.nets.reduce.reduction import Reduction, reduce_for_deadlock, reduce_for_goal
+from mcpn.nets.reduce.redundant import drop_never_marked
 from tests.nets.nets import nets, state_machines, token_nets
 
+STEPS_OF_LINE, SECONDS = 4_000, 1.0
+"""Steps of a run, and CPU seconds that a rule may take for it: a quadratic one takes many times as many."""
 EITHER, UP, DOWN = frozenset({1, -1}), frozenset({1}), frozenset({-1})
 
 PLAIN = (
@@ -284,3 +289,18 @@ def test_transitions_are_compared_by_what_they_change() -> None:
     net = net_of({"p": 3}, ({"p": 3}, {"p": 1, "out": 1}), ({"p": 1}, {"out": 1}))
     for names in (("out",), ("p", "out"), ("p",)):
         confirmed(net, *names)
+
+
+def test_what_is_never_marked_is_found_in_time_linear_in_the_arcs() -> None:
+    """A place that each step of a long run could mark, if another place were not empty for ever."""
+    builder = NetBuilder("hub")
+    places = [builder.place(f"p{i}", initial=int(i == 0)) for i in range(STEPS_OF_LINE)]
+    hub, never = builder.place("hub"), builder.place("never")
+    for i, place in enumerate(places[:-1]):
+        builder.transition(f"t{i}", consume=[place], produce=[places[i + 1]])
+        builder.transition(f"u{i}", consume=[place, never], produce=[hub])
+    draft = Draft(builder.build())
+    begun = time.process_time()
+    assert drop_never_marked(draft)
+    assert time.process_time() - begun < SECONDS
+    assert len(draft.pre) == STEPS_OF_LINE - 1

@@ -24,13 +24,13 @@ from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.diagrams.bounded import reach_markings, reach_tokens
 from mcpn.spaces.diagrams.counters import TokenEncoding
 from mcpn.spaces.diagrams.order import candidates
-from mcpn.spaces.diagrams.race import finished
 from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
 from mcpn.spaces.diagrams.spaces import DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import closing
 from mcpn.spaces.markings import counted as widths
 from mcpn.spaces.markings.counted import count_tokens, explore_tokens
 from mcpn.spaces.sizes import summarise
+from mcpn.turns import finished
 from tests.draws import fewer
 from tests.logic.formulas import formulas, read, satisfying
 from tests.logic.test_behaviour import ahead

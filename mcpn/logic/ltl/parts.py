@@ -36,6 +36,7 @@ from mcpn.spaces.search.goal import (
 )
 from mcpn.spaces.search.portfolio import ROUNDS, Portfolio
 from mcpn.spaces.search.searches import Searches
+from mcpn.turns import Pausing, finished
 
 RESTARTS = (*[64] * 8, *[8] * 4, 1)
 """By random order of the search, the divisor of its steps: a search that begins badly may never end."""
@@ -112,7 +113,13 @@ class PathParts:
         self._inevitable: dict[Formula, bool] = {}
 
     def decide(self, path: Formula, steps: int, seed: int, *, enrich: bool = False) -> FoundPath | None:
-        """Whether such a path begins in the initial marking.
+        """What :meth:`deciding` finds."""
+        return finished(self.deciding(path, steps, seed, enrich=enrich))
+
+    def deciding(
+        self, path: Formula, steps: int, seed: int, *, enrich: bool = False
+    ) -> Pausing[FoundPath | None]:
+        """Whether such a path begins in the initial marking, with pauses.
 
         Args:
             path: A formula on paths, or on states.
@@ -128,7 +135,7 @@ class PathParts:
             self._searches[path] = self._search(path)
         if enrich and path not in self._enriched:
             self._enriched.add(path)
-            self._searches[path] = self._search(path, enrich=True)
+            self._searches[path] = yield from self._enriching(path)
         asked = self._searches[path]
         if asked is None:
             return None
@@ -136,33 +143,45 @@ class PathParts:
             answer = asked.found(steps // share, len(RESTARTS) * seed + number)
             if answer is None or answer.outcome != "steps":
                 break
+            yield
         if answer is None:
             self._searches[path] = self._search(path)
-            return self.decide(path, steps, seed)
+            return (yield from self.deciding(path, steps, seed))
         if answer.outcome in ("bytes", "tokens"):
             self._searches[path] = None  # more steps would meet the same limit
         return answer
 
-    def _search(self, path: Formula, *, enrich: bool = False) -> _Asked | None:
-        path, net, reduction = normal(path), self._net, None
+    def _enriching(self, path: Formula) -> Pausing[_Asked | None]:
+        """The search for what is left of a formula by what is known, in a smaller net."""
+        path = normal(path)
+        if sum(_size(self._net)) <= MOST_KNOWN:
+            path = normal((yield from self._with_constants(path)))
+        refuted = yield from self._refuting(path)
+        path, reduction = FALSE if refuted else path, None
         try:
-            if enrich:
-                if sum(_size(self._net)) <= MOST_KNOWN:
-                    path = normal(self._with_constants(path))
-                path = FALSE if self._refuted(path) else path
-                if (smaller := self._reduced(path)) is not None:
-                    reduction, path = smaller
-                    net = reduction.net
-            search = PathSearch(net, translated(path), None if reduction else self._own)
+            if (smaller := self._reduced(path)) is not None:
+                reduction, path = smaller
+            return self._search(path, reduction)
+        except LimitError:
+            return None
+
+    def _search(self, path: Formula, reduction: Reduction | None = None) -> _Asked | None:
+        net, searches = (reduction.net, None) if reduction else (self._net, self._own)
+        try:
+            search = PathSearch(net, translated(normal(path)), searches)
         except LimitError:
             return None
         return _Asked(self._net, search, reduction) if search.fits else None
 
-    def _refuted(self, path: Formula) -> bool:
+    def _refuting(self, path: Formula) -> Pausing[bool]:
         """Whether no path satisfies both a formula and what holds at some time on every path of the net."""
         plain = dict.fromkeys(map(atom_of, _conditions(path)))
         literals = [literal for c in [*plain][:MOST_ASKED] for literal in (c, Not(c))]
-        inevitable = [Until(TRUE, literal) for literal in literals if self._is_inevitable(literal)]
+        inevitable = []
+        for literal in literals:
+            if self._is_inevitable(literal):
+                inevitable.append(Until(TRUE, literal))
+            yield
         try:
             return bool(inevitable) and translated(normal(And(path, *inevitable))).is_empty
         except LimitError:
@@ -199,7 +218,7 @@ class PathParts:
 
         return reduction, put(path)
 
-    def _with_constants(self, path: Formula) -> Formula:
+    def _with_constants(self, path: Formula) -> Pausing[Formula]:
         """The formula with constants for conditions on markings that hold always, or never."""
         conditions = list(dict.fromkeys(_conditions(path)))
         asked: dict[Goal, None] = {}
@@ -210,9 +229,11 @@ class PathParts:
                     asked[goal] = None
         goals = list(asked)
         self._constants.update(dict.fromkeys(goals))
-        for index, found in Portfolio(self._net, self._own).decide(goals, ROUNDS[:2]):
-            if not found.reachable:
-                self._constants[goals[index]] = FALSE
+        for told in Portfolio(self._net, self._own).deciding(goals, ROUNDS[:2]):
+            if told is None:
+                yield
+            elif not told[1].reachable:
+                self._constants[goals[told[0]]] = FALSE
 
         def put(formula: Formula) -> Formula:
             if is_of_paths(formula):

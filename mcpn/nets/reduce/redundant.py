@@ -16,18 +16,22 @@ MOST_COMPARED = 40
 
 def drop_never_marked(draft: Draft) -> bool:
     """Transitions that need a place of an unmarked siphon: no run ever marks it."""
-    siphon = {place for place in draft.places if draft.initial[place] == 0}
-    queue = list(siphon)
+    missing = {t: len(needs) for t, needs in draft.pre.items()}
+    marked = {place for place in draft.places if draft.initial[place]}
+    queue = list(marked)
+    for t, count in missing.items():
+        if not count:
+            queue += draft.post[t].keys() - marked
+            marked |= draft.post[t].keys()
     while queue:
-        place = queue.pop()
-        if place not in siphon or all(draft.pre[t].keys() & siphon for t in draft.feeders[place]):
-            continue
-        siphon.discard(place)
-        for transition in draft.users[place]:
-            queue.extend(after for after in draft.post[transition] if after in siphon)
-    dead = {t for place in siphon for t in draft.users[place]}
-    for transition in dead:
-        draft.drop(transition)
+        for t in draft.users[queue.pop()]:
+            missing[t] -= 1
+            if not missing[t]:
+                queue += draft.post[t].keys() - marked
+                marked |= draft.post[t].keys()
+    dead = [t for t, count in missing.items() if count]
+    for t in dead:
+        draft.drop(t)
     return bool(dead)
 
 

@@ -12,9 +12,10 @@ from functools import partial
 from mcpn.errors import UnsafeError
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.diagrams.order import Order
-from mcpn.spaces.diagrams.race import Work, finished
+from mcpn.spaces.diagrams.race import Work
 from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
 from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY, closing, reaching
+from mcpn.turns import finished
 
 # Counters are loaded where a place may hold several tokens, as in missions none does.
 

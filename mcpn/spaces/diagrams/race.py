@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Generic, Protocol, TypeAlias, TypeVar, cast
 
 from mcpn._kernel import BudgetExceeded, Cancelled, MemoryLimit
 from mcpn.errors import McpnError
+from mcpn.turns import finished
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -48,15 +49,6 @@ Work: TypeAlias = Generator[int, None, Made]
 """Work that says before each of its rounds how many steps it is of, and that may rest between them."""
 
 
-def finished(work: Work[Made]) -> Made:
-    """What comes of work that does not rest."""
-    while True:
-        try:
-            next(work)
-        except StopIteration as end:
-            return cast(Made, end.value)
-
-
 class Resting(Generic[Made]):
     """Work that is gone on with now and then, while something else is done in between.
 
@@ -70,7 +62,7 @@ class Resting(Generic[Made]):
         self.ended = False
 
     def go_on(self, most: int) -> bool:
-        """Takes rounds of at most so many steps; whether the work has ended, and not by an error."""
+        """Takes rounds of at most so many steps; whether the work has ended, be it by an error."""
         try:
             while not self.ended and self._next <= most:
                 self._next = next(self._work)
@@ -78,7 +70,7 @@ class Resting(Generic[Made]):
             self.ended, self._made = True, cast(Made, end.value)
         except McpnError as error:
             self.ended, self._error = True, error
-        return self.ended and not hasattr(self, "_error")
+        return self.ended
 
     @property
     def made(self) -> Made:

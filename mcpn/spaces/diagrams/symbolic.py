@@ -16,11 +16,12 @@ from mcpn.nets.petri import PetriNet
 from mcpn.spaces.diagrams.closing import Encode, close
 from mcpn.spaces.diagrams.encoding import Encoding
 from mcpn.spaces.diagrams.order import Order
-from mcpn.spaces.diagrams.race import FIRST_BUDGET, Race, Work, cores, finished
+from mcpn.spaces.diagrams.race import FIRST_BUDGET, Race, Work, cores
 from mcpn.spaces.diagrams.race_entrants import runners
 from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
 from mcpn.spaces.diagrams.unsafe import refuse_unsafe
 from mcpn.spaces.markings.masked import unsafe_at_start
+from mcpn.turns import finished
 
 DEFAULT_MEMORY = 4 << 30
 FIRST_BUDGET_OF_MISSIONS = 8_000_000

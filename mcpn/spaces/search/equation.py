@@ -26,6 +26,7 @@ from mcpn.nets.petri import PetriNet
 from mcpn.nets.programs import LinearProgram, Solved, ceiling, proposed
 from mcpn.nets.structure import incidence, place_bounds
 from mcpn.spaces.search.goal import DEADLOCK, And, AtMost, Goal, Or, as_goal, fireable
+from mcpn.turns import Pausing, finished
 
 WHOLE = 1e-6
 """How far from a whole number the solver's numbers may be that mean it."""
@@ -141,6 +142,10 @@ class StateEquation:
         Returns:
             A bound that holds, with its proof.
         """
+        return finished(self.bounding(weights, empty))
+
+    def bounding(self, weights: Mapping[int, int], empty: Iterable[int] = ()) -> Pausing[Ceiling]:
+        """:meth:`most`, with a pause after each program."""
         if not self.fits or max(map(abs, weights.values()), default=0) > LARGEST:
             return Ceiling(None)
         program, best = self._plain, Ceiling(None)
@@ -157,6 +162,8 @@ class StateEquation:
             if len(program.traps) >= TRAPS or not (trap := self._trap(program.empty(solved))):
                 break
             program.mark(trap)
+            yield
+        yield
         return best if last is None else replace(best, counts=program.counts(last))
 
     def shared(self, ceiling: Ceiling) -> dict[int, int]:
@@ -183,6 +190,15 @@ class StateEquation:
         Returns:
             The answer; ``unknown`` also where the net or the goal is too large for the solver.
         """
+        return finished(self.solving(goal, most))
+
+    def solving(self, goal: Goal, most: int = NODES) -> Pausing[Solution]:
+        """:meth:`solve`, with a pause after each program."""
+        found = yield from self._branching(goal, most)
+        yield
+        return found
+
+    def _branching(self, goal: Goal, most: int) -> Pausing[Solution]:
         if not self.fits:
             return Solution("unknown")
         box = _box(goal)
@@ -203,6 +219,7 @@ class StateEquation:
                 if found is None:
                     return Solution("unknown")
                 proofs.append(found[1])
+                yield
                 continue
             nodes += 1
             if solved.kind == "unknown" or nodes > most + len(program.traps):
@@ -211,6 +228,7 @@ class StateEquation:
             if trap:
                 program.mark(trap)
                 cases.append(case)
+                yield
                 continue
             split = program.between(solved)
             if split is None:
@@ -222,6 +240,7 @@ class StateEquation:
                 {**case, variable: (low, floor(value))},
                 {**case, variable: (floor(value) + 1.0, high)},
             ]
+            yield
         return Solution("unreachable", traps=len(program.traps), proofs=tuple(proofs))
 
     def _trap(self, within: Iterable[int]) -> frozenset[int]:

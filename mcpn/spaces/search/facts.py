@@ -1,5 +1,7 @@
 """What is true of a net as a whole, by the state equation, by walks and by its arcs: no space is built.
 
+What takes long is work that pauses (:mod:`mcpn.turns`): ended early, it has found out less and nothing wrong.
+
 The state equation says how many tokens there may be and which transitions never fire; walks meet these bounds
 and fire the others. Each answer is exact: a bound counts once a marking has reached it, and a transition is
 dead or has fired, or nothing is said.
@@ -9,10 +11,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from functools import cached_property
-from itertools import islice
 from math import inf
-from typing import TypeAlias, TypeVar
+from typing import TypeAlias
 
 from mcpn.errors import LimitError
 from mcpn.nets.petri import Marking, PetriNet
@@ -22,28 +22,23 @@ from mcpn.nets.structure import incidence, needs
 from mcpn.spaces.search import HOME, INITIAL_STATE, RANDOM_WALK, STATE_EQUATION, STRUCTURE, TRAPS
 from mcpn.spaces.search.equation import Ceiling, StateEquation
 from mcpn.spaces.search.goal import AtMost, Fires, Formula, Goal, as_goal, asks_dead, fireable, holds, marked
-from mcpn.spaces.search.home import Home, proved_home
+from mcpn.spaces.search.home import Home, proving_home
 from mcpn.spaces.search.portfolio import FIRINGS, MOST_COUNTED
 from mcpn.spaces.search.searches import Searches
+from mcpn.turns import Pausing
 
 STEPS = 20_000
 """Firings of walks for each sum; as many for all transitions together, and some for each."""
 STEPS_OF_TRANSITION = 50
-MOST_WORK, WORK_OF_CALL = 2_000_000, 500
-"""How much work the equation is asked for of all transitions, of all places and of all atoms: calls times
-arcs, as if each net had some more."""
-MOST_TOGETHER = 20
-"""Sums whose walks have their full number of firings."""
-MOST_JOINED, FEW_CASES = 40, 4
-"""Conditions that are joined of several, each of which takes a program of its own, and cases of each."""
+CASES = 4
+"""Of the branch and bound, for each condition that is joined of several."""
 SIPHON_STEPS = 500
 WALKS = 6
 """Walks, each twice as long as the one before, after which it is looked whether a transition is dead."""
-MOST_ARCS = 5_000
-"""Where a net has more, neither its siphons nor a home marking are looked for."""
 
 Ways: TypeAlias = tuple[str, ...]
-Asked = TypeVar("Asked")
+Examined: TypeAlias = tuple[bool | None, Ways]
+"""The answer to an examination, ``None`` where it is not decided, and how it is known."""
 
 
 class Facts:
@@ -57,6 +52,7 @@ class Facts:
     Attributes:
         fires: Transitions that are known to fire in some reachable marking.
         dead: Transitions that are known never to fire.
+        home: A marking that every reachable one leads to, once :meth:`going_home` has proved one.
     """
 
     def __init__(self, net: PetriNet, bounds: Sequence[float] = (), searches: Searches | None = None) -> None:
@@ -67,26 +63,29 @@ class Facts:
         self.fires: set[int] = set()
         self.dead: set[int] = set()
         self._traps = False
-        self._bounds = dict(enumerate(bounds))
+        self._bounds = list(bounds) or [inf] * len(net.places)
         self._constant: dict[Formula, bool | None] = {}
+        self._asked: set[int] = set()  # transitions that the equation has been asked about
         self._round = 0
         self._walks = self.searches.ends(steps=STEPS + len(net.transitions), walks=WALKS)
         self._came: list[list[int]] = []
+        self.home: Home | None = None
+        self._home_sought = False
 
     # --- bounds ---
 
-    def sums(self, asked: Iterable[tuple[int, ...]]) -> Iterator[tuple[tuple[int, ...], int, Ways]]:
+    def sums(self, asked: Iterable[tuple[int, ...]]) -> Iterator[tuple[tuple[int, ...], int, Ways] | None]:
         """The most tokens that places hold together, of sums whose bound by the equation is met.
 
         Args:
             asked: Places of each sum; one that stands twice counts twice.
 
         Yields:
-            A sum, its bound, and how it was had.
+            A sum, its bound, and how it was had; ``None`` for a pause.
         """
         left: list[tuple[tuple[int, ...], int, Ceiling, Goal]] = []
         for places in asked:
-            found = self.equation.most(Counter(places))
+            found = yield from self.equation.bounding(Counter(places))
             if found.bound is None:
                 continue
             goal = exceeding(places, found.bound - 1)
@@ -94,21 +93,28 @@ class Facts:
                 yield places, found.bound, (INITIAL_STATE, *_proved(found.traps))
             else:
                 left.append((places, found.bound, found, goal))
-        reached = self._met([goal for *_, goal in left], STEPS * min(len(left), MOST_TOGETHER))
+        reached = yield from self._met([goal for *_, goal in left], STEPS * len(left))
         for number, (places, bound, found, goal) in enumerate(left):
             if number in reached or self._counted(goal, found.counts):
                 yield places, bound, (*_proved(found.traps), RANDOM_WALK)
+            yield None
+
+    def bounded_by(self, bounds: Sequence[float]) -> None:
+        """Takes over most tokens of each place."""
+        self._bounds = list(map(min, self._bounds, bounds))
 
     # --- transitions ---
 
-    def know_transitions(self) -> None:
+    def knowing_transitions(self) -> Pausing[None]:
         """Finds out, once, which transitions fire and which are dead, as far as that is told."""
-        if self.fires or self.dead:
-            return
-        self.dead |= set(range(len(self.net.transitions))) - possible(self.net, self.net.initial)
-        self._fire(STEPS)
-        for t in self._affordable(self.unknown):
-            solution = self.equation.solve(fireable(self.net, t))
+        if not (self.fires or self.dead):
+            self.dead |= set(range(len(self.net.transitions))) - possible(self.net, self.net.initial)
+            yield from self._fire(STEPS)
+        for t in self.unknown:
+            if t in self._asked or t in self.fires or t in self.dead:
+                continue
+            self._asked.add(t)
+            solution = yield from self.equation.solving(fireable(self.net, t))
             if solution.kind == "unreachable":
                 self.dead.add(t)
                 self._traps = self._traps or bool(solution.traps)
@@ -125,76 +131,65 @@ class Facts:
         """How it was found out which transitions fire."""
         return (RANDOM_WALK, *(_proved(self._traps) if self.dead else ()))
 
-    def _fire(self, steps: int) -> None:
+    def _fire(self, steps: int) -> Pausing[None]:
         open_ones = self.unknown
         goals = [fireable(self.net, t) for t in open_ones]
-        found = self._met(goals, steps + STEPS_OF_TRANSITION * len(goals))
+        found = yield from self._met(goals, steps + STEPS_OF_TRANSITION * len(goals))
         self.fires.update(open_ones[goal] for goal in found)
 
     # --- examinations ---
 
     @property
-    def examinations(self) -> dict[str, Callable[[], tuple[bool | None, Ways]]]:
-        """By names of the contest: what decides each, cheap ones first; ``None`` where it is not decided."""
+    def examinations(self) -> dict[str, Callable[[], Pausing[Examined]]]:
+        """By names of the contest: what decides each, cheap ones first."""
         return {
             "OneSafe": self.safe,
+            "Liveness": self.live,
             "QuasiLiveness": self.quasi_live,
             "StableMarking": self.stable_place,
-            "Liveness": self.live,
         }
 
-    def quasi_live(self) -> tuple[bool | None, Ways]:
+    def quasi_live(self) -> Pausing[Examined]:
         """Whether every transition fires somewhere, and how it is known."""
-        self.know_transitions()
+        for _ in self.knowing_transitions():
+            if self.dead:
+                break
+            yield
         return (False if self.dead else None if self.unknown else True), self.ways
 
-    def stable_place(self) -> tuple[bool | None, Ways]:
+    def stable_place(self) -> Pausing[Examined]:
         """Whether the tokens of some place never change, and how it is known."""
         changing = incidence(self.net)
         if not all(changing):
             return True, (STRUCTURE,)
-        self.know_transitions()
+        yield from self.knowing_transitions()
         if any(self.dead.issuperset(row) for row in changing):
             return True, self.ways
         return (None if any(self.fires.isdisjoint(row) for row in changing) else False), self.ways
 
-    def safe(self) -> tuple[bool | None, Ways]:
+    def safe(self) -> Pausing[Examined]:
         """Whether no place ever holds two tokens, as far as the equation and walks tell, and how."""
-        crowded, whole = self._crowded(1)
-        if self._met([marked(p, tokens=2) for p in crowded], STEPS * min(len(crowded), MOST_TOGETHER)):
+        crowded = yield from self._crowded(1)
+        if (yield from self._met([marked(p, tokens=2) for p in crowded], STEPS * len(crowded))):
             return False, (RANDOM_WALK,)
-        return (None, ()) if crowded or not whole else (True, _proved(self._traps))
+        return (None, ()) if crowded else (True, _proved(self._traps))
 
-    @cached_property
-    def bounded(self) -> bool:
-        """Whether the equation bounds every place."""
-        return self._crowded(inf) == ([], True)
-
-    def _crowded(self, most: float) -> tuple[list[int], bool]:
-        """Places not proved to hold so few tokens, and whether the others are proved to."""
-        crowded: list[int] = []
+    def _crowded(self, most: float) -> Pausing[list[int]]:
+        """Places that are not proved to hold so few tokens."""
         known = self._bounds
-        every = range(len(self.net.places))
-        for place in self._affordable(p for p in every if known.get(p, inf) == inf or known[p] > most):
-            found = self.equation.most({place: 1})
+        for place in range(len(self.net.places)):
+            if known[place] <= most and known[place] < inf:
+                continue
+            found = yield from self.equation.bounding({place: 1})
             self._traps = self._traps or bool(found.traps)
+            known = self._bounds
             for other, bound in self.equation.shared(found).items():
-                known[other] = min(bound, known.get(other, inf))
+                known[other] = min(bound, known[other])
             if found.bound is not None:
-                known[place] = min(found.bound, known.get(place, inf))
-            if known.get(place, inf) > most or place not in known:
-                crowded.append(place)
-        return crowded, all(p in crowded or (p in known and known[p] <= most) for p in every)
+                known[place] = min(found.bound, known[place])
+        return [place for place, bound in enumerate(known) if bound > most or bound == inf]
 
-    def _affordable(self, asked: Iterable[Asked]) -> Iterator[Asked]:
-        """Those of which the equation is asked one by one: fewer, the larger the net is."""
-        return islice(asked, MOST_WORK // self._size)
-
-    @cached_property
-    def _size(self) -> int:
-        return WORK_OF_CALL + sum(len(t.consume) + len(t.produce) for t in self.net.transitions)
-
-    def know(self, conditions: Iterable[Formula]) -> None:
+    def knowing(self, conditions: Iterable[Formula]) -> Pausing[None]:
         """Finds out which conditions have one value in all markings, as far as walks and the equation tell.
 
         Args:
@@ -210,22 +205,21 @@ class Facts:
             assert goal is not None, "its negation speaks of tokens, too"
             changed[condition], self._constant[condition] = goal, None
         goals = list(changed.values())
-        met = self._met(goals, STEPS * min(len(goals), MOST_TOGETHER))
+        met = yield from self._met(goals, STEPS * len(goals))
         left = [condition for index, condition in enumerate(changed) if index not in met]
-        sums = [condition for condition in left if isinstance(changed[condition], AtMost)]
-        joined = (condition for condition in left if not isinstance(changed[condition], AtMost))
-        for condition in self._affordable([*sums, *islice(joined, MOST_JOINED)]):
-            if self._refuted(changed[condition]):
+        # Those that are joined of several take a program of their own.
+        for condition in sorted(left, key=lambda condition: not isinstance(changed[condition], AtMost)):
+            if (yield from self._refuting(changed[condition])):
                 goal = as_goal(condition, self.net)
                 assert goal is not None, "it was one before"
                 self._constant[condition] = holds(goal, self.net, self.net.initial)
 
-    def _refuted(self, goal: Goal) -> bool:
+    def _refuting(self, goal: Goal) -> Pausing[bool]:
         """Whether the equation shows that no marking of a goal is reachable."""
         if isinstance(goal, AtMost):
-            most = self.equation.most({place: -weight for place, weight in goal.weights}).bound
-            return most is not None and most < -goal.bound
-        return self.equation.solve(goal, FEW_CASES).kind == "unreachable"
+            found = yield from self.equation.bounding({place: -weight for place, weight in goal.weights})
+            return found.bound is not None and found.bound < -goal.bound
+        return (yield from self.equation.solving(goal, CASES)).kind == "unreachable"
 
     def always(self, condition: Formula) -> bool | None:
         """The value of a condition that is the same in every reachable marking; ``None`` where not known."""
@@ -233,15 +227,20 @@ class Facts:
             return False
         return self._constant.get(condition)
 
-    @cached_property
-    def home(self) -> Home | None:
+    def going_home(self) -> Pausing[Home | None]:
         """A marking that every reachable one leads to, if one is proved: the initial one, or a dead one."""
-        small = self._size - WORK_OF_CALL <= MOST_ARCS and self.searches.fits and self.equation.fits
-        if not small or not self.bounded:
+        if not self._home_sought:
+            self._home_sought = True
+            self.home = yield from self._home()
+        return self.home
+
+    def _home(self) -> Pausing[Home | None]:
+        if not (self.searches.fits and self.equation.fits) or (yield from self._crowded(inf)):
             return None
         here: Marking | None = self.net.initial
         first, dead = possible(self.net, self.net.initial), set[Marking]()
         for end in self._ends():
+            yield
             if not self.net.enabled(end):
                 dead.add(tuple(end))
                 if len(dead) > 1:
@@ -250,8 +249,9 @@ class Facts:
                 here = None  # from there nothing leads back
         if dead:
             (here,) = dead
-        bounds = [self._bounds[place] for place in range(len(self.net.places))]
-        return proved_home(StateEquation(self.net, bounds), self.searches, here) if here else None
+        if here is None:
+            return None
+        return (yield from proving_home(StateEquation(self.net, self._bounds), self.searches, here))
 
     def _ends(self) -> Iterator[list[int]]:
         """Where some walks have come to, each made when it is first asked for."""
@@ -260,32 +260,44 @@ class Facts:
             self._came.append(end)
             yield end
 
-    def live(self) -> tuple[bool | None, Ways]:
+    def live(self) -> Pausing[Examined]:
         """Whether every transition can always fire again, as far as arcs and the equation tell, and how."""
         every = range(len(self.net.transitions))
-        if self.equation.fits and self.bounded and len(repeatable(self.net, every)) < len(every):
-            return False, (STATE_EQUATION,)  # what lowers a bounded sum that nothing raises ends
-        if sum(len(t.consume) for t in self.net.transitions) <= MOST_ARCS:
+        if self.equation.fits and not (yield from self._crowded(inf)) and self._lowers_for_good(every):
+            return False, (STATE_EQUATION,)
+        yield
+        if {"ordinary", "free choice"} <= classes(self.net):
             try:
-                if {"ordinary", "free choice"} <= classes(self.net):
-                    return commoner(self.net, max_steps=SIPHON_STEPS) is None, (STRUCTURE,)
+                return commoner(self.net, max_steps=SIPHON_STEPS) is None, (STRUCTURE,)
             except LimitError:
                 pass
-        if any(len(possible(self.net, end)) < len(every) for end in self._ends()):
-            return False, (RANDOM_WALK, STRUCTURE)  # a siphon has emptied
-        if self.home and self.home.marking == self.net.initial:
-            fires, ways = self.quasi_live()
+        for end in self._ends():
+            yield
+            if len(possible(self.net, end)) < len(every):
+                return False, (RANDOM_WALK, STRUCTURE)  # a siphon has emptied
+        home = yield from self.going_home()
+        if home and home.marking == self.net.initial:
+            fires, ways = yield from self.quasi_live()
             return fires, (*ways, HOME, STATE_EQUATION)
         return None, ()
 
+    def _lowers_for_good(self, every: Sequence[int]) -> bool:
+        """Whether some transition lowers a bounded sum of tokens that nothing raises."""
+        return len(repeatable(self.net, every)) < len(every)
+
     # --- walks ---
 
-    def _met(self, goals: Sequence[Goal], steps: int) -> set[int]:
-        """The goals that a walk has met, by index."""
-        if not goals or not self.searches.fits:
-            return set()
-        self._round += 1
-        return self.searches.met(goals, steps=steps, seed=self._round)
+    def _met(self, goals: Sequence[Goal], steps: int) -> Pausing[set[int]]:
+        """The goals that walks have met, by index."""
+        met: set[int] = set()
+        if self.searches.fits:
+            self._round += 1
+            for walked in self.searches.walking(goals, steps, seed=self._round):
+                if walked is None:
+                    yield
+                else:
+                    met.add(walked[0])
+        return met
 
     def _counted(self, goal: Goal, counts: Sequence[int]) -> bool:
         """Whether a walk by proposed numbers of firings meets a goal."""

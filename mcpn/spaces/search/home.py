@@ -19,7 +19,7 @@ True
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import chain
 from math import inf
@@ -31,6 +31,7 @@ from mcpn.nets.structure import Sparse, changes, needs
 from mcpn.spaces.search.equation import Proof, StateEquation
 from mcpn.spaces.search.goal import And, AtMost, Goal, Or, marked
 from mcpn.spaces.search.searches import Searches
+from mcpn.turns import Pausing, finished
 
 ROUNDS, MOST_WORK = 24, 25_000
 """How often rules are sought; less often where that times the arcs is more."""
@@ -112,6 +113,11 @@ def proved_home(equation: StateEquation, searches: Searches, marking: Marking) -
     Returns:
         The proof; ``None`` where none is found.
     """
+    return finished(proving_home(equation, searches, marking))
+
+
+def proving_home(equation: StateEquation, searches: Searches, marking: Marking) -> Pausing[Home | None]:
+    """:func:`proved_home`, with pauses."""
     net = equation.net
     every = range(len(net.transitions))
     singles = [descent_of(net, (t,)) for t in every if changes(net, t) and not net.covers(marking, t)]
@@ -126,14 +132,14 @@ def proved_home(equation: StateEquation, searches: Searches, marking: Marking) -
         rules, weights = ranked
         stops = [_stops(rule) for rule in rules]
         proofs: list[Proof] = []
-        found = equation.solve(And(marked(*empty), *stops), CASES) if empty else None
+        found = (yield from equation.solving(And(marked(*empty), *stops), CASES)) if empty else None
         if found is None or found.kind == "unreachable":
             proofs += found.proofs if found else ()
-            others = list(_left_open(equation, marking, empty)) if others is None else others
+            others = (yield from _left_open(equation, marking, empty)) if others is None else others
             if len(others) > UNSETTLED:
                 return None
             for other in others:
-                found = equation.solve(And(other, *stops), CASES)
+                found = yield from equation.solving(And(other, *stops), CASES)
                 if found.kind != "unreachable":
                     break
                 proofs += found.proofs
@@ -153,12 +159,14 @@ def _stops(rule: Descent) -> Goal:
     return Or(*(AtMost(((place, 1),), tokens - 1) for place, tokens in rule.needs.items()))
 
 
-def _left_open(equation: StateEquation, marking: Marking, empty: Sequence[int]) -> Iterator[Goal]:
+def _left_open(equation: StateEquation, marking: Marking, empty: Sequence[int]) -> Pausing[list[Goal]]:
     """How another marking could differ although it has no tokens where this one has none."""
+    goals: list[Goal] = []
     for place, tokens in enumerate(marking):
         for sign in (1, -1) if tokens else ():
-            if equation.most({place: sign}, empty).bound != sign * tokens:
-                yield AtMost(((place, -sign),), -sign * tokens - 1)
+            if (yield from equation.bounding({place: sign}, empty)).bound != sign * tokens:
+                goals.append(AtMost(((place, -sign),), -sign * tokens - 1))
+    return goals
 
 
 def _another(

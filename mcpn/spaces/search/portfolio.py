@@ -24,6 +24,7 @@ from mcpn.spaces.search import (
 )
 from mcpn.spaces.search.goal import DEADLOCK, Goal, asks_dead, holds, renamed, wanted
 from mcpn.spaces.search.searches import Run, Searches, leads_to, replay, shortened
+from mcpn.turns import Pausing
 
 MOST_LEFT = 100_000
 """Firings after a lifted run before its end must be dead."""
@@ -88,17 +89,26 @@ class Portfolio:
         self,
         goals: Sequence[Goal],
         rounds: Sequence[Round] = ROUNDS,
-        go_on: Callable[[], bool] = lambda: True,
     ) -> Iterator[tuple[int, SearchResult]]:
+        """What :meth:`deciding` finds, at once."""
+        return (told for told in self.deciding(goals, rounds) if told is not None)
+
+    def deciding(
+        self,
+        goals: Sequence[Goal],
+        rounds: Sequence[Round] = ROUNDS,
+        asked: Callable[[int], bool] = lambda _: True,
+    ) -> Iterator[tuple[int, SearchResult] | None]:
         """Decides goals, the easy ones first.
 
         Args:
             goals: What may be reachable.
             rounds: Budgets, growing.
-            go_on: Asked before each round but the first: it may know a quicker way.
+            asked: Whether the goal of an index is still asked for.
 
         Yields:
             The index of a goal and what was found, as it comes; goals that no way decides are left out.
+            ``None`` for a pause.
         """
         waiting = []
         for index, goal in enumerate(goals):
@@ -112,31 +122,36 @@ class Portfolio:
         shared: Reduction | None = None
         arcs = 0
         for number, budget in enumerate(rounds):
-            if not waiting or (number and not go_on()):
+            waiting = list(filter(asked, waiting))
+            if not waiting:
                 return
             beyond = STEPS_OF_TRANSITION * len(self.net.transitions) if budget.steps else 0
-            walked = self.searches.walk(
-                [goals[index] for index in waiting], steps=(budget.steps + beyond) * len(waiting), seed=number
-            )
-            for position, run in walked.items():
-                yield (
-                    waiting[position],
-                    SearchResult(True, _direct(self.net, run, goals[waiting[position]]), (RANDOM_WALK,)),
-                )
-            waiting = [index for position, index in enumerate(waiting) if position not in walked]
+            steps = (budget.steps + beyond) * len(waiting)
+            met = set[int]()
+            for walked in self.searches.walking([goals[index] for index in waiting], steps, seed=number):
+                if walked is None:
+                    yield None
+                    continue
+                index = waiting[walked[0]]
+                met.add(index)
+                run = shortened(self.net, walked[1])
+                yield index, SearchResult(True, _direct(self.net, run, goals[index]), (RANDOM_WALK,))
+            waiting = [index for index in waiting if index not in met]
+            yield None
             left = []
             if number == 0 and len(waiting) > 1:
                 shared = _shared(self.net, [goals[index] for index in waiting])
-            for index in waiting:
+            for index in filter(asked, waiting):
                 task = tasks.get(index)
                 if task is None:
                     task = tasks[index] = _Task(self.net, goals[index], shared, alone=arcs <= MOST_REDUCED)
                     arcs += task.arcs
-                finding = task.search(budget, seed=number, alone=len(goals) == 1)
+                finding = yield from task.searching(budget, seed=number, alone=len(goals) == 1)
                 if finding is None:
                     left.append(index)
                 else:
                     yield index, finding
+                yield None
             waiting = left
 
 
@@ -173,7 +188,7 @@ class _Task:
             self.inner = renamed(self.inner, reduction.place_index.__getitem__)
         return reduction.net
 
-    def search(self, budget: Round, seed: int, alone: bool) -> SearchResult | None:
+    def searching(self, budget: Round, seed: int, alone: bool) -> Pausing[SearchResult | None]:
         """Walks and searches, within a budget; nothing where neither decides."""
         if self.reductions:
             if not self.searches.fits:
@@ -181,18 +196,20 @@ class _Task:
             walked = self.searches.walk([self.inner], steps=budget.steps, seed=seed)
             if walked:
                 return self._reached(walked[0], RANDOM_WALK)
+            yield
         more = ALONE if alone and budget.equation else 1
         run = self.searches.seek(self.inner, max_states=budget.states * more)
         if run.outcome == "reached":
             return self._reached(run.run, *self.ways)
         if run.outcome == "unreachable":
             return SearchResult(False, None, (*self.techniques, *self.ways))
-        return self._by_equation(budget, seed) if budget.equation else None
+        yield
+        return (yield from self._by_equation(budget, seed)) if budget.equation else None
 
-    def _by_equation(self, budget: Round, seed: int) -> SearchResult | None:
+    def _by_equation(self, budget: Round, seed: int) -> Pausing[SearchResult | None]:
         from mcpn.spaces.search.equation import StateEquation
 
-        solution = StateEquation(self.searches.net).solve(self.inner)
+        solution = yield from StateEquation(self.searches.net).solving(self.inner)
         if solution.kind == "unreachable":
             traps = (TRAPS,) if solution.traps else ()
             return SearchResult(False, None, (*self.techniques, STATE_EQUATION, *traps))

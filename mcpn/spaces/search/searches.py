@@ -25,6 +25,8 @@ Run: TypeAlias = tuple[int, ...]
 Outcome: TypeAlias = Literal["reached", "unreachable", "states", "bytes", "tokens"]
 MOST_TOKENS = 2**31
 MAX_BYTES = 1 << 30
+FIRST_WALK, LONGEST_WALK, MOST_WALKS = 20_000, 640_000, 64
+"""Firings of one walk from pause to pause, at first and at most, and walks of one seed."""
 WALK_LENGTH = 500
 """Firings before a walk begins anew, at first; in large nets twice as many as there are transitions."""
 
@@ -119,6 +121,41 @@ class Searches:
     ) -> set[int]:
         """The goals that :meth:`walk` meets, by index, where their runs are not asked for."""
         return {goal for goal, _ in self._walked(goals, steps, seed, counts)}
+
+    def walking(
+        self, goals: Sequence[Goal], steps: int, *, seed: int = 0
+    ) -> Iterator[tuple[int, list[int]] | None]:
+        """Walks as :meth:`walk` does, with pauses: some walks, each twice as long as the one before.
+
+        Args:
+            goals: What is looked for.
+            steps: Firings in all, those tried included.
+            seed: The same seed walks the same way.
+
+        Yields:
+            The index of a goal that was met, and the run to it; ``None`` for a pause.
+        """
+        if not goals or not steps:
+            return
+        encoded, roots = encode(goals, len(self.net.places))
+        left, length, number = list(range(len(goals))), FIRST_WALK, MOST_WALKS * seed
+        while left and steps > 0:
+            walked = self.kernel.walk(
+                self.net.initial,
+                encoded,
+                [roots[goal] for goal in left],
+                min(length, steps),
+                self._length,
+                number,
+                False,
+                [],
+                self._orders[number % 2],
+            )
+            met = {left[index]: run for index, run in walked}
+            yield from met.items()
+            yield None
+            left = [goal for goal in left if goal not in met]
+            steps, length, number = steps - length, min(2 * length, LONGEST_WALK), number + 1
 
     def _walked(
         self, goals: Sequence[Goal], steps: int, seed: int, counts: Sequence[int]

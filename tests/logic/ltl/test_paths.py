@@ -29,6 +29,7 @@ from mcpn.spaces.engine_names import Asked
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.names import Names
 from mcpn.spaces.search.goal import Formula
+from mcpn.turns import finished
 from tests.draws import fewer
 from tests.logic.formulas import Edges, Written, edges_of
 from tests.logic.formulas import formulas as on_states
@@ -381,7 +382,7 @@ def test_what_comes_on_every_path_is_known_before_the_search() -> None:
         ("(G F odd) & (G F even) & F ended", False),
         ("(G F odd) & X X !ended", False),  # none is so, but what comes at some time does not say it
     ):
-        assert parts._refuted(normal(parse_open(text, Names(net)))) == refuted
+        assert finished(parts._refuting(normal(parse_open(text, Names(net))))) == refuted
         found = parts.decide(parse_open(text, Names(net)), 100, 1, enrich=True)
         assert found is not None
         assert found.outcome == ("found" if text.endswith("F ended") else "none")

@@ -16,6 +16,7 @@ from mcpn.spaces.search.facts import Facts
 from mcpn.spaces.search.home import Home, descent_of, proved_home
 from mcpn.spaces.search.searches import Searches
 from mcpn.testing.nets import FAMILIES
+from mcpn.turns import finished
 from tests.nets.nets import graph_of, nets, state_machines, token_nets
 from tests.spaces.search.test_equation import assert_proved
 
@@ -115,14 +116,15 @@ def has_cycle(graph: dict[tuple[int, ...], list[tuple[int, tuple[int, ...]]]]) -
 )
 def test_large_nets_that_lead_back(family: str, size: int) -> None:
     facts = Facts(FAMILIES[family].net(size))
-    assert facts.home is not None
-    assert facts.home.marking == facts.net.initial
-    assert facts.live()[0] is True
+    found = finished(facts.going_home())
+    assert found is not None
+    assert found.marking == facts.net.initial
+    assert finished(facts.live())[0] is True
 
 
 def test_what_stops_all_rules_is_proved_in_fractions() -> None:
     net = FAMILIES["kanban"].net(3)
-    found = Facts(net).home
+    found = finished(Facts(net).going_home())
     assert found is not None
     assert found.proofs
     for proof in found.proofs:
@@ -138,7 +140,7 @@ def test_a_run_becomes_a_rule_where_no_single_transition_leads_back() -> None:
     builder.transition("go_b", consume=["b"], produce=["right"])
     builder.transition("meet", consume=["left", "right"], produce=["a", "b"])
     net = builder.build()
-    found = Facts(net).home
+    found = finished(Facts(net).going_home())
     assert found is not None
     assert sorted(len(rule.run) for rule in found.rules) == [1, 2, 2]
     assert descent_of(net, (0, 2)).needs == {0: 1, 3: 1}

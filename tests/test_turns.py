@@ -1,0 +1,64 @@
+"""Work that pauses: each kind of it gets as much CPU time as every other, however coarse its pauses are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import inf
+
+import pytest
+
+from mcpn.turns import Pausing, finished, in_turns
+
+
+class Clock:
+    """CPU time that passes as work says."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+        self.spent: dict[str, float] = {}
+
+    def work(self, name: str, seconds: float, steps: int) -> Iterator[str | None]:
+        """So many steps of so many seconds each."""
+        for _ in range(steps):
+            self.now += seconds
+            self.spent[name] = self.spent.get(name, 0.0) + seconds
+            yield None
+        yield name
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    made = Clock()
+    monkeypatch.setattr("mcpn.turns.time.process_time", lambda: made.now)
+    return made
+
+
+def test_each_way_has_as_much_time_as_every_other(clock: Clock) -> None:
+    ways = [clock.work("fine", 0.01, 10_000), clock.work("coarse", 3.0, 100), clock.work("short", 0.05, 20)]
+    for told in in_turns(ways, lambda: clock.now > 60):
+        if told is not None:
+            assert told == "short"  # the only one that ends, and soon
+            assert clock.now < 20
+    assert clock.spent["short"] == pytest.approx(1)
+    assert clock.spent["fine"] == pytest.approx(clock.spent["coarse"], rel=0.5)
+
+
+def test_without_slices_one_way_ends_before_the_next(clock: Clock) -> None:
+    ways = [clock.work("a", 5.0, 3), clock.work("b", 0.1, 3)]
+    assert [told for told in in_turns(ways, lambda: False, first=inf) if told] == ["a", "b"]
+    assert clock.now == pytest.approx(15.3)
+
+
+def test_nothing_goes_on_once_nothing_is_left_to_do(clock: Clock) -> None:
+    ways = [clock.work("a", 1.0, 100), clock.work("b", 1.0, 100)]
+    assert list(in_turns(ways, lambda: clock.now >= 4)) == [None] * 4
+    assert list(in_turns([clock.work("c", 1.0, 1)], lambda: True)) == []
+
+
+def test_what_is_needed_at_once_is_finished() -> None:
+    def work() -> Pausing[int]:
+        yield
+        yield
+        return 3
+
+    assert finished(work()) == 3
