@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, Any
 from mcpn.editor.what_if import compared
 from mcpn.errors import InputError, LimitError, McpnError, Problem
 from mcpn.report.page import failed_page, files_of, page
+from mcpn.report.pages.token_game import fired
 from mcpn.report.words import in_words
 from mcpn.robot.runtime.controller import Step
 from mcpn.robot.runtime.journal import step_object
@@ -84,6 +85,10 @@ class Content:
 
     def suppose(self, lost: list[str], ways: dict[str, list[str]]) -> dict[str, Any] | None:
         """What would be with hardware lost and with other alternatives; ``None`` where that is not found."""
+        return None
+
+    def fire(self, tokens: list[Any], transition: int) -> dict[str, Any] | None:
+        """What is marked after a transition of the net has fired; ``None`` where no net is played."""
         return None
 
     def stream(self, after: int) -> Generator[str] | None:
@@ -159,6 +164,10 @@ class ServedMission(Content):
     def suppose(self, lost: list[str], ways: dict[str, list[str]]) -> dict[str, Any]:
         """The mission as it is beside what it would be, as a JSON object, or why that is not known."""
         return self._asked(lambda study: compared(study, lost, ways, self.engine, self.max_states))
+
+    def fire(self, tokens: list[Any], transition: int) -> dict[str, Any]:
+        """The marking after a firing in another one, or why there is none."""
+        return self._asked(lambda study: fired(study.mission_net.net, tokens, transition))
 
     def _asked(self, question: Callable[[Study], dict[str, Any]]) -> dict[str, Any]:
         study = self.shown.study
@@ -264,7 +273,9 @@ class _Handler(BaseHTTPRequestHandler):
                 answer = content.answer(formula)
             case "suppose", {"lost": list(lost), "ways": dict(ways)} if _names([lost, *ways.values()]):
                 answer = content.suppose(lost, ways)
-            case "ask" | "suppose", _:
+            case "fire", {"tokens": list(tokens), "transition": int(transition)}:
+                answer = content.fire(tokens, transition)
+            case "ask" | "suppose" | "fire", _:
                 self._refuse(HTTPStatus.BAD_REQUEST)
                 return
             case _:

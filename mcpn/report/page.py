@@ -26,6 +26,7 @@ from mcpn.report.pages.live import live_data
 from mcpn.report.pages.preflight import preflight
 from mcpn.report.pages.story import headline, runs_of, story
 from mcpn.report.pages.tables import tables
+from mcpn.report.pages.token_game import MOST_MARKINGS
 from mcpn.report.pictures.boxes import boxes
 from mcpn.report.pictures.layout import lay_out
 from mcpn.report.pictures.machines import LocalPictures, local_pictures
@@ -116,7 +117,7 @@ def page(
     """
     mission_net = findings.check.mission_net
     root, keys = boxes(mission_net.mission, mission_net.graph)
-    live = live_data(findings, keys)
+    live = live_data(findings, keys, asks=bool(served))
     data = json.dumps(live, separators=(",", ":"))
     pictures, undrawn = local_pictures(findings.local) if local is None else local
     script, digest = _script()
@@ -134,6 +135,8 @@ def page(
             robot=robot,
             ways=list(_ways(mission_net.mission)) if served else [],
             played="net" in live,
+            most_markings=MOST_MARKINGS,
+            file=next((Path(file).name for file in files_of(mission_net.mission)), "MISSION"),
             verdicts=list(runs_of(findings.check)),
             verdict=headline(findings),
             preflight=list(preflight(findings)),

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import json
+import random
+import re
 from pathlib import Path
 from typing import Any
 
+from mcpn.nets.game import TokenGame
+from mcpn.nets.petri import PetriNet
 from mcpn.robot.runtime import Controller
 
 
@@ -75,3 +79,30 @@ def steps(tab: Any) -> list[str]:
     """The events of the film, as its address has them."""
     found: str = tab.evaluate("decodeURIComponent(location.hash)")
     return found.removeprefix("#run=").partition("&at=")[0].split(",") if found else []
+
+
+def play_tokens(tab: Any, net: PetriNet, seed: int) -> None:
+    """Fires at random, with ways back and forward, beside the definition of firing."""
+    tab.locator("#game summary").click()
+    game, draw = TokenGame(net), random.Random(seed)
+    names = [place.name for place in net.places]
+    for _ in range(40):
+        tab.locator("#fired").filter(has_text=re.compile(rf"^{len(game.run)} fired")).wait_for()
+        buttons = tab.locator("#enabled button")
+        assert buttons.evaluate_all("all => all.map(one => Number(one.dataset.transition))") == game.enabled
+        marked = [name for name, tokens in zip(names, game.marking, strict=True) if tokens]
+        assert tab.locator("#marked").text_content() == ", ".join(marked)
+        way = draw.choice(["fire"] * 6 * bool(game.enabled) + ["back", "forward", "settle"])
+        if way == "fire":
+            transition = draw.choice(game.enabled)
+            game.fire(transition)
+            tab.locator(f'#enabled [data-transition="{transition}"]').click()
+            continue
+        before = game.marking
+        getattr(game, way)()
+        if tab.locator(f"[data-game={way}]").is_disabled():
+            assert game.marking == before
+        else:
+            tab.locator(f"[data-game={way}]").click()
+    tab.locator("[data-game=restart]").click()
+    assert tab.locator("#fired").text_content() == "0 fired."

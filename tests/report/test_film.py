@@ -23,12 +23,12 @@ from mcpn.findings import Findings, findings
 from mcpn.mission.model import Handler, Mission, Objective, Parallel
 from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware, Robot
 from mcpn.mission.xml import read_mission
-from mcpn.nets.game import TokenGame
 from mcpn.report.page import page
 from mcpn.robot.runtime import Controller
 from mcpn.testing import missions
+from tests import small
 from tests.conftest import ROOT, ULYSSE
-from tests.report.tabs import boxes_of, click, compare, lit, opened, state, steps
+from tests.report.tabs import boxes_of, click, compare, lit, opened, play_tokens, state, steps
 
 NATURAL = ROOT / "tests" / "natural"
 DUMPSTER = NATURAL / "dumpster.xml"
@@ -382,37 +382,13 @@ def test_the_script_is_given_no_more_than_it_needs(ulysse_findings: Findings) ->
     assert data is not None
     given_ = json.loads(data[1])
     assert given_["controller"]["form"] == "modular"
-    assert given_.keys() == {"controller", "events", "boxes", "losses", "net"}
+    assert given_.keys() == {"controller", "events", "boxes", "losses"}
+    assert "<code>mcpn serve <bdi>mission.xml</bdi></code> plays it" in text
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_the_token_game_is_that_of_the_net(
-    browser: Any, ulysse_findings: Findings, seed: int, tmp_path: Path
-) -> None:
-    """Fired at random, with ways back and forward, beside the definition of firing."""
-    tab, wrong = opened(browser, page(ulysse_findings), tmp_path)
-    tab.locator("#game summary").click()
-    game, draw = TokenGame(ulysse_findings.check.mission_net.net), random.Random(seed)
-    names = [place.name for place in game.net.places]
-    for _ in range(40):
-        buttons = tab.locator("#enabled button")
-        numbers = buttons.evaluate_all("all => all.map(one => Number(one.dataset.transition))")
-        assert numbers == game.enabled
-        marked = [name for name, tokens in zip(names, game.marking, strict=True) if tokens]
-        assert tab.locator("#marked").text_content() == ", ".join(marked)
-        assert tab.locator("#fired").text_content().startswith(f"{len(game.run)} fired")
-        way = draw.choice(["fire"] * 6 + ["back", "forward", "settle"])
-        if way == "fire":
-            transition = draw.choice(game.enabled)
-            game.fire(transition)
-            tab.locator(f'#enabled [data-transition="{transition}"]').click()
-            continue
-        before = game.marking
-        getattr(game, way)()
-        if tab.locator(f"[data-game={way}]").is_disabled():
-            assert game.marking == before
-        else:
-            tab.locator(f"[data-game={way}]").click()
-    tab.locator("[data-game=restart]").click()
-    assert tab.locator("#fired").text_content() == "0 fired."
+def test_a_small_net_is_played_in_the_page(browser: Any, tmp_path: Path) -> None:
+    of = small.robot(small.hw("h"), small.activity("a", ("h",)))
+    found = findings(compose(small.mission(of, Objective(name="x", activities=("a",)))))
+    tab, wrong = opened(browser, page(found), tmp_path)
+    play_tokens(tab, found.check.mission_net.net, 1)
     assert wrong == []

@@ -23,7 +23,7 @@ from mcpn.editor.served import MOST_ASKED, PageServer, ServedMission
 from mcpn.study import open_study
 from tests.commands import mcpn
 from tests.conftest import ULYSSE
-from tests.report.tabs import state, steps, visited
+from tests.report.tabs import play_tokens, state, steps, visited
 
 MISSION = """<mission name="{name}" xmlns="urn:mcpn:mission:1">
   <robot name="r"><hardware name="motor"/><activity name="go" consumes="motor"/></robot>
@@ -196,6 +196,32 @@ def test_a_question_is_typed_and_its_run_replayed(browser: Any, ulysse_served: P
     tab.locator("#answered .missing").wait_for()
     assert tab.locator("#answered b").count() == 0
     assert wrong == []
+
+
+def test_the_net_is_played_by_the_server(browser: Any, ulysse_served: PageServer) -> None:
+    tab, wrong = visited(browser, ulysse_served.address)
+    play_tokens(tab, open_study(ULYSSE).net, 1)
+    assert wrong == []
+
+
+@pytest.mark.parametrize(
+    ("tokens", "transition", "why"),
+    [
+        ([], 0, "not enabled"),
+        ([[0, 1]], 10_000, "not enabled"),
+        ([[10_000, 1]], 0, "expected a place"),
+        ([[-1, 1]], 0, "expected a place"),
+        ([[0, -1]], 0, "expected a place"),
+        (["x"], 0, "expected a place"),
+    ],
+)
+def test_what_cannot_fire_is_told(
+    ulysse_served: PageServer, tokens: list[Any], transition: int, why: str
+) -> None:
+    body = json.dumps({"tokens": tokens, "transition": transition})
+    status, text, _ = asked(ulysse_served, "POST", f"/{ulysse_served.token}/fire", body, **JSON)
+    assert status == 200
+    assert why in json.loads(text)["error"]
 
 
 def test_a_page_of_another_origin_learns_nothing(browser: Any, ulysse_served: PageServer) -> None:

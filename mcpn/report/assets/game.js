@@ -1,61 +1,68 @@
-  // --- the token game: the net, transition by transition (mcpn/net/game.py) ------------------------------------
+  // --- the token game: a walk of the net's graph, in the page or the server's (mcpn/report/pages/token_game.py) ---
   const board = byId("game");
   if (board && data.net) {
-    const { places, initial, transitions, priorities } = data.net;
-    const pairs = (flat) => flat.flatMap((place, i) => (i % 2 ? [] : [[place, flat[i + 1]]]));
-    const moves = transitions.map(([name, event, rank, consume, produce, read]) =>
-      ({ name, event, rank, consume: pairs(consume), produce: pairs(produce), read: pairs(read) }));
-    let marking = [...initial];
+    const { transitions, positions, first: begun } = data.net;
+    const stored = ([marked, firings]) => ({
+      marked,
+      enabled: firings.flatMap((t, i) => (i % 2 ? [] : [[t, ...transitions[t]]])),
+      to: new Map(firings.flatMap((t, i) => (i % 2 ? [] : [[t, firings[i + 1]]]))),
+    });
+    let here = positions ? stored(positions[0]) : begun, busy = false;
     const fired = [], undone = [];
-    const covers = (move) => [...move.consume, ...move.read].every(([place, weight]) => marking[place] >= weight);
-    const enabled = () => {
-      const found = [...moves.keys()].filter((t) => covers(moves[t]));
-      const least = Math.min(...found.map((t) => moves[t].rank));
-      return priorities ? found.filter((t) => moves[t].rank === least) : found;
+    const next = async (t) => (positions ? stored(positions[here.to.get(t)])
+      : posted("fire", { tokens: here.tokens, transition: t }));
+    /** Whether a transition has fired; the server may have gone. */
+    const fire = async (t) => {
+      const after = await next(t);
+      byId("game-told").textContent = after.error ?? "";
+      if (after.error !== undefined) return false;
+      fired.push([here, t, here.enabled.find(([number]) => number === t)[1]]);
+      here = after;
+      return true;
     };
-    const fire = (t) => {
-      fired.push([marking, t]);
-      marking = [...marking];
-      for (const [place, weight] of moves[t].consume) marking[place] -= weight;
-      for (const [place, weight] of moves[t].produce) marking[place] += weight;
-    };
-    const MOST_FIRED = 10_000, SHOWN = 12;
+    const MOST_FIRED = 1_000, SHOWN = 12;
     const does = {
-      back: () => { if (fired.length) { undone.push(fired.at(-1)[1]); [marking] = fired.pop(); } },
-      forward: () => { if (undone.length) fire(undone.pop()); },
-      settle: () => {
-        for (let count = 0; count < MOST_FIRED; count++) {
-          const first = enabled()[0];
-          if (first === undefined || moves[first].event) break;
+      back: () => { if (fired.length) { undone.push(fired.at(-1)[1]); [here] = fired.pop(); } },
+      forward: async () => { if (undone.length && await fire(undone.at(-1))) undone.pop(); },
+      settle: async () => {
+        for (let count = 0; count < MOST_FIRED && here.enabled.length && !here.enabled[0][2]; count++) {
           undone.length = 0;
-          fire(first);
+          if (!await fire(here.enabled[0][0])) break;
         }
       },
       restart: () => { while (fired.length) does.back(); },
     };
-    const told = (arcs) => arcs.map(([place, weight]) => (weight > 1 ? `${weight} ` : "") + places[place]).join(" + ");
     const shownGame = () => {
-      const marked = places.flatMap((name, i) =>
-        (marking[i] ? [marking[i] > 1 ? `${marking[i]} ${name}` : name] : []));
-      byId("marked").textContent = marked.join(", ") || "nothing";
-      byId("enabled").replaceChildren(...enabled().map((t) => {
-        const move = moves[t], button = make("button", move.event && move.event !== move.name ? `${move.name} [${move.event}]` : move.name);
+      byId("marked").textContent = here.marked || "nothing";
+      byId("enabled").replaceChildren(...here.enabled.map(([t, name, event, arcs]) => {
+        const button = make("button", event && event !== name ? `${name} [${event}]` : name);
         button.type = "button";
         button.dataset.transition = t;
-        button.title = `${told(move.consume)}${move.read.length ? `, reads ${told(move.read)}` : ""} → ${told(move.produce)}`;
-        button.className = move.event ? "" : "internal";
-        button.addEventListener("click", () => { undone.length = 0; fire(t); shownGame(); });
+        button.title = arcs;
+        button.className = event ? "" : "internal";
+        button.addEventListener("click", () => played(async () => { undone.length = 0; await fire(t); }));
         return button;
       }));
       byId("fired").textContent = `${fired.length} fired${fired.length ? ", the last: " : "."}`
-        + fired.slice(-SHOWN).map(([, t]) => moves[t].name).join(", ");
+        + fired.slice(-SHOWN).map(([, , name]) => name).join(", ");
       for (const button of board.querySelectorAll("[data-game]")) {
         const key = button.dataset.game;
         button.disabled = key === "forward" ? !undone.length : key === "settle" ? false : !fired.length;
       }
     };
+    /** One move after the other: what is asked of a server comes later. */
+    const played = async (move) => {
+      if (busy) return;
+      busy = true;
+      try {
+        await move();
+      } finally {
+        busy = false;
+        shownGame();
+      }
+    };
     for (const button of board.querySelectorAll("[data-game]")) {
-      button.addEventListener("click", () => { does[button.dataset.game](); shownGame(); });
+      button.addEventListener("click", () => played(does[button.dataset.game]));
     }
     shownGame();
   }

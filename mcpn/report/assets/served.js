@@ -1,4 +1,13 @@
   // --- served: the page follows the files of the mission, and asks what is typed -----------------------------
+  const posted = async (to, question) => {
+    try {
+      return await (await fetch(to, {
+        method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(question),
+      })).json();
+    } catch {
+      return { error: "no answer: mcpn serve has ended" };
+    }
+  };
   const served = byId("served");
   if (served) {
     const following = setInterval(async () => {
@@ -15,15 +24,6 @@
         location.reload();
       }
     }, 700);
-    const posted = async (to, question) => {
-      try {
-        return await (await fetch(to, {
-          method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(question),
-        })).json();
-      } catch {
-        return { error: "no answer: mcpn serve has ended" };
-      }
-    };
     const said = (text, className) => Object.assign(make("p", text), { className });
     const supposing = byId("suppose"), orders = [...document.querySelectorAll("#suppose fieldset")].map((set) =>
       [set.dataset.activity, set.querySelector("ol"), [...set.querySelectorAll("li")]]);

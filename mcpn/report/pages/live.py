@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from mcpn.answers.causes.cutsets import CutSet
 from mcpn.controller.simulator import likelihood
 from mcpn.events import Event
-from mcpn.nets.petri import Arcs, PetriNet
+from mcpn.report.pages.token_game import position, stored
 from mcpn.report.words import folded, what_happens
 from mcpn.robot.runtime.tables import START
 
@@ -20,21 +20,21 @@ if TYPE_CHECKING:
 MOST_EVENTS = 5_000
 """Events at most of the run without failures, which may be endless."""
 
-MOST_TRANSITIONS = 400
-"""Transitions of a net up to which a page has its token game."""
-
 MOST_CHIPS = 14
 """Steps of a strip that are shown; of longer ones the middle is folded."""
 
 
-def live_data(findings: Findings, keys: Mapping[str, int]) -> dict[str, Any]:
+def live_data(findings: Findings, keys: Mapping[str, int], *, asks: bool = False) -> dict[str, Any]:
     """What the script needs.
 
     Args:
         findings: What was found of the mission.
         keys: By objective the key of its box.
+        asks: Whether the page has a server that it asks, and needs no graph of the net.
     """
-    found: dict[str, Any] = {"net": net} if (net := _net(findings.check.mission_net.net)) else {}
+    net = findings.check.mission_net.net
+    game = {"first": position(net, net.initial)} if asks else stored(net)
+    found: dict[str, Any] = {"net": game} if game else {}
     if findings.causes is not None:
         found["losses"] = _losses(findings.causes)
     if findings.controller is None:
@@ -52,26 +52,6 @@ def live_data(findings: Findings, keys: Mapping[str, int]) -> dict[str, Any]:
         for text, event in typed.items()
     }
     return found | {"controller": document, "events": words, "boxes": dict(keys)}
-
-
-def _net(net: PetriNet) -> dict[str, Any] | None:
-    """The net as numbers, for the token game; ``None`` of a net that is too large to be played by hand."""
-    if len(net.transitions) > MOST_TRANSITIONS:
-        return None
-    arcs = [
-        [t.name, "" if t.event is None else str(t.event), rank, *map(_flat, (t.consume, t.produce, t.read))]
-        for t, rank in zip(net.transitions, net.ranks, strict=True)
-    ]
-    return {
-        "places": [place.name for place in net.places],
-        "initial": list(net.initial),
-        "transitions": arcs,
-        "priorities": net.priorities,
-    }
-
-
-def _flat(arcs: Arcs) -> list[int]:
-    return [number for arc in arcs for number in arc]
 
 
 def _losses(causes: Causes) -> dict[str, Any]:
