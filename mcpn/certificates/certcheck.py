@@ -16,10 +16,13 @@ import sys
 import time
 import zipfile
 import zlib
-from collections.abc import Container, Iterable, Iterator
+from collections.abc import Callable, Container, Iterable, Iterator
+from functools import cache, reduce
+from operator import or_
 from typing import Any, NoReturn
 
 VERSION, MOST_BYTES = 1, 1 << 26  # of all entries together, once they are unpacked
+MOST_EXCLUSIONS = 2_000  # places up to which it is found out which are never marked together
 Json = Any
 State = int
 
@@ -31,15 +34,19 @@ class Malformed(Exception):
 class Refuted(Exception):
     """The evidence of a claim does not prove it."""
 
+    how = "refuted"
+
 
 class Limit(Exception):
     """A limit was hit, so that something is not checked."""
 
+    how = "not checked"
 
-def need(holds: object, why: str) -> None:
-    """Refutes the claim under way unless something holds."""
+
+def need(holds: object, why: str, error: type[Exception] = Refuted) -> None:
+    """Refutes the claim under way, or raises another error, unless something holds."""
     if not holds:
-        raise Refuted(why)
+        raise error(why)
 
 
 PLACE = {"name": str, "initial": int, "roles": [[str]]}
@@ -79,18 +86,15 @@ def unpacked(path: str) -> dict[str, bytes]:
     try:
         with zipfile.ZipFile(path) as archive:
             for info in archive.infolist():
-                if info.filename in entries or info.filename not in ("net.json", "claims.json"):
-                    raise Malformed(f"the entry {info.filename[:60]!r} is not expected, or there twice")
-                if info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-                    raise Malformed(f"the entry {info.filename} is neither stored nor deflated")
+                fine = info.filename in {"net.json", "claims.json"} - entries.keys()
+                need(fine, f"the entry {info.filename[:60]!r} is not expected, or there twice", Malformed)
+                fine = info.compress_type in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+                need(fine, f"the entry {info.filename} is neither stored nor deflated", Malformed)
                 with archive.open(info) as stream:
                     entries[info.filename] = stream.read(left + 1)
                 left -= len(entries[info.filename])
-                if left < 0:
-                    raise Limit(f"its entries are of more than {MOST_BYTES} bytes")
-    except OSError as error:
-        raise Malformed(f"cannot be read: {error.strerror or error}") from error
-    except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError, NotImplementedError) as error:
+                need(left >= 0, f"its entries are of more than {MOST_BYTES} bytes", Limit)
+    except (OSError, zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError) as error:
         raise Malformed(f"is no zip that can be read: {error}") from error
     return entries
 
@@ -105,12 +109,10 @@ def parsed(entries: dict[str, bytes], name: str) -> Json:
         return int(text) if len(text) <= 18 else refused(text)
 
     def members(pairs: list[tuple[str, Json]]) -> dict[str, Json]:
-        if len(dict(pairs)) < len(pairs):
-            raise Malformed(f"{name}: a key is there twice in an object")
+        need(len(dict(pairs)) == len(pairs), f"{name}: a key is there twice in an object", Malformed)
         return dict(pairs)
 
-    if name not in entries:
-        raise Malformed(f"there is no entry {name}")
+    need(name in entries, f"there is no entry {name}", Malformed)
     try:
         hooks: Json = {"parse_int": whole, "parse_float": refused, "parse_constant": refused}
         return json.loads(entries[name].decode(), object_pairs_hook=members, **hooks)
@@ -126,6 +128,17 @@ def indices(mask: int) -> Iterator[int]:
         mask ^= low
 
 
+def grown(start: Iterable[int], on: Callable[[int], Iterable[int]], along: Json = None) -> set[int]:
+    """What some lead to, one after the other, and they themselves; along some where these are given."""
+    found = set(start)
+    todo = list(found)
+    while todo:
+        new = [n for n in on(todo.pop()) if n not in found and (along is None or n in along)]
+        found.update(new)
+        todo += new
+    return found
+
+
 class Net:
     """The net: a marking is an integer, whose bit p says that place p holds a token."""
 
@@ -135,16 +148,17 @@ class Net:
         self.names = [place["name"] for place in places]
         self.initial, self.roles = 0, dict[tuple[str, ...], int]()
         for number, place in enumerate(places):
-            if place["initial"] not in (0, 1):
-                raise Malformed(f"net.json: place {number} has {place['initial']} tokens, expected 0 or 1")
+            why = f"net.json: place {number} has {place['initial']} tokens, expected 0 or 1"
+            need(place["initial"] in (0, 1), why, Malformed)
             self.initial |= place["initial"] << number
             for role in place["roles"]:
-                if len(role) != 2:
-                    raise Malformed(f"net.json: place {number} has the role {role}, expected two texts")
+                need(len(role) == 2, f"net.json: the role {role} of a place, expected two texts", Malformed)
                 self.roles[tuple(role)] = self.roles.get(tuple(role), 0) | 1 << number
         self.name = [each["name"] for each in transitions]
-        if len(set(self.names)) < len(self.names) or len(set(self.name)) < len(self.name):
-            raise Malformed("net.json: two places or two transitions have one name")
+        for names in (self.names, self.name):
+            need(
+                len(set(names)) == len(names), "net.json: two places or transitions have one name", Malformed
+            )
         self.event = [tuple(each["event"]) for each in transitions]
         self.rank = [each["rank"] for each in transitions]
         self.consume, self.produce, read = (
@@ -155,20 +169,19 @@ class Net:
         self.events = [t for t, event in enumerate(self.event) if event]
         self.internal = [t for t, event in enumerate(self.event) if not event]
         for t, event in enumerate(self.event):
-            if not event and not self.pre[t]:
-                raise Malformed(f"net.json: the internal transition {self.name[t]} needs no token")
-            if event and (not 2 <= len(event) <= 3 or self.rank[t]):
-                raise Malformed(f"net.json: transition {self.name[t]} has the event {list(event)}")
+            fine = 2 <= len(event) <= 3 and not self.rank[t] if event else self.pre[t]
+            need(fine, f"net.json: transition {self.name[t]}: its event, rank or tokens", Malformed)
         needing = dict[int, list[int]]()
         for t in self.internal:
             for place in indices(self.pre[t]):
                 needing.setdefault(place, []).append(t)
         self.wakes = [sorted({u for p in indices(made) for u in needing.get(p, ())}) for made in self.produce]
+        self.apart, self.alone = self.exclusions(), dict[int, bool]()
 
     def mask(self, places: list[int], of: str) -> int:
         """Places as bits, each once."""
-        if not all(0 <= place < len(self.names) for place in places) or len(set(places)) < len(places):
-            raise Malformed(f"net.json: {of} names a place that there is not, or one twice")
+        fine = all(0 <= place < len(self.names) for place in places) and len(set(places)) == len(places)
+        need(fine, f"net.json: {of} names a place that there is not, or one twice", Malformed)
         return sum(1 << place for place in places)
 
     def fired(self, marking: int, t: int) -> int:
@@ -176,6 +189,37 @@ class Net:
         left = marking & ~self.consume[t]
         need(not left & self.produce[t], f"safe: {self.name[t]} puts a second token in a place")
         return left | self.produce[t]
+
+    def exclusions(self) -> list[int]:
+        """Of each place those that are never marked with it: no firing puts both, or one beside the other."""
+        size, before = len(self.names), list[int]()
+        every = (1 << size) - 1 if size <= MOST_EXCLUSIONS else 0
+        apart = [every & ~self.initial if self.initial >> p & 1 else every for p in range(size)]
+        while before != apart:
+            before = list(apart)
+            for t, needed in enumerate(self.pre):
+                never = reduce(or_, (apart[p] for p in indices(needed)), 0)
+                if not never & needed:
+                    beside = every & ~never & ~self.consume[t] | self.produce[t]
+                    for p in indices(self.produce[t]):
+                        for q in indices(apart[p] & beside):
+                            apart[q] &= ~(1 << p)
+                        apart[p] &= ~beside
+        return apart
+
+    def first(self, t: int) -> bool:
+        """Whether an internal transition may fire first wherever it may fire: other orders end alike.
+
+        No other that may be covered with it takes what it needs, needs or puts what it takes.
+        """
+        if t not in self.alone:
+            takes, never = self.consume[t], reduce(or_, (self.apart[p] for p in indices(self.pre[t])))
+            self.alone[t] = all(self.rank[u] >= self.rank[t] for u in self.wakes[t]) and not any(
+                self.consume[u] & self.pre[t] or (self.pre[u] | self.produce[u]) & takes
+                for u in self.internal
+                if not self.pre[u] & never and (self.consume[u], self.produce[u]) != (takes, self.produce[t])
+            )
+        return self.alone[t]
 
     def carrying(self, what: str, *of: str) -> set[int]:
         """The transitions of an event, of one of some elements, or of any where none is named."""
@@ -193,44 +237,44 @@ class Listing:
         self.number[start], self.stable = 0, [start]
         self.edges: list[list[tuple[int, State]]] = []
         for marking in self.stable:  # grows while it is walked
-            edges = list[tuple[int, State]]()
+            edges, lacking = list[tuple[int, State]](), ~marking
             for t in net.events:
-                if net.pre[t] & ~marking == 0:
+                if not net.pre[t] & lacking:
                     after = net.fired(marking, t)
-                    end = self.settled(after, self.covered(after, (), t))
+                    end = self.settled(after, self.covered(after, [], t))
                     if end not in self.number:
                         self.number[end] = len(self.stable)
                         self.stable.append(end)
                     edges.append((t, self.number[end]))
             self.edges.append(edges)
             self.within()
-        self.back: list[list[tuple[int, State]]] = [[] for _ in self.stable]
-        for state, t, target in ((s, t, n) for s, edges in enumerate(self.edges) for t, n in edges):
-            self.back[target].append((t, state))
+        self.back: list[list[State]] = [[] for _ in self.stable]
+        for state, edges in enumerate(self.edges):
+            for _, after in edges:
+                self.back[after].append(state)
         self.formulas = Formulas(self)
 
     def within(self, more: int = 0) -> None:
         """Gives up where a limit is hit."""
-        if len(self.ends) + len(self.number) + more > self.most:
-            raise Limit(f"more than {self.most} markings to keep (--max-states)")
-        if time.monotonic() > self.until:
-            raise Limit("the time is over (--seconds)")
+        kept = len(self.ends) + len(self.number) + more
+        need(kept <= self.most, f"more than {self.most} markings to keep (--max-states)", Limit)
+        need(time.monotonic() <= self.until, "the time is over (--seconds)", Limit)
 
-    def covered(self, marking: int, before: Iterable[int], fired: int) -> list[int]:
+    def covered(self, marking: int, before: list[int], fired: int) -> list[int]:
         """The internal transitions whose tokens are there, after a firing; before it were some."""
-        pre = self.net.pre
-        found = [u for u in before if pre[u] & ~marking == 0]
-        return found + [u for u in self.net.wakes[fired] if pre[u] & ~marking == 0 and u not in found]
+        pre, lacking = self.net.pre, ~marking
+        found = [u for u in before if not pre[u] & lacking] if before else before
+        return found + [u for u in self.net.wakes[fired] if not pre[u] & lacking and u not in found]
 
     def chain(self, marking: int, covered: list[int]) -> tuple[int, list[int], list[int]]:
         """Fires while there is one choice; the marking where there are several or none, and these."""
         net, choices = self.net, list[int]()
         for _ in range(4096):
             choices = covered
-            if len(covered) > 1:  # of two with one effect one is enough
+            if len(covered) > 1:
                 least = min(net.rank[t] for t in covered)
-                effects = {(net.consume[t], net.produce[t]): t for t in covered if net.rank[t] == least}
-                choices = list(effects.values())
+                choices = [t for t in covered if net.rank[t] == least]
+                choices = next(([t] for t in choices if net.first(t)), choices)
             if len(choices) != 1:
                 break
             marking = net.fired(marking, choices[0])
@@ -240,31 +284,26 @@ class Listing:
     def settled(self, marking: int, covered: list[int]) -> int:
         """The stable marking in which every run of internal firings ends; refuted if there are several."""
         ends, way = self.ends, list[list[Any]]()  # choices under way: marking, what is left, end
+        way.append([None, [(marking, covered)], None])
         while True:
-            marking, covered, choices = self.chain(marking, covered)
-            if not choices:
-                end = marking
-            elif marking in ends:
-                known = ends[marking]
-                if known is None:
-                    raise Refuted("confluent: internal firings come back to a marking, and need not end")
-                end = known
+            chosen_at, left, end = way[-1]
+            if left:
+                marking, covered, choices = self.chain(*left.pop())
+                if choices and marking not in ends:
+                    ends[marking] = None
+                    self.within()
+                    after = [(self.net.fired(marking, t), t) for t in choices]
+                    way.append([marking, [(m, self.covered(m, covered, t)) for m, t in after], None])
+                    continue
+                end = ends[marking] if choices else marking
+                need(end is not None, "confluent: internal firings come back to a marking, and need not end")
             else:
-                ends[marking] = None
-                self.within()
-                after = [(self.net.fired(marking, t), t) for t in choices]
-                way.append([marking, [(m, self.covered(m, covered, t)) for m, t in after], None])
-                marking, covered = way[-1][1].pop()
-                continue
-            while way:
-                need(way[-1][2] in (None, end), "confluent: internal firings lead to two stable markings")
-                way[-1][2] = end
-                if way[-1][1]:
-                    marking, covered = way[-1][1].pop()
-                    break
-                ends[way.pop()[0]] = end
-            else:
-                return end
+                way.pop()
+                if not way:
+                    return int(end)
+                ends[chosen_at] = end
+            need(way[-1][2] in (None, end), "confluent: internal firings lead to two stable markings")
+            way[-1][2] = end
 
     def saying(self, role: str, *of: str) -> set[State]:
         """The states that mark a place with a role, of one of some elements or of any if none is named."""
@@ -281,22 +320,14 @@ class Listing:
         """Where a run leads: transitions of events, with internal firings between them."""
         state, banned = start, set(without)
         for t in run:
-            after = next((n for u, n in self.edges[state] if u == t), None)
-            if after is None or t in banned:
-                raise Refuted(f"the run cannot fire transition {t} in state {state}")
+            after = next((n for u, n in self.edges[state] if u == t and u not in banned), -1)
+            need(after >= 0, f"the run cannot fire transition {t} in state {state}")
             state = after
         return state
 
     def closure(self, start: Iterable[State], may: Container[int] | None = None) -> set[State]:
         """The states that some lead to, along some transitions where they are given."""
-        found = set(start)
-        todo = list(found)
-        while todo:
-            for t, after in self.edges[todo.pop()]:
-                if after not in found and (may is None or t in may):
-                    found.add(after)
-                    todo.append(after)
-        return found
+        return grown(start, lambda s: [n for t, n in self.edges[s] if may is None or t in may])
 
 
 ARITY = {"not": 1, "EX": 1, "EG": 1, "EU": 2, "E": 1, "X": 1, "U": 2, "R": 2, "deadlock": 0}
@@ -351,7 +382,7 @@ class Formulas:
                 return graph.saying(*of)
             case "at most":
                 most, weights = of
-                sums = (sum(weight for p, weight in weights if marking >> p & 1) for marking in graph.stable)
+                sums = (sum(weight for p, weight in weights if m >> p & 1) for m in graph.stable)
                 return {s for s, weight in enumerate(sums) if weight <= most}
             case "fires":
                 may = self.fired(of)
@@ -365,22 +396,17 @@ class Formulas:
             case "or":
                 return set[State]().union(*map(self.states, of))
             case "EX":
-                return {s for after in self.states(of[0]) for _, s in graph.back[after]}
+                return {s for after in self.states(of[0]) for s in graph.back[after]}
             case "EU":
-                found, along = set(self.states(of[1])), self.states(of[0])
-                todo = list(found)
-                while todo:
-                    new = {s for _, s in graph.back[todo.pop()]} & along - found
-                    found |= new
-                    todo += new
-                return found
+                along, goal = map(self.states, of)
+                return grown(goal, graph.back.__getitem__, along)
             case "EG":
                 found = set(self.states(of[0]))
                 left = {s: sum(n in found for _, n in graph.edges[s]) for s in found}
                 todo = [s for s in found if graph.edges[s] and not left[s]]
                 while todo:
                     found.discard(gone := todo.pop())
-                    for _, s in graph.back[gone]:
+                    for s in graph.back[gone]:
                         if s in found:
                             left[s] -= 1
                             todo += [s] * (not left[s])
@@ -397,10 +423,12 @@ class Formulas:
                 return all(map(self.at_first, each))
             case ("or", *each):
                 return any(map(self.at_first, each))
-            case ("EU", ("and",), goal):  # all states are reachable
+            case ("EU", ("and",), ("E", path)):  # all states are reachable
+                return bool(self.some_path(path, self.all, one=True))
+            case ("EU", ("and",), goal):
                 return bool(self.states(goal))
             case ("E", path):
-                return bool(self.some_path(path, {0}))
+                return bool(self.some_path(path, {0}, one=True))
         return 0 in self.states(form)
 
     def normal(self, form: Form, wanted: bool = True) -> Form:
@@ -441,8 +469,8 @@ class Formulas:
                     here = [form, *here]
                 yield here, step, nexts | set(after), put_off | set(late)
 
-    def some_path(self, path: Form, starts: set[State]) -> set[State]:
-        """Those of some states from which a path begins that satisfies a formula on paths."""
+    def some_path(self, path: Form, starts: set[State], one: bool = False) -> set[State]:
+        """Those of some states from which a path begins that satisfies a formula on paths, or one of them."""
         # A node is a state with what the path from there must satisfy, as one number.
         graph, size = self.graph, len(self.graph.stable)
         musts = [frozenset[Form](), frozenset([self.normal(path)])]
@@ -461,36 +489,24 @@ class Formulas:
                 if state in here:
                     found = [after * size + n for t, n in graph.edges[state] if t in may]
                     found += [after * size + state] if rests and not graph.edges[state] else []
-                    if found and not after and len(starts) == 1:
+                    if found and not after and one:
                         return starts  # nothing is left to satisfy
                     edges[node].append((late, found))
                     todo += found
             if not len(edges) % 1000:
                 graph.within(len(edges))
-        back = dict[int, list[int]]()
+        back: dict[int, list[int]] = {node: [] for node in edges}
         for node, out in edges.items():
-            for _, found in out:
-                for target in found:
-                    back.setdefault(target, []).append(node)
-
-        def leading(goal: set[int], along: Container[int]) -> set[int]:
-            """The nodes from which others lead into a goal."""
-            led, todo = set(goal), list(goal)
-            while todo:
-                for node in back.get(todo.pop(), ()):
-                    if node not in led and node in along:
-                        led.add(node)
-                        todo.append(node)
-            return led
-
+            for target in (n for _, found in out for n in found):
+                back[target].append(node)
         untils = {until for out in edges.values() for late, _ in out for until in late}
         alive, before = set(edges), len(edges) + 1
         while len(alive) < before:  # where each until is again and again not put off
             before = len(alive)
             for until in untils or (None,):
                 on = (n for n in alive if any(until not in late and alive & {*to} for late, to in edges[n]))
-                alive = leading(set(on), alive)
-        accepted = leading(alive, edges)
+                alive = grown(on, back.__getitem__, alive)
+        accepted = grown(alive, back.__getitem__)
         return {state for state in starts if size + state in accepted}
 
     def way(self, split: Json, number: dict[Obligations, int], musts: list[Obligations]) -> Way:
@@ -498,27 +514,20 @@ class Formulas:
         here, step, left, late = split
         if number.setdefault(left, len(musts)) == len(musts):
             musts.append(left)
-        states = self.all.intersection(*map(self.states, here))
-        may = set(self.graph.net.events).intersection(*map(self.steps, step))
+        states, every = self.all.intersection(*map(self.states, here)), set(self.graph.net.events)
+        may = every.intersection(*map(self.steps, step))
         return states, may, all(each[0] == "not" for each in step), number[left], late
 
     def steps(self, literal: Form) -> set[int]:
         """The transitions with which a step satisfies a literal on it."""
-        if literal[0] == "not":
-            return set(self.graph.net.events) - self.fired(literal[1][1:])
-        return self.fired(literal[1:])
+        negated = literal[0] == "not"
+        fired = self.fired(literal[1][1:] if negated else literal[1:])
+        return set(self.graph.net.events) - fired if negated else fired
 
 
-ENDS = {
-    "safe": [],
-    "confluent": [],
-    "can_succeed": ["success"],
-    "can_fail": ["failure"],
-    "can_be_aborted": ["abort"],
-    "can_always_go_on": ["success", "failure", "abort"],
-    "can_always_end": ["success", "failure", "abort"],
-    "can_always_end_safely": ["success", "abort"],
-}
+ENDS = {"safe": [], "confluent": [], "can_succeed": ["success"], "can_fail": ["failure"]}
+ENDS |= {"can_be_aborted": ["abort"], "can_always_end_safely": ["success", "abort"]}
+ENDS |= {kind: ["success", "failure", "abort"] for kind in ("can_always_go_on", "can_always_end")}
 """By kind of claim that a run or numbers prove: the ends of which it speaks."""
 
 
@@ -628,21 +637,19 @@ def cut_sets(graph: Listing, claim: Json) -> None:
         for i in indices(cut):
             need(any(not cut & ~(1 << i) & ~one for one in survived), "less an element a cut is not survived")
     whole = (1 << len(names)) - 1
-    doubt = whole + 1 - above(frozenset(cuts), len(names), {})
-    doubt -= above(frozenset(whole & ~one for one in survived), len(names), {})
+    doubt = whole + 1 - above(frozenset(cuts), len(names))
+    doubt -= above(frozenset(whole & ~one for one in survived), len(names))
     need(not doubt, f"{doubt} sets are neither cut nor survived")
 
 
-def above(family: frozenset[int], size: int, memo: dict[Json, int]) -> int:
+@cache
+def above(family: frozenset[int], size: int) -> int:
     """How many sets of some elements hold a member of a family."""
     if not family or 0 in family:
         return len(family) and 1 << size
-    if (family, size) not in memo:
-        last = 1 << size - 1
-        without = frozenset(each for each in family if not each & last)
-        less = frozenset(each & ~last for each in family)
-        memo[family, size] = above(without, size - 1, memo) + above(less, size - 1, memo)
-    return memo[family, size]
+    last = 1 << size - 1
+    without = frozenset(each for each in family if not each & last)
+    return above(without, size - 1) + above(frozenset(each & ~last for each in family), size - 1)
 
 
 Report = list[tuple[str, str, str]]
@@ -654,25 +661,20 @@ def checked(path: str, *, most: int = 2_000_000, seconds: float = 600) -> Report
     until, entries, report = time.monotonic() + seconds, unpacked(path), Report()
     net = Net(parsed(entries, "net.json"))
     claims = shaped(parsed(entries, "claims.json"), CLAIMS, "claims.json")["claims"]
-    if len({claim["key"] for claim in claims}) < len(claims):
-        raise Malformed("claims.json: two claims have one key")
+    keys = {claim["key"] for claim in claims}
+    need(len(keys) == len(claims), "claims.json: two claims have one key", Malformed)
     try:
         graph = Listing(net, most, until)
-    except Limit as error:
-        return [("not checked", claim["key"], str(error)) for claim in claims]
-    except Refuted as error:
-        wrong = str(error).partition(":")[0]  # safe or confluent; of the others nothing is known
-        how = {True: "refuted", False: "not checked"}
-        return [(how[claim["kind"] == wrong], claim["key"], str(error)) for claim in claims]
+    except (Refuted, Limit) as error:
+        how = {str(error).partition(":")[0]: error.how}  # safe or confluent; nothing is known of others
+        return [(how.get(claim["kind"], "not checked"), claim["key"], str(error)) for claim in claims]
     for claim in claims:
         try:
             graph.within()
             judge(graph, claim)
             report.append(("proved", claim["key"], claim["sentence"]))
-        except Refuted as error:
-            report.append(("refuted", claim["key"], str(error)))
-        except Limit as error:
-            report.append(("not checked", claim["key"], str(error)))
+        except (Refuted, Limit) as error:
+            report.append((error.how, claim["key"], str(error)))
     return report
 
 
@@ -685,10 +687,8 @@ def main(arguments: list[str] | None = None) -> int:
     asked = parser.parse_args(arguments)
     try:
         report = checked(asked.certificate, most=asked.max_states, seconds=asked.seconds)
-    except (Malformed, Limit) as error:
-        report = [("not checked", asked.certificate, str(error))]
-    except (RecursionError, MemoryError):
-        report = [("not checked", asked.certificate, "it is too deep, or takes too much memory")]
+    except (Malformed, Limit, RecursionError, MemoryError) as error:
+        report = [("not checked", asked.certificate, str(error) or "there is not enough memory")]
     for how, key, why in report:  # of any text, without control characters
         line = f"{how:11}  {key}: {why}".encode("ascii", "backslashreplace").decode()
         sys.stdout.write(line.translate(dict.fromkeys(range(32), "?")) + "\n")

@@ -12,6 +12,7 @@ from mcpn.answers.causes.find import Causes
 from mcpn.answers.claims import Claim, claims_of, claims_of_losses
 from mcpn.answers.names import MissionNames
 from mcpn.answers.requirements import AskedRequirement
+from mcpn.answers.spaces import MissionSpaces, spaces_of
 from mcpn.answers.verdicts.mission import MissionCheck
 from mcpn.answers.verdicts.nominal import NominalRuns, meant_to_be_entered
 from mcpn.certificates import evidence
@@ -26,7 +27,7 @@ from mcpn.spaces.algebra import Space
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.markings.graph import Mask
 from mcpn.spaces.search.goal import Formula
-from mcpn.spaces.stable.alternatives import AlternativesGraph, written_out
+from mcpn.spaces.stable.alternatives import AlternativesGraph
 from mcpn.steps import Doing, step
 
 MOST_LISTED = 200_000
@@ -97,7 +98,7 @@ def certificate_of(check: MissionCheck, max_states: int | None = None) -> Certif
     """
     if check.alternatives is None:
         raise ConfluenceError("no certificate: the mission is not safe or not confluent")
-    graph = _listed(check.alternatives, max_states)
+    graph = _listed(check.spaces, check.alternatives, max_states)
     asked = {answer.asked.name: answer.asked for answer in check.requirements}
     return _Writer(check.mission_net, graph, asked).certificate(claims_of(check))
 
@@ -112,7 +113,8 @@ def certificate_of_causes(causes: Causes, max_states: int | None = None) -> Cert
     Raises:
         LimitError: As there; or there are too many sets that the mission survives.
     """
-    mission_net, graph = causes.mission_net, _listed(causes.prospects.space, max_states)
+    mission_net = causes.mission_net
+    graph = _listed(spaces_of(mission_net), causes.prospects.space, max_states)
     made = _Writer(mission_net, graph, {}).certificate(claims_of_losses(causes.prospects))
     asked = [(causes.mission.cut_sets, "success")]
     trusted = dict[str, tuple[str, str]]()
@@ -134,13 +136,16 @@ def certificate_of_causes(causes: Causes, max_states: int | None = None) -> Cert
     return made._replace(claims=[*made.claims, *entries], trusted=made.trusted | trusted)
 
 
-def _listed(space: Space[Any], max_states: int | None) -> AlternativesGraph:
+def _listed(spaces: MissionSpaces, space: Space[Any], max_states: int | None) -> AlternativesGraph:
     """The stable states of a mission one by one, numbered as the checker numbers them."""
     step(Doing.EXPLAINING)
     most, size = MOST_LISTED if max_states is None else max_states, space.everything.count()
     if size > most:
         raise LimitError(f"no certificate: it would list {size} stable states, and {most} are the limit")
-    return written_out(space, "certificate", most)
+    # That every order ends alike has been proved by the check, and is what the checker looks at first.
+    graph = spaces.unproved(most).graph
+    assert isinstance(graph, AlternativesGraph), "of stable states"
+    return graph
 
 
 class _Writer:
