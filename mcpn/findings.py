@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.causes.find import Causes, find_causes
 from mcpn.answers.causes.fmeca import Row, fmeca
-from mcpn.answers.claims import Claim, claims_of, claims_of_causes
+from mcpn.answers.claims import Claim, all_claims, claims_of
 from mcpn.answers.spaces import MissionSpaces, MissionSubject, spaces_of
 from mcpn.answers.verdicts.mission import MissionCheck, check
 from mcpn.controller.document import document
@@ -157,8 +157,7 @@ def findings(
         if risk is not None and (means := at_their_means(mission_net.mission)):
             notes.append(f"Numbers of risk are {means}; mcpn causes --rates tells bounds.")
     with timed("claims"):
-        claims = claims_of(checked)
-        claims += [] if causes is None else claims_of_causes(causes, rows or ())
+        claims = all_claims(checked, causes, rows or ())
     return Findings(
         checked, causes, rows, controller, notes, warnings, chosen, seconds, risk, local, unlisted, claims
     )

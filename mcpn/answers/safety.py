@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from mcpn.answers.claims.claim import sentences, told_together
+from mcpn.answers.claims.claim import sentences
 from mcpn.answers.claims.found import claims_found, of_verdict
 from mcpn.errors import SemanticsError
 from mcpn.sentences import enumeration, shortened
@@ -123,7 +123,7 @@ def robot_safety(
             return SafetyAnswer("dark_after_stop", None, ("not known: the stable states are not",))
         evaluation, run = Evaluation(checked.alternatives), None
         # What is ignored never happens in formulas, so that they would be met there.
-        why = [*told_together((c for c in _held(claims, "ignored") if c.subject[0] in stops), 0)]
+        why = [*sentences((c for c in _held(claims, "ignored") if c.subject[0] in stops), differ=1)]
         for each in (each for each in checked.changing_nothing if each.event in stops):
             for activity in dangerous if each.answering else ():
                 here = " | ".join(f"objective({name})" for name in each.answering)
@@ -143,7 +143,7 @@ def robot_safety(
             () if spaces.mission.abort is not None else cannot_abort
         ),
         _by_verdict("events_answered", checked, "confluent")._with(_where_handled(claims)),
-        _listed("no_event_ignored", [*told_together(_held(claims, "ignored"), 0)]),
+        _listed("no_event_ignored", [*sentences(_held(claims, "ignored"), differ=1)]),
         after_stop(),
         single,
         _late_losses(checked, lost_alone),
@@ -210,7 +210,7 @@ def _late_losses(checked: MissionCheck, alone: Sequence[str] | None) -> SafetyAn
 def _where_handled(claims: Sequence[Claim]) -> tuple[str, ...]:
     """Of which events an answer on handled events speaks."""
     always = sentences(_held(claims, "handled_always"))
-    idle = (told_together(_held(claims, kind), 0) for kind in ("ignored", "answered_already"))
+    idle = (sentences(_held(claims, kind), differ=1) for kind in ("ignored", "answered_already"))
     return (*always, *(sentence for each in idle for sentence in each))
 
 

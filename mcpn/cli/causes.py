@@ -78,6 +78,7 @@ def causes(
     objectives, runs and FMECA rows are of those that --objective names, or of all with --fmeca.
     """
     from mcpn.answers.causes.fmeca import fmeca as table_of
+    from mcpn.answers.claims import claims_of_causes
     from mcpn.files import write_atomically
     from mcpn.mission.static.intervals import at_their_means, interval_rates
     from mcpn.report.failures import objects, tables, terminal
@@ -135,8 +136,12 @@ def causes(
             click.echo(f"{openpsa}: {plain(sentence)}", err=True)
     if fmeca is not None:
         tables.save_fmeca(rows, fmeca, classes)
+    claims = claims_of_causes(found, rows)
+    left_out = [objects.RUNS] * question.as_json + [objects.EFFECTS] * (fmeca is None)
+    missing = [] if short else objects.left_out(len(found.objectives), left_out)
     if question.as_json:
-        document: dict[str, Any] = objects.causes_object(found, runs=short, rows=rows)
+        document: dict[str, Any] = objects.causes_object(found, claims, runs=short)
+        document["left_out"] = missing
         if numbers is not None:
             document["risk"] = objects.risk_object(numbers)
         if unanswered is not None:
@@ -152,7 +157,7 @@ def causes(
         if unanswered is not None:
             raise unanswered
         return
-    terminal.print_causes(found)
+    terminal.print_causes(found, claims)
     if written is not None:
         from mcpn.report.certificates import print_certificate
 
@@ -167,6 +172,7 @@ def causes(
         terminal.print_bounds(bounded, at_their_means(study.mission_net.mission))
     if by_then is not None and within is not None:
         terminal.print_within(by_then, within.strip())
+    terminal.print_left_out(missing)
     print_choice(every.choice)
     if unanswered is not None:
         raise unanswered

@@ -18,9 +18,10 @@ from mcpn.errors import McpnError
 def findings(file: Path) -> dict[str, Any]:
     """Modes and cut sets by objective, what each hardware resource can make fail, and problems."""
     from mcpn.answers.claims import claims_of_causes
+    from mcpn.answers.claims.claim import sentences
     from mcpn.answers.claims.found import of_verdict
     from mcpn.mission.expansion.copies import grouped
-    from mcpn.report.failures.sentences import condition
+    from mcpn.report.failures.sentences import conditions, losses
     from mcpn.report.words import modes_in_words
     from mcpn.study import open_study
 
@@ -34,12 +35,15 @@ def findings(file: Path) -> dict[str, Any]:
     if checked.passed:
         causes = study.causes()
         hardware = {each.name for each in study.mission_net.mission.hardware}
-        for goal in (causes.mission, *causes.objectives.values()):
-            if goal.cut_sets:
-                names.setdefault(goal.name, []).append(f"{condition(goal.name, goal.cut_sets)}.")
-        for claim in claims_of_causes(causes):
-            if claim.holds and claim.subject[:1] and claim.subject[0] in hardware:
-                names.setdefault(claim.subject[0], []).append(claim.sentence)
+        claims = claims_of_causes(causes)
+        own = {causes.mission.name: losses(claims, "defeat")}
+        own |= {name: conditions(goal, name) for name, goal in causes.objectives.items() if goal.cut_sets}
+        own |= {
+            name: sentences((c for c in claims if c.holds and c.subject[:1] == (name,)), differ=1)
+            for name in hardware
+        }
+        for name, said in own.items():
+            names.setdefault(name, []).extend(said)
     problems = [
         {"file": at and at.file, "line": at and at.line, "message": problem.message}
         for problem in (*checked.unselectable, *checked.futile)
@@ -57,7 +61,7 @@ def findings(file: Path) -> dict[str, Any]:
                 subject, several = copies.subject("requirement", [each.name for each in same], every)
                 message = f"{subject} {'are' if several else 'is'} not {word}"
                 problems.append({"file": source.file, "line": source.line, "message": message})
-    return {"names": {name: "\n\n".join(said) for name, said in names.items()}, "problems": problems}
+    return {"names": {name: "\n\n".join(said) for name, said in names.items() if said}, "problems": problems}
 
 
 def main() -> int:

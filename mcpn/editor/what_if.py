@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from mcpn.answers.claims import claims_of, claims_of_causes
+from mcpn.answers.claims import all_claims
 from mcpn.did_you_mean import did_you_mean
 from mcpn.errors import InputError, Problem
 from mcpn.findings import Findings
@@ -160,8 +160,7 @@ def _told(study: Study, engine: Asked, max_states: int | None) -> Iterator[Story
     checked = study.verdicts(engine=engine, max_states=max_states)
     sound = checked.verdicts["safe"].holds and checked.verdicts["confluent"].holds
     causes = study.causes(engine=engine, max_states=max_states) if sound else None
-    claims = [*claims_of(checked), *([] if causes is None else claims_of_causes(causes))]
-    found = Findings(checked, causes, claims=claims)
+    found = Findings(checked, causes, claims=all_claims(checked, causes))
     yield headline(found)
     yield from story(found)
     for name, modes in checked.modes.items():

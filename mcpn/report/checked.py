@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING
 
-from mcpn.answers.claims.claim import told, told_together
+from mcpn.answers.claims.claim import sentences, told
 from mcpn.answers.claims.found import of_verdict
 from mcpn.answers.claims.kinds import OF_VERDICTS
 from mcpn.answers.claims.made import claims_of
@@ -61,13 +61,11 @@ def print_check(
                 terminal.print("of two that need the same resource, the second waits", indent=7, style="dim")
     for kind in IDLE:
         same = [claim for claim in claims if claim.kind == kind and claim.holds]
-        for sentence in told_together(same, 0):
+        for sentence in sentences(same, differ=1):
             terminal.print(f"{_INFORMATIVE:4} {sentence}", style="dim", indent=2, hang=5)
     # A requirement that does not speak of an ignored event stands with the requirements.
-    for _, sentences in unasked(
-        claims, [kind for kind in (*DEFEATING, *UNASKED) if kind != "met_as_ignored"]
-    ):
-        for sentence in sentences:
+    for _, said in unasked(claims, [kind for kind in (*DEFEATING, *UNASKED) if kind != "met_as_ignored"]):
+        for sentence in said:
             terminal.print(f"{_INFORMATIVE:4} {sentence}", style="yellow", indent=2, hang=5)
     _print_requirements(terminal, check, claims)
     if check.modes:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from mcpn.answers.causes.find import Causes, GoalCauses
+from mcpn.answers.claims import claims_of_causes
 from mcpn.answers.claims.found import of_verdict
 from mcpn.answers.names import MissionNames
 from mcpn.answers.verdicts.mission import MissionCheck, Verdict
@@ -16,6 +17,7 @@ from mcpn.mission.graph import ObjectivesGraph
 from mcpn.mission.model import Mission
 from mcpn.nets.petri import PetriNet
 from mcpn.report.assets import environment
+from mcpn.report.failures.sentences import conditions, headlines, of_objectives
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.report.pictures.graph import drawing
 from mcpn.report.pictures.machines import controller_drawing, graph_drawing
@@ -91,16 +93,8 @@ def _check(check: MissionCheck) -> str:
 
 
 def _causes(causes: Causes) -> str:
-    goals = [causes.mission, *causes.objectives.values()]
-    rows = [
-        (
-            goal.name,
-            "; ".join(enumeration(lost) or "nothing" for lost in goal.cut_sets) or "never by hardware",
-        )
-        for goal in goals
-    ]
-    name = causes.mission_net.mission.name
-    return _table(f"What makes the mission {name} fail", ("fails", "if these are lost"), rows)
+    said = [*headlines(causes, claims_of_causes(causes)), *of_objectives(causes)]
+    return _table(f"What the mission {causes.mission.name} loses", ("says",), [(each,) for each in said])
 
 
 def _verdict(verdict: Verdict) -> str:
@@ -129,10 +123,10 @@ def _answer(answer: Answer) -> str:
 
 
 def _goal(goal: GoalCauses) -> str:
-    """The minimal cut sets of a goal, with a shortest run to its failure by each."""
+    """What losses cost a goal, with a shortest run by each."""
     rows = []
     for lost in goal.cut_sets:
         run = goal.runs[lost]
         events = "" if run is None else " ".join(map(str, run.events))
         rows.append((enumeration(lost) or "nothing", events))
-    return _table(f"What makes {goal.name} fail", ("lost", "a run to its failure"), rows)
+    return _table(" ".join(conditions(goal, goal.name)), ("lost", "a run that shows it"), rows)

@@ -134,13 +134,6 @@ class Evolution:
         if self._since is not None:
             self._since.append(t)
 
-    def change(self, changes: Mapping[int, int]) -> None:
-        """Goes to another stable marking that the caller knows, by the tokens that each place gains."""
-        for place, tokens in changes.items():
-            self.marking[place] += tokens
-            if place in self.completion.rarer:
-                (self._rarer.add if self.marking[place] else self._rarer.discard)(place)
-
     def settle(self) -> Iterator[int]:
         """The internal transitions fired until the marking is stable; the caller knows that this ends."""
         ranks = self.completion.net.internal_ranks

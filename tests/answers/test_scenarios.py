@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from mcpn.answers.causes.cutsets import Moment
 from mcpn.answers.causes.find import find_causes
-from mcpn.answers.causes.striking import Striking
+from mcpn.answers.causes.prospects import Striking
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.events import What

@@ -222,7 +222,7 @@ def test_what_states_say_comes_after_a_save(client: Client, folder: Path) -> Non
     client.open(protocols)
     for _ in range(200):
         said = hovered(client, protocols) or ""
-        if "diving can no longer succeed after the loss of thruster_actuator" in said:
+        if "The loss of thruster_actuator, or of GPS_sensor and IMU_sensor together beforehand" in said:
             return
         time.sleep(0.2)
     pytest.fail("the states say nothing")

@@ -10,23 +10,15 @@ import pytest
 from mcpn.answers.causes.effects import Severity
 from mcpn.answers.causes.find import Causes, find_causes
 from mcpn.answers.causes.fmeca import fmeca
+from mcpn.answers.claims import claims_of_causes
 from mcpn.answers.verdicts.mission import check
 from mcpn.drawing.compose import compose
 from mcpn.findings import findings
 from mcpn.mission.xml import read_mission
-from mcpn.report.failures.sentences import condition, headlines, survived
+from mcpn.report.failures.sentences import headlines, survived
 from mcpn.report.page import page
 from mcpn.spaces.engine_names import Engine
 from tests.logic.asked import ENGINES
-
-
-def test_sentences() -> None:
-    assert (
-        condition("x", [("A",), ("B", "C", "D")])
-        == "x can no longer succeed after the loss of A, or of B, C and D"
-    )
-    assert condition("x", [()]) == "x can never succeed"
-
 
 SURVEY = """<mission name="survey" xmlns="urn:mcpn:mission:1">
   <robot name="boat">
@@ -59,21 +51,23 @@ def causes(survey: Path, request: pytest.FixtureRequest) -> Causes:
 
 
 def test_both_levels_stand_in_the_headlines(causes: Causes) -> None:
-    assert list(headlines(causes)) == [
-        "survey can no longer succeed after the loss of motor, or of sonar",
-        "survey cannot end safely, in success or abort, after the loss of motor",
+    assert list(headlines(causes, claims_of_causes(causes))) == [
+        "The loss of sonar, or of motor before the start, not repaired, leaves no way to success.",
+        "After the loss of rudder alone, whenever it comes, success stays possible.",
+        "The loss of motor before the start, not repaired, leaves no way to a safe end.",
+        "After the loss of any one of sonar and rudder alone, whenever it comes, a safe end stays possible.",
     ]
-    moments = {found.section: list(survived(found)) for found in causes.survival}
-    unsafe = (
-        "the loss of motor keeps it from a safe end, success or abort, which survives at best "
-        "2 losses together, but not every single loss"
-    )
-    assert moments[None] == [
-        "the loss of motor, or of sonar keeps it from success, which survives at best 1 loss, "
-        "but not every single loss",
-        unsafe,
+    moments = dict(survived(causes))
+    assert moments["from the start"] == [
+        "At most 1 resource may be lost by the start, not repaired, so that success stays possible.",
+        "At most 2 resources may be lost by the start, not repaired, so that a safe end stays possible.",
     ]
-    assert moments["home"] == ["the mission can no longer succeed", unsafe]
+    assert moments["from home on"] == [
+        "From the entry of home on there is no way to success without a repair.",
+        "The loss of motor, not repaired, leaves no way to a safe end from the entry of home on.",
+        "At most 2 resources may be lost by the entry of home, not repaired, so that a safe end stays "
+        "possible.",
+    ]
     start = causes.survival[0]
     assert start.safety is not None
     assert start.safety.run is not None

@@ -298,9 +298,8 @@ def test_what_defeats_it_at_the_worst_moment_alone_is_told(tmp_path: Path) -> No
     found = findings(compose(read_mission(path)))
     said = headline(found).said
     worst = "The loss of radio alone, at its worst moment, leaves no way to success."
-    alone = (
-        "The loss of lamp alone, at its worst moment, leaves no way to success without the help of called."
-    )
+    before = "The loss of lamp before the start, not repaired, leaves no way to success"
+    alone = f"{before} without the help of called."
     assert said.count(worst) == said.count(alone) == 1
     assert "The loss of radio alone, at its worst moment, leaves no safe end." in said
     lines = {line.asked: line for line in story(found)}

@@ -94,7 +94,7 @@ def test_modes_that_read_the_same_are_said_once(tmp_path: Path) -> None:
 
 def test_the_same_is_not_said_for_each_event() -> None:
     told = mcpn("causes", ULYSSE).stdout
-    assert told.count("from its start and from each section on") == 1  # what is survived
+    assert told.count("from any section on") == 1  # what is survived
     assert told.count("at any moment") == 1  # what is critical
     assert told.count("GPS_sensor and IMU_sensor") <= 6
 
@@ -277,13 +277,13 @@ def test_causes_name_no_round_by_itself_that_is_like_the_others() -> None:
     text = mcpn("causes", ROOT / "experiments" / "glider" / "mission.xml").stdout
     assert "tooth.report (all 15 but tooth_5.report)" in text
     assert max(map(len, text.splitlines())) < 600
-    assert text.count("one of these objectives fails\n") == 1
-    assert "at any moment, but not while one of these runs: rescue, call, drift" in text
+    assert text.count("The failure of any one of ") == 2
+    assert "at any moment, but not while one of rescue, call and drift runs" in text
 
 
 def test_hardware_that_is_never_used_is_named() -> None:
     text = mcpn("causes", ROOT / "experiments" / "courier" / "mission.xml").stdout
-    assert "never used, so that its loss costs nothing: odometer\n" in text
+    assert "odometer is never used, so that its loss costs nothing by itself.\n" in text
     assert "never used" not in mcpn("causes", ULYSSE).stdout
 
 
@@ -310,8 +310,9 @@ def test_what_defeats_a_mission_that_nothing_helps_comes_first(tmp_path: Path) -
     )
     told = mcpn("causes", tmp_path / "m.xml").stdout.splitlines()
     assert told[:2] == [
-        "m can no longer succeed after the loss of motor, without the help of rescue",
-        "with this help m can succeed whatever hardware fails",
+        "The loss of motor before the start, not repaired, leaves no way to success without the help of "
+        "rescue.",
+        "The mission has no abort, so that nothing says which of its failures are safe.",
     ]
-    assert "what the mission survives, with this help" in told
+    assert "what the mission survives, with the help of rescue" in told
     assert "the help of" not in mcpn("causes", ULYSSE).stdout

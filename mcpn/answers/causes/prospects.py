@@ -4,30 +4,111 @@ Source: the paper, 7.2 ("studying the resource events that force the mission int
 failure"). A state *loses* a goal where no run reaches it any more; without repairs, where no run without an
 event ``EV_RD`` does. The goal of the mission is its success; the goal of an objective is that its present run
 ends in success, so that a later retry is another run, and one after an interruption too.
+
+A shortest run may lose hardware anywhere before it is missed, mostly before the mission starts. A run that is
+shown has its losses where they strike: after the start, while the hardware is in use.
 """
 
 from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Set
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
 from itertools import chain, product
 from operator import or_
 from typing import Any, Generic, Literal, TypeAlias
 
-from mcpn.answers.causes.striking import Striking
 from mcpn.answers.reentry import Reentry
-from mcpn.answers.verdicts.modes import Mode, said_by
+from mcpn.answers.verdicts.modes import Mode, Situation, said_by, situation
 from mcpn.answers.verdicts.unsafe_abort import Aborts, aborts
 from mcpn.drawing.compose import MissionNet
 from mcpn.events import ENDING, Event, What
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, Section
 from mcpn.mission.static.handover import entries
+from mcpn.nets.petri import Marking
 from mcpn.spaces.algebra import Alike, Edge, Piece, S, Space, Without, partition
 from mcpn.spaces.memoized import memoized
 from mcpn.spaces.projections import ImageStore
-from mcpn.spaces.run import Run, transitions_of
+from mcpn.spaces.run import Completion, Run, transitions_of
+
+_PASSED = (What.START, What.SUCCESS)
+"""Events past which a loss may be put off: of others it may be the reason, or they are losses themselves."""
+
+
+class Striking:
+    """Puts losses off on runs of a mission, which end in the same marking then.
+
+    Args:
+        mission_net: The mission's net.
+    """
+
+    def __init__(self, mission_net: MissionNet) -> None:
+        self.mission_net = mission_net
+        self._completion = Completion(mission_net.net)
+
+    def on(self, run: Run) -> Run:
+        """The same events in another order, if there is one in which a loss comes where it strikes.
+
+        Each loss is put off past the start and past successes of objectives, as long as it changes nothing
+        that the robot does and the same marking follows; where it changes nothing before the next other event
+        either, to just behind the start.
+        """
+        events = [t for t in run.transitions if not self.mission_net.net.transitions[t].internal]
+        marking = list(self.mission_net.net.initial)
+        for _ in self._completion.settle(marking):
+            pass
+        markings = [tuple(marking)]
+        for t in events:
+            markings.append(self._completion.after(markings[-1], t)[1])
+        for place in range(len(events) - 1, -1, -1):
+            if self._event(events[place]).what is What.OUT_OF_SERVICE:
+                self._put_off(events, markings, place)
+        return replace(run, transitions=tuple(events))
+
+    def _put_off(self, events: list[int], markings: list[Marking], place: int) -> None:
+        """Puts one loss off, in place.
+
+        Args:
+            events: The events of the run.
+            markings: The stable markings before the first of them and after each.
+            place: Where the loss stands.
+        """
+        now, best = place, (events[:], markings[:])
+        while now + 1 < len(events) and not self._strikes(markings[now], markings[now + 1]):
+            passed = self._event(events[now + 1])
+            first = self._fired(markings[now], events[now + 1]) if passed.what in _PASSED else None
+            if first is None or self._ended(first[1]):
+                break
+            second = self._fired(first[1], events[now])
+            if second is None or second[1] != markings[now + 2]:
+                break
+            (events[now], markings[now + 1]), (events[now + 1], markings[now + 2]) = first, second
+            if passed.what is What.START or self._strikes(first[1], second[1]):
+                best = events[:], markings[:]
+            now += 1
+        events[:], markings[:] = best
+
+    def _event(self, transition: int) -> Event:
+        event = self.mission_net.net.transitions[transition].event
+        assert event is not None, "internal firings are left out"
+        return event
+
+    def _strikes(self, before: Marking, after: Marking) -> bool:
+        """Whether what runs, waits or has no way to run changes."""
+        return self._doing(before) != self._doing(after)
+
+    def _doing(self, marking: Marking) -> Situation:
+        return replace(situation(self.mission_net, marking), out_of_service=(), unnoticed=())
+
+    def _fired(self, marking: Marking, transition: int) -> tuple[int, Marking] | None:
+        """The event of a transition by one that is enabled, and what follows; ``None`` where none is."""
+        t = self._completion.of_event(marking, self._event(transition))
+        return None if t is None else (t, self._completion.after(marking, t)[1])
+
+    def _ended(self, marking: Marking) -> bool:
+        return any(marking[place] for place in self.mission_net.ends.values())
+
 
 Kind: TypeAlias = Literal["objective", "pending", "done", "oos", "alive", "dead"]
 
@@ -349,7 +430,7 @@ class Prospects(Generic[S]):
 
         It leads to the failure of the mission or the objective, with all of the cut set out of service; where
         the mission need not end, to where it can no longer succeed. The cut set is lost before the mission
-        ends, each of it where it strikes (:class:`mcpn.answers.causes.striking.Striking`). Where that
+        ends, each of it where it strikes (:class:`mcpn.answers.causes.prospects.Striking`). Where that
         suffices, no declared event happens and no time is over, since these might defeat the goal by
         themselves. ``None`` where no run leads there.
         """

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 from mcpn.answers.claims.kind import ClaimKind
 from mcpn.answers.claims.kinds import KINDS
-from mcpn.sentences import enumeration
+from mcpn.sentences import enumeration, shortened
 from mcpn.spaces.run import Run
 
 
@@ -17,14 +17,14 @@ class Assumes(NamedTuple):
 
     Args:
         help: Whether declared events may happen and times may be over.
-        repairs: Which hardware may be repaired: ``all``, or that of ``others`` than the claim names.
+        repairs: Which hardware may be repaired: ``none``, ``all``, or what the claim does not name.
         failures: Whether objectives fail at any time, or only where they can no longer succeed (``forced``).
         moment: When: from the ``start`` on, at ``some`` moment, or at ``every`` moment.
         given: What it takes besides, in words: an objective that succeeds, hardware that works again.
     """
 
     help: Literal["none", "declared"] = "declared"
-    repairs: Literal["others", "all"] = "all"
+    repairs: Literal["none", "others", "all"] = "all"
     failures: Literal["forced", "any"] = "any"
     moment: Literal["start", "some", "every"] = "some"
     given: tuple[str, ...] = ()
@@ -47,9 +47,10 @@ class Claim:
         assumes: Under which assumptions.
         formula: Holds on the mission's stable states where the claim does; empty where none says it.
         reason: Why it is not known.
-        refers_to: Other events that it names: of a claim that assumes no help those with whose help it would
-            be otherwise.
+        refers_to: What it names besides: of a claim that assumes no help the events with whose help it would
+            be otherwise; how many losses.
         severity: Whether a mission must be so, had better be so, or may be so.
+        during: Objectives that run at moments of which it speaks; ``""``: before the start.
         find_run: Looks for a run that shows it, where one does.
     """
 
@@ -61,6 +62,7 @@ class Claim:
     reason: str = ""
     refers_to: tuple[str, ...] = ()
     severity: Severity = "informative"
+    during: tuple[str, ...] = ()
     find_run: Callable[[], Run | None] | None = field(default=None, compare=False, repr=False)
 
     @property
@@ -91,24 +93,33 @@ class Claim:
             "assumes": {**self.assumes._asdict(), "given": list(self.assumes.given)},
             "formula": self.formula or None,
             "refers_to": list(self.refers_to),
+            "during": list(self.during),
             "evidence": self.of.evidence,
             "sentence": self.sentence,
         }
 
 
-def told(claims: Sequence[Claim], most: int = MOST_NAMED) -> str:
+def told(claims: Sequence[Claim], most: int = MOST_NAMED, moments: str | None = None) -> str:
     """Claims of one kind with one answer, which differ in one name of their subjects, as one sentence.
 
     Args:
         claims: At least one.
         most: Names that it has; it says how many more there are.
+        moments: The moments of which they speak, in fewer words than their objectives.
     """
     first = claims[0]
     words = first.of.sentences[{True: 0, False: 1, None: 2}[first.holds]]
     subject = [list(dict.fromkeys(names)) for names in zip(*(claim.subject for claim in claims), strict=True)]
-    shown = [names[0] if len(names) == 1 else _several(first.of, names, most) for names in subject]
+    # Sets of losses stand first.
+    shown = [
+        names[0] if len(names) == 1 else _several(first.of, names, most, ", " if number else first.of.joint)
+        for number, names in enumerate(subject)
+    ]
     given = f", and {enumeration(first.assumes.given)}," if first.assumes.given else ","
-    said = words.format(*shown, given=given, others=enumeration(first.refers_to))
+    when = _moments(first.during, most) if moments is None else moments
+    said = words.format(
+        *shown, given=given, others=enumeration(first.refers_to), moments=f", {when}" * bool(when)
+    )
     help_ = enumeration(first.refers_to) or "declared events and timeouts"
     without = f" without the help of {help_}" if first.assumes.help == "none" else ""
     # Names are written as they are.
@@ -116,33 +127,34 @@ def told(claims: Sequence[Claim], most: int = MOST_NAMED) -> str:
     return f"{begin}{without}."
 
 
-def _several(kind: ClaimKind, names: Sequence[str], most: int) -> str:
+def _several(kind: ClaimKind, names: Sequence[str], most: int, joint: str) -> str:
     """Several names in the place of one."""
-    more = f"{kind.joint if len(kind.joint) > 2 else ' and '}{len(names) - most} more"
-    listed = enumeration(names) if kind.joint == ", " else kind.joint.join(names)
+    more = f"{joint if len(joint) > 2 else ' and '}{len(names) - most} more"
+    listed = enumeration(names) if joint == ", " else joint.join(names)
     if len(names) > most:
-        listed = kind.joint.join(names[:most]) + more
+        listed = joint.join(names[:most]) + more
     return kind.several.format(listed)
 
 
-def sentences(claims: Iterable[Claim], most: int = MOST_NAMED) -> list[str]:
-    """Claims in sentences; those that differ in their first name alone are said together."""
-    together: dict[Any, list[Claim]] = {}
-    for claim in claims:
-        key = claim.kind, claim.subject[1:], claim.holds, claim.assumes, claim.refers_to
-        together.setdefault(key, []).append(claim)
-    return [told(same, most) for same in together.values()]
+def _moments(during: Sequence[str], most: int) -> str:
+    """While which objectives run, or before the start."""
+    names = [name for name in during if name]
+    listed = enumeration(names) if len(names) <= most else shortened(names, most)
+    while_ = [f"while {'one of ' * (len(names) > 1)}{listed} runs"] * bool(names)
+    return ", or ".join([*while_, *["before the start"] * ("" in during)])
 
 
-def told_together(claims: Iterable[Claim], by: int, most: int = MOST_NAMED) -> Iterator[str]:
-    """Claims of one kind with one answer in sentences, those together that have one name in common.
+def sentences(claims: Iterable[Claim], most: int = MOST_NAMED, differ: int = 0) -> list[str]:
+    """Claims in sentences; those that differ in one of their names alone are said together.
 
     Args:
-        claims: Of one kind.
-        by: Which name of their subjects.
-        most: As of :func:`told`.
+        claims: Of any kinds.
+        most: Names of one sentence.
+        differ: Which of their names may differ.
     """
-    together: dict[str, list[Claim]] = {}
+    together: dict[Any, list[Claim]] = {}
     for claim in claims:
-        together.setdefault(claim.subject[by], []).append(claim)
-    return (told(same, most) for same in together.values())
+        same = (*claim.subject[:differ], *claim.subject[differ + 1 :])
+        key = claim.kind, same, claim.holds, claim.assumes, claim.refers_to, claim.during
+        together.setdefault(key, []).append(claim)
+    return [told(same, most) for same in together.values()]

@@ -1,32 +1,80 @@
-"""Claims on losses of hardware at the entry of each section of a mission."""
+"""Claims on what losses leave by one moment of a mission: from its start, from the entry of a section on."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from mcpn.answers.claims.claim import Assumes, Claim
 from mcpn.answers.claims.found import MOST_PAIRS
+from mcpn.sentences import counted, enumeration
 
 if TYPE_CHECKING:
-    from mcpn.answers.causes.find import Causes
+    from mcpn.answers.causes.find import Causes, Survival
 
 LEFT = Assumes("declared", "others")
+GOALS = (("defeat", "success"), ("endanger", "safety"))
+"""What losses do to a goal of a mission, and what the goal is called within the name of a kind."""
+
+
+def together(lost: Sequence[str]) -> str:
+    """A set of losses, as a sentence names it."""
+    return f"{enumeration(lost)}{' together' * (len(lost) > 1)}"
 
 
 def claims_of_entries(causes: Causes) -> Iterator[Claim]:
-    """What each loss alone leaves from the entry of each section on, as what the mission survives says."""
-    hardware = causes.prospects.hardware
-    sections = [found for found in causes.survival if found.section is not None]
-    every = len(hardware) * len(sections) <= MOST_PAIRS
-    goals = [("loss_at_entry_defeats", "loss_at_entries_spares_success", [(f.section, f) for f in sections])]
-    safe = [(f.section, f.safety) for f in sections if f.safety is not None]
-    goals += [("loss_at_entry_endangers", "loss_at_entries_spares_safety", safe)] * bool(safe)
-    for kind, others, entries in goals:
-        for name in hardware:
-            harmed = {section for section, level in entries if any(set(s) <= {name} for s in level.cut_sets)}
-            for section, _ in entries:
-                if every or section in harmed:
-                    yield Claim(kind, (name, str(section)), section in harmed, LEFT)
-            if not every and len(harmed) < len(entries):
-                yield Claim(others, (name,), True, LEFT)
+    """What losses leave from the start and from the entry of each section on.
+
+    Beyond :data:`MOST_PAIRS` pairs the sections at which a loss costs the same have one claim.
+    """
+    entries = [found for found in causes.survival if found.section is not None]
+    every = len(causes.prospects.hardware) * len(entries) <= MOST_PAIRS
+    sections: dict[tuple[str, str], list[str]] = {}
+    for found in causes.survival:
+        name = found.section or ""
+        for claim in claims_of_survival(found, name, f"the entry of {name}" if name else "the start"):
+            if claim.kind.startswith("loss_at_entry"):
+                sections.setdefault((claim.kind, claim.subject[0]), []).append(name)
+            else:
+                yield claim
+    for (kind, lost), harmed in sections.items():
+        for section in harmed if every else [enumeration(harmed)]:
+            yield Claim(kind, (lost, section), True, LEFT)
+    for verb, noun in GOALS:
+        reached = [f.section or "" for f in entries if noun == "success" or f.safety is not None]
+        lost_for_all = {f.section for f in entries if (level := _level(f, noun)) and () in level.cut_sets}
+        for name in causes.prospects.hardware:
+            harmed_by = {*sections.get((kind := f"loss_at_entry_{verb}s", name), ())} | lost_for_all
+            spared = [section for section in reached if section not in harmed_by]
+            for section in spared if every else ():
+                yield Claim(kind, (name, section), False, LEFT)
+            if spared and not every:
+                yield Claim(f"loss_at_entries_spares_{noun}", (name,), True, LEFT)
+
+
+def claims_of_survival(found: Survival, section: str, moment: str) -> Iterator[Claim]:
+    """What the mission survives from one moment on.
+
+    Args:
+        found: At that moment.
+        section: The section that is entered then, or several in words; empty of the start.
+        moment: The moment, in words.
+    """
+    for verb, noun in GOALS:
+        level = _level(found, noun)
+        if level is None:
+            continue
+        if level.always is None or level.at_most is None:
+            if section:
+                yield Claim(f"from_entry_without_repair_{verb}ed", (section,), True, Assumes(repairs="none"))
+            continue
+        for lost in level.cut_sets if section else ():
+            yield Claim(f"loss_at_entry_{verb}s", (together(lost), section), True, LEFT)
+        number = counted(level.always or 1, "resource")
+        yield Claim(f"any_lost_{verb}", (moment,), not level.always, LEFT, refers_to=(number,))
+        number = counted(level.at_most, "resource")
+        yield Claim(f"most_lost_spare_{noun}", (moment,), True, LEFT, refers_to=(number,))
+
+
+def _level(found: Survival, noun: str) -> Survival | None:
+    return found if noun == "success" else found.safety

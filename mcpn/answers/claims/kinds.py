@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from mcpn.answers.claims.kind import EVERYWHERE, JSON, PAGE, ClaimKind
+from mcpn.answers.claims.kinds_of_causes import OF_CAUSES
 from mcpn.answers.claims.kinds_of_reach import OF_REACH
 
 _SAFE_ENDS = "where an abort may come by the failure of what should make safe, safe ends are events"
@@ -491,6 +492,7 @@ KINDS: Mapping[str, ClaimKind] = {
             good=False,
         ),
         *OF_REACH,
+        *OF_CAUSES,
     )
 }
 """By name, in the order in which they are shown."""

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from mcpn.answers.claims.kind import EVERYWHERE, ClaimKind
+from mcpn.answers.claims.kind import EVERYWHERE, JSON, TERMINAL, ClaimKind
 
 _ENTRY = "no word of formulas names the moment at which a section is entered"
 
 OF_REACH = (
     ClaimKind(
         "event_decides",
-        "E(F (EF success & happens({0}) & X !EF success))",
+        "E(F (EF success & happens({event}) & X !EF success))",
         "{0} can put success out of reach, whatever is repaired",
         "{0} never puts success out of reach",
         "whether {0} puts success out of reach is not known",
@@ -96,7 +96,10 @@ OF_REACH = (
         "from the entry of {1} on the loss of {0}, not repaired, leaves a way to success",
         "whether the loss of {0} at the entry of {1} leaves a way to success is not known",
         "all states at the entry",
-        why=_ENTRY,
+        (TERMINAL, JSON),
+        _ENTRY,
+        joint=", or of ",
+        several="{}",
         good=False,
     ),
     ClaimKind(
@@ -132,7 +135,10 @@ OF_REACH = (
         "from the entry of {1} on the loss of {0}, not repaired, leaves a way to a safe end",
         "whether the loss of {0} at the entry of {1} leaves a way to a safe end is not known",
         "all states at the entry",
-        why=_ENTRY,
+        (TERMINAL, JSON),
+        _ENTRY,
+        joint=", or of ",
+        several="{}",
         good=False,
     ),
 )

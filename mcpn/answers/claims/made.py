@@ -8,6 +8,7 @@ from functools import partial, reduce
 from operator import or_
 from typing import TYPE_CHECKING, Any, Generic, Literal
 
+from mcpn.answers.causes.cutsets import HELP, help_in_words
 from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.answers.claims.claim import Assumes, Claim
 from mcpn.answers.claims.found import claims_found, copies_by_name, led_to
@@ -15,16 +16,13 @@ from mcpn.answers.claims.kinds import KINDS
 from mcpn.answers.claims.of_text import claims_of_text
 from mcpn.answers.claims.reached import Reached
 from mcpn.answers.verdicts.nominal import meant_to_be_entered
-from mcpn.events import Event, What
+from mcpn.events import What
 from mcpn.spaces.algebra import S, Space
 from mcpn.spaces.run import Run, transitions_of
 
 if TYPE_CHECKING:
     from mcpn.answers.causes.fmeca import Row
     from mcpn.answers.verdicts.mission import MissionCheck
-
-HELP = (What.DECLARED, What.TIMEOUT)
-"""Events that may help, and need not happen."""
 
 
 def claims_of(check: MissionCheck) -> list[Claim]:
@@ -184,7 +182,7 @@ class _Made(Generic[S]):
         steps = prospects.everything - repairs
         run = space.run(after.pick(), goal.won, transitions=steps) if after else None
         events = [space.net.transitions[edge.transition].event for edge in run or ()]
-        told = (_event_in_words(event) for event in events if event is not None and event.what in HELP)
+        told = (help_in_words(event) for event in events if event is not None and event.what in HELP)
         return tuple(dict.fromkeys(told))
 
     def _run_to_loss(self, lost: S, hardware: str) -> Run | None:
@@ -226,10 +224,6 @@ class _Made(Generic[S]):
                 continue
             formula = KINDS[kind].formula.format(row.hardware, row.objective, sound=self._sound())
             yield Claim(kind, (row.hardware, row.objective), lost, formula=formula if known else "")
-
-
-def _event_in_words(event: Event) -> str:
-    return event.element if event.what is What.DECLARED else f"the end of the time of {event.element}"
 
 
 def some_run(left_out: Sequence[str], goal: str) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Set
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import cached_property
 from typing import Generic
 
@@ -10,7 +10,6 @@ from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.claims.claim import Claim
 from mcpn.answers.claims.found import copies_by_name
 from mcpn.answers.claims.kinds import KINDS
-from mcpn.answers.verdicts.unreachable import selected_and_entered
 from mcpn.events import Event, What
 from mcpn.spaces.algebra import S, Space
 
@@ -35,7 +34,7 @@ class Reached(Generic[S]):
         """All of them."""
         yield from self._ends_of_objectives()
         yield from self._alternatives()
-        yield from self._hardware()
+        yield from self.hardware()
         yield from self._deciding_events()
         yield from self._facts()
         yield self._waits_for_hardware()
@@ -48,18 +47,18 @@ class Reached(Generic[S]):
                 if not own:
                     continue
                 said = str(Event(what, name))
-                yield self._claim("outcome_comes", (name, word), not self._firing.isdisjoint(own), said)
+                yield self._claim("outcome_comes", (name, word), bool(self.space.enabling(own)), said)
                 if word != "success":
                     yield self._claim("end_decides", (name, word), self._decides(own), said)
 
     def _alternatives(self) -> Iterator[Claim]:
         """Which alternatives are ever selected."""
-        for kind, name in self.net.by_role:
+        for (kind, name), places in self.net.by_role.items():
             if kind == "active":
                 activity, way = name.split(".", 1)
-                yield self._claim("selected", (activity, way), name in self._selected)
+                yield self._claim("selected", (activity, way), bool(self.space.marked(places)))
 
-    def _hardware(self) -> Iterator[Claim]:
+    def hardware(self) -> Iterator[Claim]:
         """Which hardware some alternative that runs consumes."""
         ways: dict[str, list[tuple[str, str]]] = {}
         for activity in self.net.usage.activities.values():
@@ -69,16 +68,16 @@ class Reached(Generic[S]):
                         ways.setdefault(resource, []).append((activity.name, way.name))
         for robot in self.net.mission.robots:
             for name in (h.name for h in robot.hardware if h.name in ways):
-                runs = any(f"{a}.{w}" in self._selected for a, w in ways[name])
+                places = [p for a, w in ways[name] for p in self.net.by_role["active", f"{a}.{w}"]]
                 some = " | ".join(f"alternative({a})={w}" for a, w in ways[name])
                 formula = KINDS["used"].formula.format(name, ways=some)
-                yield Claim("used", (name,), runs, formula=formula)
+                yield Claim("used", (name,), bool(self.space.marked(places)), formula=formula)
 
     def _deciding_events(self) -> Iterator[Claim]:
         """Which declared events can put success out of reach."""
         for event in self.net.mission.events:
-            if own := self._carrying([Event(What.DECLARED, event.name)]):
-                yield self._claim("event_decides", (event.name,), self._decides(own))
+            if own := self._carrying([declared := Event(What.DECLARED, event.name)]):
+                yield self._claim("event_decides", (event.name,), self._decides(own), str(declared))
 
     def _facts(self) -> Iterator[Claim]:
         """Which values of facts leave no way to success as long as the mission has not succeeded."""
@@ -123,20 +122,9 @@ class Reached(Generic[S]):
 
     def _decides(self, own: Collection[int]) -> bool:
         """Whether some of these events lead from a way to success to none."""
-        return not self._deciding.isdisjoint(own)
+        return bool(self._lost and self.space.before(self._lost, own) & self._hopeful)
 
     @cached_property
-    def _deciding(self) -> Set[int]:
-        """Transitions that lead from a way to success to none."""
-        lost = self.space.everything - self._hopeful
-        return {t for t, _ in self.space.crossing(self._hopeful, lost)} if lost else set()
-
-    @cached_property
-    def _firing(self) -> Set[int]:
-        """Transitions that some state has an edge of."""
-        return {t for t, count in self.space.firings(self.space.everything).items() if count}
-
-    @cached_property
-    def _selected(self) -> Set[str]:
-        """Alternatives that run in some state."""
-        return selected_and_entered(self.net, self.space)[0]
+    def _lost(self) -> S:
+        """States from which no run succeeds."""
+        return self.space.everything - self._hopeful

@@ -5,19 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from mcpn.answers.causes.cutsets import HELP
 from mcpn.answers.claims.claim import Assumes, Claim
-from mcpn.answers.claims.entries import claims_of_entries
+from mcpn.answers.claims.critical import claims_of_critical
+from mcpn.answers.claims.entries import GOALS, claims_of_entries, together
 from mcpn.answers.claims.found import plain_names
 from mcpn.answers.claims.kinds import KINDS
-from mcpn.answers.claims.made import claims_of_losses, in_order, some_run
+from mcpn.answers.claims.made import claims_of, claims_of_losses, in_order, some_run
+from mcpn.answers.claims.of_objectives import claims_of_objectives
+from mcpn.answers.claims.reached import Reached
 from mcpn.events import What
 from mcpn.sentences import enumeration
 
 if TYPE_CHECKING:
     from mcpn.answers.causes.find import Causes, GoalCauses
     from mcpn.answers.causes.fmeca import Row
+    from mcpn.answers.verdicts.mission import MissionCheck
 
 BEFORE = Assumes(repairs="others", moment="start")
+UNAIDED = Assumes("none", "others", moment="start")
 
 
 def claims_of_causes(causes: Causes, rows: Sequence[Row] = ()) -> list[Claim]:
@@ -35,17 +41,27 @@ def claims_of_causes(causes: Causes, rows: Sequence[Row] = ()) -> list[Claim]:
     names = plain_names(causes.mission_net, causes.unsafe_aborts)
     found += [Claim("abort_after", (name,), True) for name in names]
     found += claims_of_entries(causes)
+    found += claims_of_objectives(causes)
+    found += Reached(causes.prospects).hardware()
     return in_order(found)
+
+
+def all_claims(check: MissionCheck, causes: Causes | None, rows: Sequence[Row] = ()) -> list[Claim]:
+    """The claims of a check and those on losses, each once."""
+    found = [*claims_of(check), *([] if causes is None else claims_of_causes(causes, rows))]
+    return [*{claim.key: claim for claim in found}.values()]
 
 
 def _of_goal(causes: Causes, goal: GoalCauses, verb: str, words: str) -> Iterator[Claim]:
     """Of each loss before the start whether it does harm, and the sets of several that do."""
     before, at_worst = f"loss_before_{verb}s", f"losses_{verb}"
     needs_repair = () in goal.cut_sets
+    mission, prospects = causes.mission_net.mission, causes.prospects
+    certain = causes.safety is not goal or (prospects.safety is not None and not prospects.safety.ends_from)
+    yield from claims_of_critical(causes, goal, verb, words, certain)
     yield Claim(f"without_repair_{verb}ed", (), needs_repair, Assumes(moment="start"))
     if needs_repair:
         return
-    mission, prospects = causes.mission_net.mission, causes.prospects
     # What crashes as it runs is never lost before by an event; that it is gone from the start is supposed.
     begin = prospects.space.initial
     fails = {name: prospects.carrying(What.OUT_OF_SERVICE, name) for name in prospects.hardware}
@@ -53,19 +69,28 @@ def _of_goal(causes: Causes, goal: GoalCauses, verb: str, words: str) -> Iterato
     alone = [(name,) for name in can_fail if name not in causes.unused]
     known, minimal = {*can_fail}, {*goal.cut_sets}
     several = [lost for lost in goal.cut_sets if len(lost) > 1 and {*lost} <= known]
-    certain = causes.safety is not goal or (prospects.safety is not None and not prospects.safety.ends_from)
     certain &= not any(h.initial == "oos" for h in mission.hardware)
-    for lost in (*alone, *several):
+
+    def formula(lost: Sequence[str], left_out: Sequence[str] = ()) -> str:
+        """That no run succeeds after these losses without some events."""
         repairs = [f"{name}_EV_RD" for name in lost if prospects.carrying(What.REPAIRED, name)]
-        formula = f"!{some_run(repairs, words)}"
+        said = f"!{some_run([*left_out, *repairs], words)}"
         for name in reversed(lost):
-            formula = KINDS[before].formula.format(name, then=formula)
-        yield Claim(before, (_set(lost),), lost in minimal, BEFORE, formula if certain else "")
+            said = KINDS[before].formula.format(name, then=said)
+        return said if certain else ""
+
+    for lost in (*alone, *several):
+        yield Claim(before, (together(lost),), lost in minimal, BEFORE, formula(lost))
+    if goal.unaided is not None and goal.unaided.helpers:
+        events = (transition.event for transition in prospects.space.net.transitions)
+        help_ = sorted({str(event) for event in events if event is not None and event.what in HELP})
+        for lost in (lost for lost in goal.unaided.cut_sets if lost not in minimal and {*lost} <= known):
+            said = formula(lost, help_)
+            yield Claim(before, (together(lost),), True, UNAIDED, said, refers_to=goal.unaided.helpers)
     for lost in (lost for lost in goal.cut_sets if not {*lost} <= known):
         yield Claim(f"missing_{verb}s", (enumeration(lost),), True, BEFORE)
     for lost in (lost for lost in goal.only_at_worst if len(lost) > 1):
-        yield Claim(at_worst, (_set(lost),), True, Assumes(repairs="others"))
-
-
-def _set(lost: Sequence[str]) -> str:
-    return f"{enumeration(lost)}{' together' * (len(lost) > 1)}"
+        yield Claim(at_worst, (together(lost),), True, Assumes(repairs="others"))
+    if goal.nonmonotone is not None:
+        less, more = enumeration(goal.nonmonotone.lost) or "nothing", enumeration(goal.nonmonotone.larger)
+        yield Claim(f"more_losses_spare_{dict(GOALS)[verb]}", (less, more), True, Assumes(repairs="none"))

@@ -56,6 +56,7 @@ CLAIM = ObjectOf(
         ),
         "formula": Nullable(String("Holds on the stable states where it does; null where none says it.")),
         "refers_to": texts("Of a claim without help: the events with whose help it would be otherwise."),
+        "during": texts("Objectives that run at moments of which it speaks; '': before the start."),
         "evidence": String("What shows it."),
         "sentence": String("The claim in words."),
     },
@@ -367,6 +368,17 @@ CAUSES = Document(
                 ),
             ),
             "certificate?": MapOf("With --certificate: why a claim has no evidence, by claim.", String()),
+            "left_out": ListOf(
+                "What the answer on a mission of more than 50 objectives does not hold.",
+                ObjectOf(
+                    "",
+                    {
+                        "what": String("What it is."),
+                        "objectives": Integer("Objectives that were asked."),
+                        "ask": String("The options that ask for it."),
+                    },
+                ),
+            ),
             "no_risk?": String("With --rates: why there are no numbers of risk; the exit code is 2."),
             "risk?": ObjectOf(
                 "With --rates: numbers of risk.",

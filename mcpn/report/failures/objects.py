@@ -2,45 +2,67 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.causes.cutsets import CutSet, Unaided
 from mcpn.answers.causes.find import Causes, GoalCauses, Survival
 from mcpn.answers.causes.prospects import CriticalEvent
-from mcpn.answers.claims import claims_of_causes
+from mcpn.answers.claims import Claim
 from mcpn.events import Event
-from mcpn.report.failures.sentences import condition, safe
+from mcpn.report.failures.sentences import conditions, kept, losses
 from mcpn.spaces.run import Run
 
 if TYPE_CHECKING:
-    from mcpn.answers.causes.fmeca import Row
     from mcpn.answers.causes.interval_bounds import Within
     from mcpn.answers.causes.risk import Risk
 
 
-def causes_object(causes: Causes, *, runs: bool = True, rows: Sequence[Row] = ()) -> dict[str, Any]:
+def causes_object(causes: Causes, claims: Sequence[Claim], *, runs: bool = True) -> dict[str, Any]:
     """Failure causes as an object for JSON.
 
     Args:
         causes: Failure causes of a mission.
+        claims: On them.
         runs: Whether runs are computed and included; without them their keys are left out.
-        rows: The FMECA table, where there is one.
 
     Returns:
         ``objectives``, by qualified name, and ``mission``, each with ``cut_sets`` (sorted lists of hardware
         names), ``critical_events`` (names of events that cross into the losing region without repairs) and
         the details of both; ``claims`` on losses; ``survival``, from the start first, then from each section.
     """
+    goals = [("mission", "defeat", causes.mission)]
+    goals += [] if causes.safety is None else [("safety", "endanger", causes.safety)]
     return {
-        "mission": _goal(causes.mission, runs),
-        **({} if causes.safety is None else {"safety": _goal(causes.safety, runs, safe)}),
+        **{
+            key: _goal(goal, runs, losses(claims, verb) or kept(claims, verb, causes.unused))
+            for key, verb, goal in goals
+        },
         **({"unsafe_aborts": list(causes.unsafe_aborts)} if causes.unsafe_aborts else {}),
-        "objectives": {name: _goal(goal, runs) for name, goal in causes.objectives.items()},
-        "claims": [claim.to_json() for claim in claims_of_causes(causes, rows)],
+        "objectives": {
+            name: _goal(goal, runs, conditions(goal, name)) for name, goal in causes.objectives.items()
+        },
+        "claims": [claim.to_json() for claim in claims],
         "survival": [_survival(found, runs) for found in causes.survival],
     }
+
+
+def left_out(objectives: int, what: Sequence[str]) -> list[dict[str, Any]]:
+    """What the answer on a mission of many objectives does not hold, and how to ask for it.
+
+    Args:
+        objectives: How many there are.
+        what: What it does not hold.
+    """
+    return [{"what": each, "objectives": objectives, "ask": _ASK[each]} for each in what]
+
+
+EFFECTS, RUNS = "what each failure does during each objective", "the runs by which objectives are lost"
+_ASK = {
+    EFFECTS: "--objective NAME tells it of one, --fmeca FILE of all",
+    RUNS: "--objective NAME shows those of one",
+}
 
 
 def _survival(found: Survival, runs: bool) -> dict[str, Any]:
@@ -65,14 +87,12 @@ def _events(run: Run | None) -> list[str] | None:
     return None if run is None else [str(event) for event in run.events]
 
 
-def _goal(
-    goal: GoalCauses, runs: bool, sentence: Callable[[str, Sequence[CutSet]], str] = condition
-) -> dict[str, Any]:
+def _goal(goal: GoalCauses, runs: bool, said: Sequence[str]) -> dict[str, Any]:
     return {
         "cut_sets": _lists(goal.cut_sets),
         "critical_events": _texts(goal.critical_events),
         **({} if goal.unaided is None else {"unaided": _unaided(goal.unaided)}),
-        "condition": sentence(goal.name, goal.cut_sets),
+        "condition": " ".join(said),
         "moments": {moment: _lists(cut_sets) for moment, cut_sets in goal.moments.items()},
         "critical": {
             "without_repairs": _all_critical(goal.critical),

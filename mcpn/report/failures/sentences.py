@@ -1,23 +1,30 @@
-"""Failure causes in sentences: cut sets, losses that are survived, numbers of risk.
+"""Which claims on failure causes are shown, and how they are folded; numbers of risk with their names.
 
-A mission that can abort has sentences for two goals: that it is accomplished (success), and that it ends
+A mission that can abort has claims on two goals: that it is accomplished (success), and that it ends
 safely (success or abort).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from mcpn.answers.causes.cutsets import CutSet
 from mcpn.answers.causes.find import Causes, Survival
+from mcpn.answers.claims.claim import Claim, sentences, told
+from mcpn.answers.claims.entries import GOALS, claims_of_survival
+from mcpn.answers.claims.found import plain_names
+from mcpn.answers.claims.of_objectives import claims_of_objective
 from mcpn.report.words import folded
-from mcpn.sentences import enumeration, shortened
+from mcpn.sentences import enumeration
 
 if TYPE_CHECKING:
+    from mcpn.answers.causes.cutsets import CutSet
+    from mcpn.answers.causes.find import GoalCauses
     from mcpn.answers.causes.risk import Risk
 
 
+MOST_TOLD = 8
+"""Sets of losses, or names, of one sentence; tables and JSON have all."""
 IMPORTANCE = (
     "importance: how much more probable success is if a resource never fails than if it is lost before the "
     "start and not repaired; so of one without a rate, too"
@@ -26,98 +33,140 @@ ROUNDING = 1e-12
 """Differences of probabilities up to which they are equal."""
 
 
-def condition(name: str, cut_sets: Sequence[CutSet]) -> str:
-    """When something fails, by its minimal cut sets.
+def held(claims: Sequence[Claim], kind: str) -> list[Claim]:
+    """The claims of a kind that hold."""
+    return [claim for claim in claims if claim.kind == kind and claim.holds]
 
-    >>> condition("going_up", [("thruster_actuator",), ("GPS_sensor", "IMU_sensor")])
-    'going_up can no longer succeed after the loss of thruster_actuator, or of GPS_sensor and IMU_sensor'
-    >>> condition("filming", [])
-    'filming can succeed whatever hardware fails'
+
+def losses(claims: Sequence[Claim], verb: str, most: int = MOST_TOLD) -> list[str]:
+    """The losses that defeat a mission or endanger the robot: before the start, later, and without help.
+
+    What needs a worse moment, or lacks help, is said where nothing less does the same harm.
+
+    Args:
+        claims: On losses.
+        verb: What the losses do: ``defeat``, ``endanger``.
+        most: Names of one sentence.
     """
-    if not cut_sets:
-        return f"{name} can succeed whatever hardware fails"
-    if () in cut_sets:
-        return f"{name} can never succeed"
-    return f"{name} can no longer succeed after the loss of {', or of '.join(map(enumeration, cut_sets))}"
+    before = held(claims, f"loss_before_{verb}s")
+    aided, unaided = ([c for c in before if c.assumes.help == help_] for help_ in ("declared", "none"))
+    known, known_alone = ({claim.subject for claim in some} for some in (aided, before))
+    later = held(claims, f"loss_{verb}s")
+    worse = [c for c in later if c.assumes.help == "declared" and c.subject not in known]
+    alone = [c for c in later if c.refers_to and c.subject not in known_alone]
+    missing, several = held(claims, f"missing_{verb}s"), held(claims, f"losses_{verb}")
+    needed = held(claims, f"without_repair_{verb}ed")
+    return sentences([*needed, *aided, *missing, *worse, *several, *unaided, *alone], most)
 
 
-def safe(name: str, cut_sets: Sequence[CutSet]) -> str:
-    """When a mission can end neither in success nor in abort, by its minimal cut sets.
+def kept(claims: Sequence[Claim], verb: str, unused: Collection[str], most: int = MOST_TOLD) -> list[str]:
+    """The losses, each alone, that are survived whenever they come, and without help.
 
-    >>> safe("survey", [("motor",)])
-    'survey cannot end safely, in success or abort, after the loss of motor'
+    Args:
+        claims: On losses.
+        verb: What other losses do: ``defeat``, ``endanger``.
+        unused: Hardware that nothing uses.
+        most: Names of one sentence.
     """
-    if not cut_sets:
-        return f"{name} can end safely, in success or abort, whatever hardware fails"
-    if () in cut_sets:
-        return f"{name} can never end safely, in success or abort"
-    lost = ", or of ".join(map(enumeration, cut_sets))
-    return f"{name} cannot end safely, in success or abort, after the loss of {lost}"
+    alone = [claim for claim in claims if claim.kind == f"loss_{verb}s"]
+    lost = {claim.subject for claim in alone if claim.holds is not False}
+    aided = [c for c in alone if c.assumes.help == "declared" and c.subject not in lost]
+    return sentences((claim for claim in aided if not {*claim.subject} & {*unused}), most)
 
 
-def by_word_alone(causes: Causes) -> str:
-    """The aborts that are no safe end: those by the failure of what should make the robot safe."""
-    names = folded(causes.mission_net, causes.unsafe_aborts)
-    return f"an abort by the failure of {shortened(names)}"
+def headlines(causes: Causes, claims: Sequence[Claim]) -> Iterator[str]:
+    """What keeps the mission from success, and from a safe end if it can abort, and what does not."""
+    for verb in ("defeat", "endanger")[: 1 + (causes.safety is not None)]:
+        yield from (*losses(claims, verb, most=len(claims)), *kept(claims, verb, causes.unused))
+    unsaid = [claim for claim in claims if claim.kind == "says_what_is_safe" and not claim.holds]
+    yield from sentences([*unsaid, *held(claims, "abort_after")])
 
 
-def headlines(causes: Causes) -> Iterator[str]:
-    """What keeps the mission from success, and from a safe end if it can abort: first where nothing helps."""
-    goals = [(causes.mission, condition)] + [(causes.safety, safe)] * (causes.safety is not None)
-    for goal, sentence in goals:
-        assert goal is not None
-        said, alone = sentence(goal.name, goal.cut_sets), goal.unaided
-        if alone is None or not alone.helpers:
-            yield said
+def of_objectives(causes: Causes) -> Iterator[str]:
+    """What losses cost the objectives, those with equal causes together."""
+    shared: dict[tuple[CutSet, ...], list[str]] = {}
+    for name, goal in causes.objectives.items():
+        shared.setdefault(tuple(goal.cut_sets), []).append(name)
+    for names in shared.values():
+        same = enumeration(folded(causes.mission_net, names))
+        yield from conditions(causes.objectives[names[0]], same)
+
+
+def conditions(goal: GoalCauses, name: str) -> list[str]:
+    """What losses cost an objective, or several with the same causes."""
+    claims = [*claims_of_objective(goal, name)]
+    return sentences(claims, most=len(claims))
+
+
+def survived(causes: Causes) -> Iterator[tuple[str, list[str]]]:
+    """What is survived from each moment on: moments of which the same is so, and what is so there."""
+    shared: dict[tuple[str, ...], list[Survival]] = {}
+    for found in causes.survival[1:]:
+        shared.setdefault(tuple(_from(found, *_entry("each of these"))), []).append(found)
+    yield "from the start", _from(causes.survival[0], "", "the start")
+    every = [section.name for section in causes.mission_net.graph.sections]
+    for same in shared.values():
+        names = causes.mission_net.graph.copies.told([str(found.section) for found in same], every)
+        if len(names) == 1 or len(shared) == 1:
+            one = names[0] if len(names) == 1 else "any section"
+            yield f"from {one} on", _from(same[0], *_entry(one))
         else:
-            yield f"{sentence(goal.name, alone.cut_sets)}, without the help of {enumeration(alone.helpers)}"
-            yield f"with this help {said}"
-    if causes.unsafe_aborts:
-        yield f"{by_word_alone(causes)} is no safe end"
+            yield ", ".join(names), _from(same[0], *_entry("each of these"))
 
 
-def survived(found: Survival) -> Iterator[str]:
-    """The losses that the goals survive from one moment on: success and, with aborts, a safe end."""
-    told, losses = _told(found.always, found.at_most), _losses(found)
-    if found.safety is None:
-        if told is None:
-            yield "the mission can no longer succeed"
-        elif not losses:
-            yield "no loss of hardware defeats the mission"
-        else:
-            yield f"the loss of {losses} defeats it; it survives {told}"
-        return
-    if told is None:
-        yield "the mission can no longer succeed"
-    elif not losses:
-        yield "no loss of hardware keeps it from success"
-    else:
-        yield f"the loss of {losses} keeps it from success, which survives {told}"
-    told, losses = _told(found.safety.always, found.safety.at_most), _losses(found.safety)
-    if told is None:
-        yield "it can no longer end safely, in success or abort"
-    elif not losses:
-        yield "no loss of hardware keeps it from a safe end, success or abort"
-    else:
-        yield f"the loss of {losses} keeps it from a safe end, success or abort, which survives {told}"
+def _entry(section: str) -> tuple[str, str]:
+    """A section, or several in words, and the moment of their entry."""
+    return section, f"the entry of {section}"
 
 
-def _losses(found: Survival) -> str:
-    return ", or of ".join(enumeration(names) for names in found.cut_sets if names)
+def _from(found: Survival, section: str, moment: str) -> list[str]:
+    """What is survived from one moment on; that not any loss is, the sets of losses say."""
+    claims = [
+        claim
+        for claim in claims_of_survival(found, section, moment)
+        if not (claim.kind.startswith("any_lost") and claim.holds)
+    ]
+    for verb, noun in GOALS:  # what any so many losses leave says how many may be lost at most
+        any_ = [c.refers_to for c in claims if c.kind == f"any_lost_{verb}"]
+        claims = [c for c in claims if c.kind != f"most_lost_spare_{noun}" or c.refers_to not in any_]
+    return sentences(claims, most=len(claims))
 
 
-def _told(always: int | None, at_most: int | None) -> str | None:
-    """How many losses are survived; ``None`` where the goal is out of reach."""
-    if always is None or at_most is None:
-        return None
+def critical(causes: Causes, claims: Sequence[Claim], verb: str) -> Iterator[str]:
+    """The events that take the last way to a goal, those that do so at the same moments together."""
+    every = [*plain_names(causes.mission_net, causes.prospects.sections), ""]
+    for kind in ("event", "end"):
+        unrepaired = held(claims, f"{kind}_may_{verb}")
+        shared: dict[tuple[tuple[str, ...], tuple[str, ...]], list[Claim]] = {}
+        for claim in unrepaired:
+            shared.setdefault((claim.subject[1:], claim.during), []).append(claim)
+        for (_, during), same in shared.items():
+            yield told(same, len(same), moments(during, every))
+        known = {claim.subject for claim in unrepaired}
+        for_good = held(claims, f"{kind}_{'decides' if verb == 'defeat' else 'endangers'}")
+        yield from sentences((claim for claim in for_good if claim.subject in known), len(for_good))
 
-    def losses(number: int) -> str:
-        return "1 loss" if number == 1 else f"{number} losses"
 
-    if always == at_most:
-        return f"any {losses(always)}" if always else "none"
-    together = f"at best {losses(at_most)}{' together' if at_most > 1 else ''}"
-    return f"any {losses(always)}, and {together}" if always else f"{together}, but not every single loss"
+def moments(during: Sequence[str], every: Sequence[str]) -> str:
+    """While what runs, or but for what, whichever is shorter; nothing runs before the start.
+
+    >>> moments(["dive", "climb"], ["dive", "climb", "wait", "call", ""])
+    'while one of dive and climb runs'
+    >>> moments(["dive", "climb", "wait", ""], ["dive", "climb", "wait", "call", ""])
+    'at any moment, but not while call runs'
+    """
+    if not during:
+        return ""
+
+    def running(names: Sequence[str]) -> str:
+        some = [name for name in names if name]
+        while_ = [f"while {'one of ' * (len(some) > 1)}{enumeration(some)} runs"] * bool(some)
+        return ", or ".join([*while_, *["before the start"] * ("" in names)])
+
+    within, without = running(during), running([name for name in every if name not in during])
+    if not without:
+        return "at any moment"
+    return within if len(within) <= len(without) else f"at any moment, but not {without}"
 
 
 def risk_counts(numbers: Risk) -> Iterator[tuple[str, float]]:

@@ -2,102 +2,96 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.causes.cutsets import CutSet
 from mcpn.answers.causes.effects import Severity
-from mcpn.answers.causes.find import Causes, GoalCauses
+from mcpn.answers.causes.find import Causes
 from mcpn.answers.causes.fmeca import Row
+from mcpn.answers.claims.claim import Claim, sentences
 from mcpn.drawing.compose import MissionNet
-from mcpn.events import ENDING, Event, What
+from mcpn.report.failures.sentences import (
+    IMPORTANCE,
+    critical,
+    headlines,
+    of_objectives,
+    ranked,
+    risk_counts,
+    survived,
+    without_a_rate,
+)
 from mcpn.report.failures.tables import STANDARD, Classes, fmeca_rows
 from mcpn.report.terminal import Terminal
 from mcpn.report.text import print_counts, print_steps
-from mcpn.report.words import folded, in_words, of_all_copies, what_happens
+from mcpn.report.words import folded, in_words, of_all_copies
 from mcpn.sentences import enumeration
 from mcpn.spaces.run import Run
 
 if TYPE_CHECKING:
     from mcpn.answers.causes.interval_bounds import Within
     from mcpn.answers.causes.risk import Risk
-from mcpn.report.failures.sentences import (
-    IMPORTANCE,
-    condition,
-    headlines,
-    ranked,
-    risk_counts,
-    survived,
-    without_a_rate,
-)
 
-LEADS = "critical events for {0}: after them, in some states, no run without a repair leads to {0}"
+LAST = "from here on there is no way without a repair, and the mission need not end"
+"""Behind a run that ends where a goal is out of reach, and the mission has not ended."""
 
 
-def print_causes(causes: Causes) -> None:
-    """Prints conditions of failure, what is survived, runs to failure, and critical events."""
+def print_causes(causes: Causes, claims: Sequence[Claim]) -> None:
+    """Prints the claims on losses, runs that show some of them, what is survived, and critical events.
+
+    Args:
+        causes: Of a mission, or of some of its objectives.
+        claims: On them.
+    """
     terminal, mission_net = Terminal(), causes.mission_net
-    for told in headlines(causes):
-        terminal.print(told, style="bold")
-    shared: dict[tuple[CutSet, ...], list[str]] = {}
-    for name, goal in causes.objectives.items():
-        shared.setdefault(tuple(goal.cut_sets), []).append(name)
-    for cut_sets, names in shared.items():
-        terminal.print(condition(", ".join(folded(mission_net, names)), cut_sets), indent=2)
-    terminal.print()
+    for said in headlines(causes, claims):
+        terminal.print(said, style="bold")
+    _print_sentences(terminal, "objectives", of_objectives(causes))
     _print_survival(terminal, causes)
-    safety = causes.safety
-    ends = [("failure" if safety is None else "no success", causes.mission)]
-    ends += [] if safety is None else [("no safe end", safety)]
-    for end, goal in ends:
+    for said in sentences(claim for claim in claims if claim.kind == "used" and not claim.holds):
+        terminal.print(said, indent=2)
+    goals = [("success", causes.mission)]
+    goals += [] if causes.safety is None else [("a safe end", causes.safety)]
+    for end, goal in goals:
         for lost, run in goal.runs.items():
-            _print_run(terminal, mission_net, f"{end} {_by(lost)}", run)
+            _print_run(
+                terminal, causes.mission_net, f"a run {_by(lost)} to where there is no way to {end}", run
+            )
     start = causes.survival[0]
-    _print_run(terminal, mission_net, "success in spite of the most failures", start.run)
+    _print_run(terminal, mission_net, "a run to success with the most losses", start.run)
     if start.safety is not None and start.safety.run != start.run:
-        _print_run(terminal, mission_net, "a safe end in spite of the most failures", start.safety.run)
-    _print_critical(terminal, causes, causes.mission, LEADS.format("success"))
-    if safety is not None:
-        _print_critical(terminal, causes, safety, LEADS.format("a safe end"))
-    for goal in (causes.mission, *causes.objectives.values()):
-        if goal.nonmonotone is not None:
-            fewer = enumeration(goal.nonmonotone.lost or ("nothing",))
-            more = enumeration(goal.nonmonotone.larger)
-            told = f"{goal.name} may be lost with {fewer}, but not with {more}"
-            terminal.print(f"not monotone: {told}", style="yellow")
+        _print_run(terminal, mission_net, "a run to a safe end with the most losses", start.safety.run)
+    for verb in ("defeat", "endanger"):
+        heading = "critical events" if verb == "defeat" else "critical events for a safe end"
+        _print_sentences(terminal, heading, critical(causes, claims, verb))
+
+
+def _print_sentences(terminal: Terminal, heading: str, told: Iterable[str]) -> None:
+    """Sentences below a heading, where there are some."""
+    for number, said in enumerate(told):
+        if not number:
+            terminal.print()
+            terminal.print(heading, style="bold")
+        terminal.print(said, indent=2, hang=2)
 
 
 def _print_survival(terminal: Terminal, causes: Causes) -> None:
-    """Moments that survive the same stand together."""
-    shared: dict[tuple[str, ...], list[str | None]] = {}
-    for found in causes.survival:
-        shared.setdefault(tuple(survived(found)), []).append(found.section)
+    """Moments at which the same is survived stand together."""
+    terminal.print()
     unaided = [goal.unaided for goal in (causes.mission, causes.safety) if goal is not None]
-    helped = any(each is not None and each.helpers for each in unaided)
-    terminal.print(f"what the mission survives{', with this help' * helped}", style="bold")
-    for told, sections in shared.items():
-        if len(shared) == 1:
-            moments = "from its start and from each section on"
-        else:
-            named = ", ".join(_sections(causes.mission_net, [name for name in sections if name]))
-            moments = " and ".join(
-                [*(["from its start"] if None in sections else []), *([f"from {named} on"] if named else [])]
-            )
-        terminal.print(f"{moments}: {told[0]}", indent=2)
-        for further in told[1:]:
-            terminal.print(further, indent=6)
-    if causes.unused:
-        terminal.print(f"never used, so that its loss costs nothing: {', '.join(causes.unused)}", indent=2)
-
-
-def _sections(mission_net: MissionNet, names: Sequence[str]) -> list[str]:
-    """Sections by name, their copies together; one may be a parallel block."""
-    return mission_net.graph.copies.told(names, [s.name for s in mission_net.graph.sections])
+    helpers = enumeration([*dict.fromkeys(name for each in unaided if each for name in each.helpers)])
+    with_help = f", with the help of {helpers}" if helpers else ""
+    terminal.print(f"what the mission survives{with_help}", style="bold")
+    for moments, told in survived(causes):
+        for number, said in enumerate(told):
+            if not number:
+                terminal.print(moments, indent=2, hang=2)
+            terminal.print(said, indent=6)
 
 
 def _by(lost: CutSet) -> str:
-    return f"by {enumeration(lost)}" if lost else "without any loss"
+    return f"with the loss of {enumeration(lost)}" if lost else "without any loss"
 
 
 def _print_run(terminal: Terminal, mission_net: MissionNet, what: str, run: Run | None) -> None:
@@ -108,61 +102,14 @@ def _print_run(terminal: Terminal, mission_net: MissionNet, what: str, run: Run 
     steps = list(in_words(mission_net, run))
     print_steps(terminal, steps, indent=2)
     if not any("the mission ends in" in words for _, words in steps):
-        terminal.print(
-            "from here on no run without a repair helps; the mission need not end", indent=2, style="dim"
-        )
+        terminal.print(LAST, indent=2, style="dim")
 
 
-def _print_critical(terminal: Terminal, causes: Causes, goal: GoalCauses, heading: str) -> None:
-    """Events that decide, those that do so at the same moments together, with their identifiers.
-
-    Ends of objectives need no moments: they come while the objective runs. Those of one kind stand together.
-    """
-    for_good = {critical.event for critical in goal.critical_with_repairs}
-    during: dict[Event, dict[str, None]] = {}
-    for critical in goal.critical or ():
-        during.setdefault(critical.event, {}).update(dict.fromkeys(critical.objectives or ("",)))
-    if not during:
-        return
-    terminal.print()
-    terminal.print(heading, style="bold")
-    shared: dict[frozenset[str], list[Event]] = {}
-    ends: dict[tuple[What, str], list[Event]] = {}
-    for event, objectives in during.items():
-        if event.what in ENDING and event.element in causes.objectives:
-            ends.setdefault((event.what, event.reason), []).append(event)
-        else:
-            shared.setdefault(frozenset(objectives), []).append(event)
-    for moments, events in shared.items():
-        for event in events:
-            never = ", and in some no repair helps" * (event in for_good)
-            terminal.print(f"{what_happens(event, causes.mission.name)}{never}  [{event}]", indent=2)
-        terminal.print(_moments_in_words(causes, moments), indent=6)
-    for events in ends.values():
-        first = what_happens(events[0], causes.mission.name)
-        if len(events) == 1:
-            terminal.print(f"{first}  [{events[0]}]", indent=2)
-            continue
-        names = folded(causes.mission_net, [event.element for event in events])
-        terminal.print(first.replace(f"objective {events[0].element}", "one of these objectives"), indent=2)
-        terminal.print(", ".join(names), indent=6)
-
-
-def _moments_in_words(causes: Causes, moments: frozenset[str]) -> str:
-    """While what runs, or but for what, whichever is shorter; nothing runs before the start."""
-    everything = (*causes.prospects.sections, "")  # causes may be those of some objectives alone
-
-    def running(names: Collection[str]) -> str:
-        told = folded(causes.mission_net, [name for name in everything if name and name in names])
-        told = (
-            [f"{told[0]} runs" if len(told) == 1 else f"one of these runs: {', '.join(told)}"] if told else []
-        )
-        return ", or ".join([f"while {one}" for one in told] + ["before the start"] * ("" in names))
-
-    within, without = running(moments), running({*everything} - moments)
-    if not without:
-        return "at any moment"
-    return within if len(within) <= len(without) else f"at any moment, but not {without}"
+def print_left_out(found: Sequence[Mapping[str, Any]]) -> None:
+    """Prints what the answer on a mission of many objectives does not hold, and how to ask for it."""
+    for each in found:
+        said = f"of {each['objectives']} objectives this is not told: {each['what']}; {each['ask']}"
+        Terminal().print(said, style="yellow")
 
 
 def print_fmeca(rows: Sequence[Row], mission_net: MissionNet, classes: Classes = STANDARD) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from mcpn.answers.claims.claim import Claim, sentences, told, told_together
+from mcpn.answers.claims.claim import Claim, sentences, told
 from mcpn.report.pages.story import late_losses
 from mcpn.sentences import enumeration
 
@@ -73,7 +73,7 @@ def _aborts(findings: Findings) -> Iterator[Tick]:
 
 
 def _ignored(findings: Findings) -> Iterator[Tick]:
-    for sentence in list(told_together(findings.held("ignored"), 0))[:MOST_NAMED]:
+    for sentence in list(sentences(findings.held("ignored"), differ=1))[:MOST_NAMED]:
         yield Tick(f"Accept this: {sentence}", "Nothing around handles it there: it changes nothing.")
 
 

@@ -7,12 +7,12 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from mcpn.answers.claims.claim import Claim, sentences, told, told_together
+from mcpn.answers.claims.claim import Claim, sentences, told
 from mcpn.answers.claims.found import claims_found, of_verdict
 from mcpn.answers.claims.kinds import OF_VERDICTS
 from mcpn.answers.claims.unasked import DEFEATING, UNASKED, unasked
 from mcpn.answers.verdicts.mission import NOMINAL
-from mcpn.report.failures.sentences import without_a_rate
+from mcpn.report.failures.sentences import MOST_TOLD, kept, losses, without_a_rate
 from mcpn.report.pages.nominal_run import nominal_run, strip
 from mcpn.report.words import (
     folded,
@@ -27,9 +27,6 @@ if TYPE_CHECKING:
     from mcpn.answers.requirements import RequirementAnswer
     from mcpn.answers.verdicts.mission import MissionCheck, Verdict
     from mcpn.findings import Findings
-
-MOST_TOLD = 8
-"""Cut sets, or names, of one sentence; the tables have all."""
 
 MOST_FIRST = 3
 """Names of one sentence of the headline."""
@@ -66,36 +63,13 @@ def _conditions(findings: Findings) -> Iterator[str]:
     """What a yes depends on, in sentences."""
     if findings.causes is not None:
         for verb in ("defeat", "endanger"):
-            yield from losses(findings, verb, MOST_FIRST) or kept(findings, verb, MOST_FIRST)
+            claims, unused = findings.claims, findings.causes.unused
+            yield from losses(claims, verb, MOST_FIRST) or kept(claims, verb, unused, MOST_FIRST)
         unsaid = [c for c in findings.claims if c.kind == "says_what_is_safe" and not c.holds]
         yield from sentences([*unsaid, *findings.held("abort_after")], MOST_FIRST)
-    yield from told_together(findings.held("ignored"), 0, MOST_FIRST)
+    yield from sentences(findings.held("ignored"), MOST_FIRST, differ=1)
     if late := [h.name for h in findings.check.mission_net.mission.late]:
         yield f"The loss of {shortened(late)} is noticed late."
-
-
-def losses(findings: Findings, verb: str, most: int = MOST_TOLD) -> list[str]:
-    """The losses that defeat a mission or endanger the robot: before the start, later, and without help.
-
-    What needs a worse moment, or lacks help, is said where nothing less does the same harm.
-    """
-    before = findings.held(f"loss_before_{verb}s")
-    known = {claim.subject for claim in before}
-    aided = [c for c in findings.held(f"loss_{verb}s") if c.assumes.help == "declared"]
-    later = [claim for claim in aided if claim.subject not in known]
-    unaided = [claim for claim in findings.held(f"loss_{verb}s") if claim.refers_to]
-    missing, several = findings.held(f"missing_{verb}s"), findings.held(f"losses_{verb}")
-    needed = findings.held(f"without_repair_{verb}ed")
-    return sentences([*needed, *before, *missing, *later, *several, *unaided], most)
-
-
-def kept(findings: Findings, verb: str, most: int = MOST_TOLD) -> list[str]:
-    """The losses, each alone, that are survived whenever they come, and without help."""
-    claims = [claim for claim in findings.claims if claim.kind == f"loss_{verb}s"]
-    lost = {claim.subject for claim in claims if claim.holds is not False}
-    unused = set() if findings.causes is None else set(findings.causes.unused)
-    aided = [c for c in claims if c.assumes.help == "declared" and c.subject not in lost]
-    return sentences((claim for claim in aided if unused.isdisjoint(claim.subject)), most)
 
 
 def verdict_of_all(check: MissionCheck) -> StoryLine:
@@ -238,7 +212,7 @@ def late_losses(findings: Findings) -> list[Claim]:
 def _lost(findings: Findings) -> StoryLine:
     """What keeps a mission from success."""
     asked = "What defeats it?"
-    if said := losses(findings, "defeat"):
+    if said := losses(findings.claims, "defeat"):
         state = "fails" if findings.held("without_repair_defeated") else "note"
         return StoryLine(state, asked, " ".join(said))
     return StoryLine("holds", asked, NO_HARDWARE)
@@ -246,7 +220,7 @@ def _lost(findings: Findings) -> StoryLine:
 
 def _survived(findings: Findings, causes: Causes) -> Iterator[StoryLine]:
     """Which hardware may be lost alone, and which objectives cannot succeed then."""
-    if said := kept(findings, "defeat"):
+    if said := kept(findings.claims, "defeat", causes.unused):
         yield StoryLine("holds", "What does it survive?", " ".join(said))
     alone = {lost[0] for lost in causes.mission.cut_sets if len(lost) == 1}
     faulty = [h.name for h in findings.check.mission_net.mission.hardware if h.faulty]
@@ -276,12 +250,13 @@ def _safety(findings: Findings) -> StoryLine:
     if verdict is None:
         unsaid = [claim for claim in findings.claims if claim.kind == "says_what_is_safe"]
         return StoryLine("note", asked, " ".join(sentences(unsaid)))
-    if said := losses(findings, "endanger"):
+    if said := losses(findings.claims, "endanger"):
         state = "fails" if findings.held("without_repair_endangered") else "note"
         return StoryLine(state, asked, " ".join(said))
     if verdict.holds is False:
         return _shown(findings, verdict)
-    return StoryLine("holds", asked, " ".join(kept(findings, "endanger")) or NO_HARDWARE)
+    unused = () if findings.causes is None else findings.causes.unused
+    return StoryLine("holds", asked, " ".join(kept(findings.claims, "endanger", unused)) or NO_HARDWARE)
 
 
 NO_HARDWARE = "No hardware that may fail is used."
@@ -300,7 +275,7 @@ def _shown(findings: Findings, verdict: Verdict) -> StoryLine:
 def _ignored(findings: Findings) -> Iterator[StoryLine]:
     """Where the declared events are ignored, of missions that declare some."""
     asked = "What is ignored?"
-    if ignored := [*told_together(findings.held("ignored"), 0, MOST_TOLD)]:
+    if ignored := [*sentences(findings.held("ignored"), MOST_TOLD, differ=1)]:
         yield StoryLine("note", asked, " ".join(_first(ignored)))
     elif handled := [*findings.held("handled_always"), *findings.held("answered_already")]:
         yield StoryLine("holds", asked, " ".join(_first(sentences(handled, MOST_TOLD))))

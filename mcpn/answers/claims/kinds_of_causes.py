@@ -1,0 +1,145 @@
+"""Kinds of claims on what losses cost an objective, how many are survived, and which events decide."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from mcpn.answers.claims.kind import JSON, TERMINAL, ClaimKind
+
+_ENTRY = "no word of formulas names the moment at which a section is entered"
+_SETS = "it counts sets of hardware, which no formula does"
+_SAFE_ENDS = "where an abort may come by the failure of what should make safe, safe ends are events"
+_COMMANDS = (TERMINAL, JSON)
+
+
+def _of_goal(verb: str, goal: str, noun: str) -> Iterator[ClaimKind]:
+    """The kinds on one goal of the mission.
+
+    Args:
+        verb: What losses of it do to a mission: ``defeat``, ``endanger``.
+        goal: What it is, for a sentence.
+        noun: What it is, within a name.
+    """
+    yield ClaimKind(
+        f"any_lost_{verb}",
+        "",
+        f"the loss of some {{others}} by {{0}}, not repaired, leaves no way to {goal}",
+        f"any {{others}} may be lost by {{0}}, not repaired, and {goal} stays possible",
+        "whether any {others} may be lost by {0} is not known",
+        "all sets of losses",
+        _COMMANDS,
+        _SETS,
+        several="{}",
+        good=False,
+    )
+    yield ClaimKind(
+        f"most_lost_spare_{noun}",
+        "",
+        f"at most {{others}} may be lost by {{0}}, not repaired, so that {goal} stays possible",
+        f"more than {{others}} may be lost by {{0}}, not repaired, so that {goal} stays possible",
+        f"how many may be lost by {{0}} so that {goal} stays possible is not known",
+        "all sets of losses",
+        _COMMANDS,
+        _SETS,
+        several="{}",
+    )
+    yield ClaimKind(
+        f"from_entry_without_repair_{verb}ed",
+        "",
+        f"from the entry of {{0}} on there is no way to {goal} without a repair",
+        f"from the entry of {{0}} on some way to {goal} needs no repair",
+        f"whether {goal} needs a repair from the entry of {{0}} on is not known",
+        "all states at the entry",
+        _COMMANDS,
+        _ENTRY,
+        several="{}",
+        good=False,
+    )
+    yield ClaimKind(
+        f"more_losses_spare_{noun}",
+        "",
+        f"with {{0}} lost {goal} may be out of reach, but not with {{1}} lost",
+        f"with more losses {goal} is never nearer",
+        f"whether {goal} may be nearer with more losses is not known",
+        "all sets of losses",
+        _COMMANDS,
+        _SETS,
+    )
+    for kind, subject in (("event", "{0}"), ("end", "the {1} of {0}")):
+        yield ClaimKind(
+            f"{kind}_may_{verb}",
+            "EF ({hopeful} & {during} & E(happens({event}) & X !{hopeful}))",
+            f"{subject} can leave no way to {goal} without a repair{{moments}}",
+            f"{subject} never takes the last way to {goal} without a repair",
+            f"whether {subject} takes the last way to {goal} is not known",
+            "all states in which it happens",
+            _COMMANDS,
+            _SAFE_ENDS if verb == "endanger" else "",
+            good=False,
+        )
+
+
+OF_CAUSES = (
+    ClaimKind(
+        "loss_before_loses_objective",
+        "",
+        "the loss of {0} beforehand, not repaired, leaves {1} no way to succeed",
+        "the loss of {0} beforehand, not repaired, leaves {1} a way to succeed",
+        "whether {1} can succeed after the loss of {0} is not known",
+        "all states at its entry",
+        _COMMANDS,
+        _ENTRY,
+        joint=", or of ",
+        several="{}",
+        good=False,
+    ),
+    ClaimKind(
+        "losses_lose_objective",
+        "",
+        "some loss of hardware beforehand, not repaired, leaves {0} no way to succeed",
+        "whatever hardware is lost beforehand, {0} can succeed",
+        "whether {0} can succeed whatever hardware is lost is not known",
+        "all states at its entry",
+        _COMMANDS,
+        _ENTRY,
+        several="{}",
+        good=False,
+    ),
+    ClaimKind(
+        "objective_needs_repair",
+        "",
+        "without a repair there is no way for {0} to succeed",
+        "{0} can succeed without a repair",
+        "whether {0} needs a repair is not known",
+        "all states at its entry",
+        _COMMANDS,
+        _ENTRY,
+        several="{}",
+        good=False,
+    ),
+    *_of_goal("defeat", "success", "success"),
+    *_of_goal("endanger", "a safe end", "safety"),
+    ClaimKind(
+        "event_endangers",
+        "E(F (EF (success | abort) & happens({event}) & X !EF (success | abort)))",
+        "{0} can put every safe end out of reach, whatever is repaired",
+        "{0} never puts every safe end out of reach",
+        "whether {0} puts every safe end out of reach is not known",
+        "all states in which it happens",
+        _COMMANDS,
+        _SAFE_ENDS,
+        good=False,
+    ),
+    ClaimKind(
+        "end_endangers",
+        "E(F (EF (success | abort) & happens({event}) & X !EF (success | abort)))",
+        "the {1} of {0} can put every safe end out of reach, whatever is repaired",
+        "the {1} of {0} never puts every safe end out of reach",
+        "whether the {1} of {0} puts every safe end out of reach is not known",
+        "all states in which it happens",
+        _COMMANDS,
+        _SAFE_ENDS,
+        good=False,
+    ),
+)
+"""In the order in which they are shown."""
