@@ -32,8 +32,7 @@ def with_formulas(error: InputError) -> InputError:
 def mistakes(mission: Mission) -> Iterator[Problem]:
     """What is wrong with the formulas of a mission, valid or not, as far as no net is needed to know it."""
     names = _DraftNames(mission)
-    texts = (mission.requirements, *(protocol.requirements for protocol in mission.protocols))
-    for requirement in (each for requirements in texts for each in requirements):
+    for requirement in mission.all_requirements:
         for source, where, text in _formulas(requirement):
             try:
                 parse_open(text, names)

@@ -113,7 +113,7 @@ def facts_of(mission: Mission) -> dict[str, Fact]:
 
 def required(mission: Mission) -> Iterator[str]:
     """The texts of all requirements of a mission, formulas among them."""
-    stack: list[Any] = [*mission.requirements, *(p.requirements for p in mission.protocols)]
+    stack: list[Any] = [*mission.all_requirements]
     while stack:
         said = stack.pop()
         if isinstance(said, str):

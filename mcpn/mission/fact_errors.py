@@ -43,7 +43,7 @@ class _FactChecks:
     @cached_property
     def elementary(self) -> dict[str, None]:
         """Names of elementary objectives."""
-        return {block.name: None for block in self.blocks if isinstance(block, Objective)}
+        return {block.written: None for block in self.blocks if isinstance(block, Objective)}
 
     def errors(self) -> Iterator[Problem]:
         mission = self.mission

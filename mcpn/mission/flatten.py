@@ -1,22 +1,20 @@
-"""From blocks to the objectives graph: recursion replaced by its contents (paper, 5.1 and Fig. 5).
+"""From the core mission to the objectives graph: recursion replaced by its contents (paper, 5.1 and Fig. 5).
 
-Parallel blocks are kept as sections, each branch with a graph of its own; uses of protocols are expanded,
-their names qualified by the use (``transect_north.diving``). Rounds of ``each`` and ``repeat`` and tries of
-``retries`` are written out one after the other, named by their value, round or try (``visit_12``,
-``visit_3``, ``visit_try2``; runs of a block that recovers ``visit_run2``), which qualifies what they hold
-(``visit_12.travel``).
+Copies are written out before, by the passes of :mod:`mcpn.mission.passes`. Here routes find the sections that
+they lead to: through the exits of blocks, past guards, as facts and reasons decide; handlers come to the
+sections that they interrupt; and siblings are copied that run for other blocks.
 
-Routes that facts choose (``<route when="door=open">``) become the cases of sections in
-:meth:`_Flattening.deciding`, by :func:`mcpn.mission.expansion.destinations.by_facts`.
+Parallel blocks are kept as sections, each branch with a graph of its own. Routes that facts choose
+(``<route when="door=open">``) become the cases of sections in :meth:`_Flattening.deciding`, by
+:func:`mcpn.mission.expansion.destinations.by_facts`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
 
-from mcpn.errors import InputError, Source
+from mcpn.errors import InputError
 from mcpn.mission.conditions import facts_of, resolved
 from mcpn.mission.expansion.copies import Copies
 from mcpn.mission.expansion.destinations import (
@@ -28,21 +26,12 @@ from mcpn.mission.expansion.destinations import (
     reasons_led,
 )
 from mcpn.mission.expansion.guards import guarded
-from mcpn.mission.expansion.left_by_facts import left_by_facts, refuse_paused
+from mcpn.mission.expansion.left_by_facts import refuse_paused
 from mcpn.mission.expansion.pauses import PAUSE, suffix_at, with_pause_graph
 from mcpn.mission.expansion.recovery import entered, following, helping
 from mcpn.mission.expansion.routes import GO_ON, Becoming, Condition, Interruption, Setting
-from mcpn.mission.expansion.scope import (
-    MAX_NESTING,
-    MAX_OBJECTIVES,
-    Scope,
-    copies,
-    limit_hit,
-    several,
-    unrouted,
-)
+from mcpn.mission.expansion.scope import Scope
 from mcpn.mission.graph import (
-    IN_TIME,
     Branch,
     ElementarySection,
     ObjectivesGraph,
@@ -59,10 +48,11 @@ from mcpn.mission.model import (
     Mission,
     Objective,
     Parallel,
-    Protocol,
     Recursive,
-    Use,
 )
+from mcpn.mission.passes import core
+from mcpn.mission.passes.copying import copied, one_copy
+from mcpn.mission.passes.limits import MAX_NESTING, MAX_OBJECTIVES, MAX_PARAMETERS, Counted
 from mcpn.mission.reasons import probabilities, reasons_of
 from mcpn.mission.requirement import Requirement
 from mcpn.mission.robot import BOOLEAN_VALUES
@@ -81,8 +71,6 @@ __all__ = [
     "flatten",
 ]
 
-MAX_PARAMETERS = 1_000_000
-
 
 def flatten(mission: Mission) -> ObjectivesGraph:
     """The objectives graph of a mission.
@@ -99,7 +87,7 @@ def flatten(mission: Mission) -> ObjectivesGraph:
             :data:`MAX_PARAMETERS` parameters of objectives, or to blocks more than :data:`MAX_NESTING` deep.
     """
     flattening = _Flattening(valid(mission))
-    graph = flattening.graph(mission.blocks, Scope(), mission.handlers)
+    graph = flattening.mission()
     return replace(graph, copies=flattening.positions)
 
 
@@ -117,9 +105,9 @@ def requirements_of(mission: Mission) -> dict[str, tuple[str, Requirement]]:
         LimitError: As :func:`flatten`.
     """
     found = {each.name: ("", each) for each in mission.requirements}
-    if any(protocol.requirements for protocol in mission.protocols):
+    if mission.core or any(protocol.requirements for protocol in mission.protocols):
         flattening = _Flattening(valid(mission))
-        flattening.graph(mission.blocks, Scope(), mission.handlers)
+        flattening.mission()
         found |= flattening.requirements
     return found
 
@@ -127,16 +115,19 @@ def requirements_of(mission: Mission) -> dict[str, tuple[str, Requirement]]:
 class _Flattening:
     def __init__(self, mission: Mission) -> None:
         self.requirements: dict[str, tuple[str, Requirement]] = {}
+        self.written_out = core(mission)
         self.positions = Copies()
-        self.protocols: dict[str, Protocol] = {p.name: p for p in mission.protocols}
         self.activities = {activity.name: activity for activity in mission.activities}
         self.facts = facts_of(mission)
         self.pauses: dict[str, str] = {}
         """By placeholder for the target of a pause, the name of the sibling that is run meanwhile."""
         self.copied: set[str] = set()
         """Names of copies of siblings that are run while blocks pause."""
-        self.objectives = 0
-        self.parameters = 0
+        self.counted = Counted()
+
+    def mission(self) -> ObjectivesGraph:
+        """The graph of the mission."""
+        return self.graph(self.written_out.blocks, Scope(), self.written_out.handlers)
 
     def graph(
         self,
@@ -147,7 +138,7 @@ class _Flattening:
         sections: list[Section] = []
         exits = {exit_: Destination(exit_) for exit_ in (SUCCEED, FAIL, ABORT)}
         self.series(blocks, scope, exits, sections, handlers)
-        return ObjectivesGraph(tuple(sections), self.entry(blocks[0], scope)).reachable()
+        return ObjectivesGraph(tuple(sections), self.entry(blocks[0])).reachable()
 
     def series(
         self,
@@ -156,35 +147,38 @@ class _Flattening:
         exits: dict[str, Destination],
         sections: list[Section],
         around: tuple[Handler, ...] = (),
-        copied: Mapping[str, Named] | None = None,
+        whole: tuple[str, Mapping[str, Named]] | None = None,
     ) -> None:
         """Adds the sections of sibling blocks, under handlers that lead to them as well.
 
-        One copy of a block is a series, too, where named failures lead as ``copied`` says.
+        Copies of a block, which ``whole`` names by its stem, fail for reasons where it says that they lead.
         """
-        routes = guarded(blocks, partial(self.entry, scope=scope), exits, self.facts)
+        routes = guarded(blocks, self.entry, exits, self.facts)
         scope = self.handling(scope, around, routes, "")
-        after, named = following(blocks), {block.name: block for block in blocks}
+        after, siblings = following(blocks), {block.name: block for block in blocks}
         aside = helping(blocks)
         aside -= entered(blocks, around) if aside else aside
         for block in blocks:
             if block.name in aside:
                 continue
             success = block.success or after[block.name]
-            inner = self.handling(scope, block.handlers, routes, block.name)
+            inner = self.handling(scope, block.handlers, routes, block.written)
             failure = block.failure or FAIL
             late = block.timeout_goto or failure
             leads = Destinations(routes[success], routes[failure], routes[block.abort or ABORT], routes[late])
             before = len(sections)
-            leads = leads._replace(named=copied) if copied else self.deciding(block, routes, leads, exits)
+            if whole and whole[1] and whole[0] == block.stem:
+                leads = leads.of_copy(whole[1], last=failure == FAIL)
+            else:
+                leads = self.deciding(block, routes, leads, exits)
             leads = leads._replace(becoming=self.becoming(block, routes))
             if block.recover is None:
                 self.block(block, inner, leads, sections)
             else:
-                recovery = named[block.recover], scope, routes
+                recovery = siblings[block.recover], scope, routes
                 self.recovered(block, inner, leads, recovery, sections)
             own = inner.handlers[: len(inner.handlers) - len(scope.handlers)]
-            if runs := {i.target: named[self.pauses[i.target]] for i in own if i.target in self.pauses}:
+            if runs := {i.target: siblings[self.pauses[i.target]] for i in own if i.target in self.pauses}:
                 self.paused(before, runs, (scope, routes), leads.failure, sections)
 
     def deciding(
@@ -230,16 +224,15 @@ class _Flattening:
     ) -> None:
         """Adds the runs of a block that recovers, and between them copies of the sibling that it names."""
         by, around, routes = recovery
-        runs = list(copies(block, scope))
-        for number, ((blocks, inside), again) in enumerate(zip(runs, (*runs[1:], None), strict=True), 1):
-            if again is None:
-                self.series(blocks, inside, leads.exits, sections, copied=leads.named)
-                return
-            here = around.copy(by, f"{block.name}{number}")
-            run = leads.failing(Destination(self.entry(by, here)))
-            self.series(blocks, inside, run.exits, sections, copied=run.named)
-            back = Destination(self.entry(again[0][0], again[1]))
-            self.helper(by, here, routes, (back, leads.failure), sections)
+        run, again = first_run(block), one_copy(block)
+        for number in range(1, block.times + 1):
+            helper = copied(by, f"{block.written}{number}")
+            failing = leads.failing(Destination(self.entry(helper)))
+            self.series((run,), scope, failing.exits, sections, whole=(block.stem, failing.named))
+            run = copied(again, f"run{number + 1}")
+            back = Destination(self.entry(run))
+            self.helper(helper, around, routes, (back, leads.failure), sections)
+        self.series((run,), scope, leads.exits, sections, whole=(block.stem, leads.named))
 
     def paused(
         self,
@@ -261,27 +254,27 @@ class _Flattening:
             refuse_paused(section)
             marks = (i.target for i in section.every_interruption if i.target in runs)
             for by in {id(runs[mark]): runs[mark] for mark in marks}.values():
-                here = scope.copy(by, suffix_at(section.name, scope))
-                if here.name(by) in self.copied:
-                    message = f"two copies of {by.name} would be called {here.name(by)}"
+                copy = copied(by, suffix_at(section.name, by.prefix))
+                if copy.name in self.copied:
+                    message = f"two copies of {by.written} would be called {copy.name}"
                     raise InputError.at(by.source, f"{message}: rename one of the blocks that pause")
-                self.copied.add(here.name(by))
+                self.copied.add(copy.name)
                 own = {mark for mark, runner in runs.items() if runner is by}
                 if isinstance(section, ElementarySection):
-                    self.helper(by, here, routes, (Destination(section.name), failure), sections)
-                    entries |= dict.fromkeys(own, self.entry(by, here))
+                    self.helper(copy, scope, routes, (Destination(section.name), failure), sections)
+                    entries |= dict.fromkeys(own, self.entry(copy))
                     continue
-                copy = list[Section]()
-                self.helper(by, replace(here, handlers=()), routes, (Destination(GO_ON), failure), copy)
-                graph = ObjectivesGraph(tuple(copy), self.entry(by, here)).reachable()
-                section = with_pause_graph(section, PauseGraph(graph, here.interruptions), own)
+                inside = list[Section]()
+                self.helper(copy, replace(scope, handlers=()), routes, (Destination(GO_ON), failure), inside)
+                graph = ObjectivesGraph(tuple(inside), self.entry(copy)).reachable()
+                section = with_pause_graph(section, PauseGraph(graph, scope.interruptions), own)
             led = (replace(i, target=entries.get(i.target, i.target)) for i in section.interruptions)
             sections[number] = replace(section, interruptions=tuple(led))
 
     def helper(
         self,
         by: Block,
-        here: Scope,
+        scope: Scope,
         routes: Mapping[str, Destination],
         ways: tuple[Destination, Destination],
         sections: list[Section],
@@ -291,7 +284,7 @@ class _Flattening:
         late = by.timeout_goto
         leads = Destinations(success, failure, routes[by.abort or ABORT], routes[late] if late else failure)
         leads = leads._replace(becoming=self.becoming(by, routes))
-        self.block(by, self.handling(here, by.handlers, routes, by.name), leads, sections)
+        self.block(by, self.handling(scope, by.handlers, routes, by.written), leads, sections)
 
     def handling(
         self, scope: Scope, handlers: tuple[Handler, ...], routes: Mapping[str, Destination], block: str
@@ -324,147 +317,85 @@ class _Flattening:
         self.pauses[mark := f"{PAUSE}{len(self.pauses)}"] = handler.pause
         return Destination(mark)
 
-    def inside(self, block: Recursive | Parallel | Use, scope: Scope) -> tuple[tuple[Block, ...], Scope]:
-        """What a block holds, and the scope of that."""
-        if isinstance(block, Use):
-            protocol = self.protocols[block.protocol]
-            return protocol.blocks, scope.into_protocol(block, protocol)
-        return block.blocks, scope.into(block, block.parameters if isinstance(block, Recursive) else ())
-
-    def entry(self, block: Block, scope: Scope) -> str:
+    def entry(self, block: Block) -> str:
         """The name of the section that is entered when the block is."""
         while True:
-            if left_by_facts(block):
-                return scope.name(block)
-            if several(block):
-                blocks, scope = next(copies(block, scope))
-            elif isinstance(block, Recursive | Use) and block.timeout is None:
-                blocks, scope = self.inside(block, scope)
-            else:
-                return scope.name(block)
-            block = blocks[0]
+            block = first_run(block) if block.recover is not None else block
+            if not isinstance(block, Recursive):
+                return block.name
+            block = block.blocks[0]
 
     def block(self, block: Block, scope: Scope, leads: Destinations, sections: list[Section]) -> None:
-        if leads.becoming and (several(block) or not isinstance(block, Objective | Parallel)):
-            sections.append(self.whole(block, scope, leads))
-        elif several(block):
-            self.copies(block, scope, leads, sections)
-        elif isinstance(block, Objective):
-            parameters = scope.in_force(block.parameters)
-            self.count(len(parameters), block.source)
-            reasons = reasons_of(block, self.activities)
-            leads = leads.of_reasons(each.name for each in reasons)
-            whole, parts = probabilities(block, reasons)
-            self.positions.objectives[scope.name(block)] = scope.position(block)
-            sections.append(
-                ElementarySection(
-                    scope.name(block),
-                    block.activities,
-                    leads.success.target,
-                    leads.failure.target,
-                    block.source,
-                    parameters,
-                    block.description,
-                    block.duration,
-                    whole,
-                    scope.interruptions,
-                    block.timeout,
-                    None if block.timeout is None else leads.timed_out.target,
-                    self.settings(block),
-                    leads.cases,
-                    tuple((each.name, leads.named[each.name].lead.target) for each in reasons),
-                    parts,
-                    leads.becomes,
-                )
-            )
+        """Adds the sections of a block, which its outcomes lead out of."""
+        if isinstance(block, Objective):
+            sections.append(self.objective(block, scope, leads))
         elif isinstance(block, Parallel):
-            children, inner = self.inside(block, scope)
-            branches = tuple(self.branch(child, inner) for child in children)
-            name, (needed, hasty, failing) = scope.name(block), block.decided
-            sections.append(
-                ParallelSection(
-                    name,
-                    branches,
-                    leads.success.target,
-                    leads.failure.target,
-                    block.source,
-                    block.description,
-                    scope.interruptions,
-                    leads.abort.target if any(branch.graph.aborts for branch in branches) else None,
-                    needed,
-                    hasty,
-                    leads.cases,
-                    failing=failing,
-                    timeout=block.timeout,
-                    timed_out=None if block.timeout is None else leads.timed_out.target,
-                    becomes=leads.becomes,
-                )
+            sections.append(self.parallel(block, scope, leads))
+        elif isinstance(block, Recursive):
+            for each in block.requirements:
+                self.requirements[f"{block.own}.{each.name}"] = f"{block.own}.", each
+            self.series(
+                block.blocks, scope.into(block), leads.exits, sections, whole=(block.stem, leads.named)
             )
-        elif block.timeout is not None:
-            sections.append(self.whole(block, scope, leads))
-        elif isinstance(block, Recursive | Use):
-            blocks, inner = self.inside(block, scope)
-            for each in self.protocols[block.protocol].requirements if isinstance(block, Use) else ():
-                self.requirements[f"{inner.prefix}{each.name}"] = inner.prefix, each
-            self.series(blocks, inner, leads.exits, sections)
 
-    def whole(self, block: Block, scope: Scope, leads: Destinations) -> ParallelSection:
-        """A block that is stopped as a whole and is not parallel: a section with one branch, which it is.
+    def objective(self, block: Objective, scope: Scope, leads: Destinations) -> ElementarySection:
+        self.counted.add(len(block.parameters), block.source)
+        reasons = reasons_of(block, self.activities)
+        leads = leads.of_reasons(each.name for each in reasons)
+        whole, parts = probabilities(block, reasons)
+        self.positions.objectives[block.name] = scope.position(block)
+        return ElementarySection(
+            block.name,
+            block.activities,
+            leads.success.target,
+            leads.failure.target,
+            block.source,
+            block.parameters,
+            block.description,
+            block.duration,
+            whole,
+            scope.interruptions,
+            block.timeout,
+            None if block.timeout is None else leads.timed_out.target,
+            self.settings(block),
+            leads.cases,
+            tuple((each.name, leads.named[each.name].lead.target) for each in reasons),
+            parts,
+            leads.becomes,
+        )
 
-        Its time may be over, or it is left as facts become so; the copies of a block have times of their own.
-        """
-        timeout = None if several(block) else block.timeout
-        inside = unrouted(block)
-        inside = inside if timeout is None else replace(inside, timeout=None, timeout_goto=None)
-        graph = self.graph((inside,), replace(scope, handlers=()))
-        name = scope.name(block)
+    def parallel(self, block: Parallel, scope: Scope, leads: Destinations) -> ParallelSection:
+        inner = replace(scope.into(block), handlers=())
+        branches = tuple(
+            Branch(child.name, child.mandatory, self.graph((child,), inner), child.source)
+            for child in block.blocks
+        )
+        needed, hasty, failing = block.decided
         return ParallelSection(
-            name,
-            (Branch(f"{name}{IN_TIME}", True, graph, block.source),),
+            block.name,
+            branches,
             leads.success.target,
             leads.failure.target,
             block.source,
             block.description,
             scope.interruptions,
-            leads.abort.target if graph.aborts else None,
-            cases=leads.cases,
-            timeout=timeout,
-            timed_out=None if timeout is None else leads.timed_out.target,
+            leads.abort.target if any(branch.graph.aborts for branch in branches) else None,
+            needed,
+            hasty,
+            leads.cases,
+            failing=failing,
+            timeout=block.timeout,
+            timed_out=None if block.timeout is None else leads.timed_out.target,
             becomes=leads.becomes,
         )
 
     def settings(self, block: Objective) -> tuple[Setting, ...]:
         """The facts that an objective changes; that it has succeeded is one where something reads that."""
         said = tuple(Setting(change.fact, change.to, change.occasion) for change in block.sets)
-        done = f"done({block.name})"
+        done = f"done({block.written})"
         return (*said, Setting(done, BOOLEAN_VALUES[True], "success")) if done in self.facts else said
 
-    def copies(self, block: Block, scope: Scope, leads: Destinations, sections: list[Section]) -> None:
-        """Adds the rounds of a block, or its tries, one after the other."""
-        tries = block.repeat is None and block.retries > 0
-        here: tuple[tuple[Block, ...], Scope] | None = next(each := copies(block, scope))
-        while here is not None:
-            (blocks, inner), here = here, next(each, None)
-            following = self.entry(here[0][0], here[1]) if here else None
-            if following is None:
-                each_leads = leads
-            elif tries:
-                each_leads = leads.failing(Destination(following))
-            else:
-                each_leads = leads._replace(success=Destination(following))
-            copied = each_leads.named if tries or block.repeat is not None else None
-            self.series(blocks, inner, each_leads.exits, sections, copied=copied)
 
-    def branch(self, child: Block, scope: Scope) -> Branch:
-        alone = replace(child, success=None, failure=None, routes=())
-        name = scope.name(child)
-        graph = self.graph((alone,), replace(scope, handlers=()))
-        return Branch(name, child.mandatory, graph, child.source)
-
-    def count(self, parameters: int, source: Source | None) -> None:
-        self.objectives += 1
-        self.parameters += parameters
-        if self.objectives > MAX_OBJECTIVES:
-            raise limit_hit(f"more than {MAX_OBJECTIVES} objectives after expansion", source)
-        if self.parameters > MAX_PARAMETERS:
-            raise limit_hit(f"more than {MAX_PARAMETERS} parameters of objectives after expansion", source)
+def first_run(block: Block) -> Block:
+    """The first run of a block that recovers."""
+    return copied(one_copy(block), "run1")

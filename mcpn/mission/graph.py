@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 
 TIMED_OUT = "timed out"
 """The outcome of a section whose time is over, and the route that leads there: no block is called so."""
-IN_TIME = ".0"
-"""Ends the name of the one branch of a block whose time may be over; no name begins with a digit."""
 
 
 def failed_for(reason: str) -> str:

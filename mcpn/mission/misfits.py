@@ -15,7 +15,7 @@ from typing import get_args
 from lxml import etree
 
 from mcpn.did_you_mean import did_you_mean
-from mcpn.mission.language.forms import NAMESPACE, ROOTS, Tag, form_of, language
+from mcpn.mission.language.forms import NAMESPACE, ROOTS, Tag, form_of, language, relax_ng
 from mcpn.mission.model import Block, Recursive
 from mcpn.sentences import enumeration, quoted
 from mcpn.xmlio import line_of
@@ -31,7 +31,9 @@ SCHEMA = Path(__file__).with_name("schema.rng")
 
 
 @cache
-def _validator() -> etree.RelaxNG:
+def _validator(*, core: bool) -> etree.RelaxNG:
+    if core:
+        return etree.RelaxNG(etree.fromstring(relax_ng(core=True).encode()))
     with SCHEMA.open("rb") as file:
         return etree.RelaxNG(etree.parse(file))
 
@@ -53,11 +55,12 @@ def find_misfits(
     if name.namespace != NAMESPACE or name.localname not in {root.TAG for root in ROOTS}:
         return [(line_of(root), _no_root(name))]
     root.attrib.pop(LOCATION, "")
-    validator = _validator()
+    core = is_core(root)
+    validator = _validator(core=core)
     excerpt, suspects = new or (root, root.iter())
     if validator.validate(excerpt):
         return []
-    misfits = list(_misfits(suspects))
+    misfits = list(_misfits(suspects, core=core))
     if misfits:
         return misfits
     if new and validator.validate(root):
@@ -84,12 +87,17 @@ def _no_root(name: etree.QName) -> str:
     return f"found the root element {name.text}, expected a mission file (namespace {NAMESPACE})"
 
 
-def _misfits(among: Iterable[etree._Element]) -> Iterator[tuple[int, str]]:
-    tags = language()
+def is_core(root: etree._Element) -> bool:
+    """Whether a file says that it is a core mission, which nobody writes by hand."""
+    return root.get("core") == "true"
+
+
+def _misfits(among: Iterable[etree._Element], *, core: bool) -> Iterator[tuple[int, str]]:
+    tags = language(core=core)
     for element in among:
         tag, line = etree.QName(element).localname, line_of(element)
         parent = element.getparent()
-        yield from _misplaced(element)
+        yield from _misplaced(element, core=core)
         if parent is not None:
             outer = etree.QName(parent).localname
             allowed = tags[outer].children if outer in tags else (tag,)
@@ -111,7 +119,7 @@ def _misfits(among: Iterable[etree._Element]) -> Iterator[tuple[int, str]]:
             yield line, f"<{tag}> has no attribute {name}, which is required"
 
 
-def _misplaced(element: etree._Element) -> Iterator[tuple[int, str]]:
+def _misplaced(element: etree._Element, *, core: bool) -> Iterator[tuple[int, str]]:
     """What is allowed by itself, but not where or with what it stands."""
     tag, line = etree.QName(element).localname, line_of(element)
     children = [etree.QName(child).localname for child in element]
@@ -120,7 +128,7 @@ def _misplaced(element: etree._Element) -> Iterator[tuple[int, str]]:
             found = f"found the text {text.strip()[:40]!r} inside <{tag}>"
             yield line_of(where), f"{found}, expected elements only"
     blocks = [child for child in children if child in _BLOCKS]
-    rule = language().get(tag, _UNKNOWN)
+    rule = language(core=core).get(tag, _UNKNOWN)
     if rule.series:
         first = children.index(blocks[0]) if blocks else len(children)
         for child, name in zip(list(element)[first:], children[first:], strict=True):
@@ -138,7 +146,7 @@ def _misplaced(element: etree._Element) -> Iterator[tuple[int, str]]:
         found = "both activities and blocks" if blocks else "neither activities nor blocks"
         yield line, f"<objective> has {found}, expected activities (elementary) or blocks (recursive)"
     if tag == "objective" and blocks:
-        of_both = {"activities", *(a.tag for a in form_of(Recursive).attributes)}
+        of_both = {"activities", *(a.tag for a in form_of(Recursive).said(core=core))}
         for name in (str(name) for name in element.attrib if name not in of_both):
             yield line, f"<objective> has {name} and blocks, expected {name} on elementary objectives only"
     if tag == "objective" and blocks and "sets" in children:

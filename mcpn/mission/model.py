@@ -24,13 +24,16 @@ from mcpn.mission.language.datatypes import (
     FAITH,
     IMPOSSIBLE,
     NAME,
+    NAMES,
     NOMINAL,
     OUTCOME,
     QUORUM,
     ROUTE,
+    VALUES,
     Activities,
     Called,
     Children,
+    Core,
     EventName,
     Hours,
     Probability,
@@ -67,6 +70,8 @@ FAIL = "fail"
 """The route to the failure exit of the enclosing block."""
 ABORT = "abort"
 """The route to the abort exit of the enclosing block: it is given up, in a safe way."""
+WHOLE = ".0"
+"""Ends the name of the one branch of a block that is stopped as a whole; no name begins with a digit."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -185,6 +190,32 @@ class BlockElement(Element):
     guards: tuple[EntryGuard, ...] = ()
     routes: tuple[FactRoute, ...] = ()
     handlers: tuple[Handler, ...] = ()
+    copy: Annotated[
+        tuple[str, ...],
+        VALUES,
+        Core(),
+        "What tells it from other copies of one block, and ends its name: values, runs, rounds, tries.",
+    ] = ()
+
+    @property
+    def own(self) -> str:
+        """Its name, without what says that it is all there is in a block that is stopped as a whole."""
+        return self.name.removesuffix(WHOLE)
+
+    @property
+    def stem(self) -> str:
+        """Its name in its place, whichever copy it is."""
+        return self.own[: len(self.own) - sum(len(suffix) + 1 for suffix in self.copy)]
+
+    @property
+    def written(self) -> str:
+        """Its name in the text that it is written in."""
+        return self.stem.rpartition(".")[2]
+
+    @property
+    def prefix(self) -> str:
+        """What qualifies its name, with the dot."""
+        return self.stem.removesuffix(self.written)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -211,6 +242,9 @@ class Recursive(BlockElement):
     """With blocks it is recursive: the blocks run one after the other."""  # paper, 4.1
 
     TAG = "objective"
+    protocol: Annotated[str | None, NAME, Core(), "The protocol that it is a use of."] = None
+    declares: Annotated[tuple[str, ...], NAMES, Core(), "Parameters that the protocol declares."] = ()
+    requirements: Annotated[tuple[Requirement, ...], Core()] = ()
     parameters: tuple[Parameter, ...] = ()
     blocks: "tuple[Block, ...]"
 
@@ -277,12 +311,13 @@ class Each(BlockElement):
         NAME,
         "The parameter that has the value inside, also in protocols used there. Default: its name.",
     ] = None
+    parameters: Annotated[tuple[Parameter, ...], Core()] = ()
     blocks: "tuple[Block, ...]"
 
     @property
     def bound(self) -> str:
         """The name of the parameter that has the value."""
-        return self.parameter or self.name
+        return self.parameter or self.written
 
 
 Block: TypeAlias = Objective | Recursive | Parallel | Use | Each
@@ -360,6 +395,9 @@ class Mission(Drawn, Element):
     """
 
     TAG = "mission"
+    core: Annotated[bool, Core(), "Whether copies are written out, or begin to be, and names qualified."] = (
+        False
+    )
     translated: tuple[Translated, ...] = ()
     robots: tuple[Robot, ...] = ()
     protocols: Annotated[tuple[Protocol, ...], Children(inside=Protocols)] = ()
@@ -418,7 +456,15 @@ class Mission(Drawn, Element):
     @property
     def requires(self) -> bool:
         """Whether it, or a protocol in its files, has a requirement."""
-        return bool(self.requirements) or any(protocol.requirements for protocol in self.protocols)
+        return bool(self.all_requirements)
+
+    @property
+    def all_requirements(self) -> tuple[Requirement, ...]:
+        """Its own, then those of protocols; of uses that are written out those of each."""
+        found = [*self.requirements, *(each for protocol in self.protocols for each in protocol.requirements)]
+        for block in walk(self.blocks) if self.core else ():
+            found += block.requirements if isinstance(block, Recursive) else ()
+        return tuple(found)
 
     @property
     def events(self) -> tuple[DeclaredEvent, ...]:

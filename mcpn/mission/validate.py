@@ -18,11 +18,11 @@ from mcpn.mission.expansion.faults import (
 )
 from mcpn.mission.expansion.guards import guard_problems, of_branches
 from mcpn.mission.expansion.left_by_facts import becoming_problems, of_missions
-from mcpn.mission.expansion.name_clashes import clashes
 from mcpn.mission.expansion.pauses import no_siblings, pause_problems
 from mcpn.mission.expansion.recovery import problems as recoveries
 from mcpn.mission.fact_errors import fact_errors
-from mcpn.mission.language.datatypes import NAME, Interval
+from mcpn.mission.graph import TIMED_OUT
+from mcpn.mission.language.datatypes import CORE_NAME, NAME, Interval
 from mcpn.mission.language.forms import Field, form_of
 from mcpn.mission.language.references import cycles, duplicates, repeats, unseen
 from mcpn.mission.model import (
@@ -30,6 +30,7 @@ from mcpn.mission.model import (
     FAIL,
     SUCCEED,
     Block,
+    BlockElement,
     Each,
     Handler,
     Holder,
@@ -41,6 +42,7 @@ from mcpn.mission.model import (
     Use,
     walk,
 )
+from mcpn.mission.passes.name_clashes import clashes
 from mcpn.mission.reasons import ReasonChecks
 from mcpn.mission.requirement import Requirement
 from mcpn.mission.robot import Activity, Described, Element, Parameter
@@ -188,8 +190,8 @@ class _Checks:
         yield from duplicates("protocol", mission.protocols)
         for requirements in (mission.requirements, *(p.requirements for p in mission.protocols)):
             yield from duplicates("requirement", requirements)
-            for requirement in requirements:
-                yield from self.requirement(requirement)
+        for requirement in mission.all_requirements:
+            yield from self.requirement(requirement)
         yield from failure_errors(mission.robots, self.hints)
         yield from detected_twice(mission.activities)
         yield from self.products()
@@ -219,13 +221,27 @@ class _Checks:
 
     def attributes(self, element: Element) -> Iterator[Problem]:
         """What one element says, by itself."""
-        if not NAME.matches(element.name):
+        datatype = CORE_NAME if self.mission.core and isinstance(element, BlockElement) else NAME
+        if not datatype.matches(element.name):
             found = f"the name {element.name!r} is not allowed"
-            yield Problem(element.source, f"{found}, expected {NAME.expected}")
+            yield Problem(element.source, f"{found}, expected {datatype.expected}")
+        if isinstance(element, BlockElement):
+            yield from self.copy(element)
         yield from self.values(element, element.name)
         for content in form_of(type(element)).contents:
             if content.classes == (Parameter,):
                 yield from duplicates("parameter", getattr(element, content.name))
+
+    def copy(self, block: BlockElement) -> Iterator[Problem]:
+        """What is wrong with what a block says of itself as a copy, as core missions do."""
+        core = form_of(type(block)).core
+        said = [field.tag for field in core if getattr(block, field.name) != field.default]
+        if said and not self.mission.core:
+            message = f"{block.name} has {said[0]}, though the mission is no core mission"
+            yield Problem(block.source, message)
+        elif block.copy and not block.own.endswith("".join(f"_{suffix}" for suffix in block.copy)):
+            message = f"the copy {' '.join(block.copy)} of {block.name} is not what its name ends in"
+            yield Problem(block.source, message)
 
     def values(self, element: Described, name: str) -> Iterator[Problem]:
         """Values of its attributes that are not allowed."""
@@ -312,7 +328,7 @@ class _Checks:
         for block in all_blocks:
             if isinstance(block, Holder) and not block.blocks:
                 yield Problem(block.source, f"{block.name} has no blocks")
-            if block.timeout_goto is not None and block.timeout is None:
+            if block.timeout_goto is not None and block.timeout is None and not self.mission.core:
                 message = f"{block.name} has a timeout_goto, though it has no timeout"
                 yield Problem(block.source, message)
             if block.name in (SUCCEED, FAIL, ABORT):
@@ -351,7 +367,7 @@ class _Checks:
     def route(
         self, source: Source | None, what: str, route: str, names: Mapping[str, None]
     ) -> Iterator[Problem]:
-        exits = (SUCCEED, FAIL, ABORT)
+        exits = (SUCCEED, FAIL, ABORT, *([TIMED_OUT] if self.mission.core else ()))
         if route not in exits and route not in names:
             shown = [*names] if len(names) <= 10 else [f"its {len(names)} siblings"]
             expected = f"expected one of {', '.join([*shown, *exits])}"
@@ -440,7 +456,7 @@ class _Checks:
             yield Problem(block.source, f"parallel block {block.name} has no mandatory child")
         yield from of_branches(block)
         for child in block.blocks:
-            if isinstance(child, Parallel):
+            if isinstance(child, Parallel) and not self.mission.core:
                 message = f"parallel block {block.name} holds the parallel block {child.name} directly"
                 yield Problem(child.source, f"{message}; expected an objective or a use")
             yield from self.handlers(child.name, child.handlers, {})

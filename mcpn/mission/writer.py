@@ -65,9 +65,9 @@ def save_mission(mission: Mission, path: Path | str) -> None:
 def _write(element: etree._Element, described: Any) -> None:
     """Writes what an element of a mission says and what it holds."""
     form = form_of(type(described))
-    for attribute in form.attributes:
+    for attribute in form.said():
         _say(element, attribute, getattr(described, attribute.name))
-    for content in form.contents:
+    for content in form.held():
         members = getattr(described, content.name)
         if around := content.children.inside:
             members = (around(**{content.name: members}),) if members else ()

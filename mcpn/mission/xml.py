@@ -157,12 +157,12 @@ class _MissionReader:
         kind = language()[tag].form(texts)
         form = form_of(kind)
         source = self.source(element)
-        values = _said(texts, form.attributes) | {"source": source}
+        values = _said(texts, form.said()) | {"source": source}
         if "mandatory" in texts:
             self.mandatory(element, values)
         made = self.members(element, before, edit)
         members = [each.value for each in made]
-        for content in form.contents if members else ():
+        for content in form.held() if members else ():
             values[content.name] = tuple(member for member in members if isinstance(member, content.classes))
         for content in form.contents:
             if (brief := content.short) and not values.get(content.name):

@@ -465,7 +465,7 @@ def test_more_copies_than_there_may_be_are_refused_before_one_is_made(
     tmp_path: Path, block: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     found = mission(tmp_path, block)
-    monkeypatch.setattr("mcpn.mission.expansion.scope.Scope.copy", None)
+    monkeypatch.setattr("mcpn.mission.passes.PASSES", None)
     with pytest.raises(LimitError, match=r"m.*\.xml:\d+: more than 20000 objectives after expansion"):
         flatten(found)
 

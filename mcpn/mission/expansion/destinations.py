@@ -101,6 +101,15 @@ class Destinations(NamedTuple):
         named = {reason: each._replace(otherwise=lead) for reason, each in self.named.items()}
         return self._replace(failure=lead, named=named)
 
+    def of_copy(self, named: Mapping[str, Named], *, last: bool) -> Destinations:
+        """The same of a copy of a block: its failures for reasons ask first the routes of the whole.
+
+        Args:
+            named: Those of the whole.
+            last: Whether its failure is that of the whole, and leads to no other copy.
+        """
+        return self._replace(named=named) if last else self._replace(named=named).failing(self.failure)
+
     def of_reasons(self, reasons: Iterable[str]) -> Destinations:
         """The same of an objective that fails for these: where nobody asks, as it fails for none."""
         plain = Named((), self.failure)

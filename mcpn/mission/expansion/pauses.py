@@ -16,7 +16,6 @@ from itertools import chain
 from mcpn.errors import Problem
 from mcpn.mission.expansion.recovery import pausing
 from mcpn.mission.expansion.routes import GO_ON, Interruption
-from mcpn.mission.expansion.scope import Scope
 from mcpn.mission.graph import ObjectivesGraph, ParallelSection, PauseGraph, rerouted
 from mcpn.mission.model import Block, Handler, walk
 
@@ -24,9 +23,9 @@ PAUSE = "pause "
 """Begins what stands for the target of a pause until its copies are made."""
 
 
-def suffix_at(objective: str, scope: Scope) -> str:
-    """What distinguishes copies of a sibling: the objective that is stopped, named as in their scope."""
-    return f"at_{objective.removeprefix(scope.prefix).replace('.', '_')}"
+def suffix_at(objective: str, prefix: str) -> str:
+    """What distinguishes copies of a sibling: the objective that is stopped, named as among the siblings."""
+    return f"at_{objective.removeprefix(prefix).replace('.', '_')}"
 
 
 def pause_problems(siblings: Sequence[Block], text: Sequence[Block]) -> Iterator[Problem]:

@@ -69,6 +69,12 @@ NAME = Datatype(
     f"{_LETTER}{_CHARACTER}{{0,254}}",
     "letters, digits and _, no digit first, at most 255 characters",
 )
+CORE_NAME = replace(
+    NAME,
+    pattern=rf"{_LETTER}{_CHARACTER}*(\.{_CHARACTER}+)*|timed out",
+    expected="letters, digits and _, no digit first, perhaps qualified by other names: visit_12.travel",
+)
+"""A name in core missions, or the exit by which a copy of a block is left whose time is over."""
 NAMES = Datatype(
     "names",
     "names",
@@ -323,6 +329,10 @@ class Called(NamedTuple):
     """
 
     name: str
+
+
+class Core(NamedTuple):
+    """Says that a field belongs to core missions (:mod:`mcpn.mission.passes`): no author writes it."""
 
 
 class Children(NamedTuple):

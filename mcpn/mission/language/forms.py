@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TypeAlias, TypeVar, Union, get_args, get_ori
 
 from lxml import etree
 
-from mcpn.mission.language.datatypes import BY_CLASS, Called, Children, Datatype
+from mcpn.mission.language.datatypes import BY_CLASS, CORE_NAME, Called, Children, Core, Datatype
 from mcpn.mission.model import BlockElement, Import, Mission, Protocols
 from mcpn.mission.robot import Described, Element, Robot
 
@@ -41,6 +41,7 @@ class Field(NamedTuple):
         type: What the attribute holds; ``None`` where the field is no attribute.
         words: What the attribute means.
         children: How the elements that are its members stand inside, where they are.
+        core: Whether core missions alone say it.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Field(NamedTuple):
     type: Datatype | None
     words: str
     children: Children
+    core: bool
 
     @property
     def required(self) -> bool:
@@ -79,12 +81,16 @@ class Field(NamedTuple):
         (brief,) = (a for a in form_of(self.classes[0]).attributes if a.name == self.children.short)
         return brief._replace(words=self.children.words)
 
-    @property
-    def elements(self) -> Iterator[_Element]:
-        """The classes of the elements that files may hold for it."""
+    def elements(self, *, core: bool = False) -> Iterator[_Element]:
+        """The classes of the elements that files may hold for it, those of core missions or of others."""
         for member in self.classes:
-            if issubclass(member, Described) and member.TAG not in self.children.without:
+            if issubclass(member, Described) and (core or member.TAG not in self.children.without):
                 yield self.children.inside or member
+
+    def in_core(self) -> Field:
+        """The same in core missions, where names may be qualified."""
+        datatype = self.datatype
+        return self._replace(type=CORE_NAME if datatype.name == CORE_NAME.name else datatype)
 
 
 class Form(NamedTuple):
@@ -94,11 +100,23 @@ class Form(NamedTuple):
         fields: All of its fields, in the order of the model.
         attributes: Those that are attributes, as they are written: required ones first, the description last.
         contents: Those that stand inside, as they are written: required ones, such as blocks, last.
+        core: Those of both that core missions alone have.
     """
 
     fields: tuple[Field, ...]
     attributes: tuple[Field, ...]
     contents: tuple[Field, ...]
+    core: tuple[Field, ...]
+
+    def said(self, *, core: bool = True) -> Iterator[Field]:
+        """Its attributes, those of core missions among them or not."""
+        yield from self.attributes
+        yield from (field for field in self.core if core and field.type is not None)
+
+    def held(self, *, core: bool = True) -> Iterator[Field]:
+        """What stands inside, in core missions or not; blocks last."""
+        yield from (field for field in self.core if core and field.type is None)
+        yield from self.contents
 
 
 _forms: dict[type, Form] = {}
@@ -110,13 +128,14 @@ def form_of(element: type) -> Form:
         owners = (base for base in reversed(element.__mro__) if "__dataclass_fields__" in vars(base))
         fields = tuple({f.name: f for owner in owners for f in _declared(owner)}.values())
         attributes = sorted(
-            (f for f in fields if f.type), key=lambda f: (f.owner is Described, not f.required)
+            (f for f in fields if f.type and not f.core), key=lambda f: (f.owner is Described, not f.required)
         )
         contents = sorted(
-            (f for f in fields if issubclass(f.classes[0], Described)),
+            (f for f in fields if issubclass(f.classes[0], Described) and not f.core),
             key=lambda f: (f.required, f.owner is BlockElement),
         )
-        _forms[element] = Form(fields, tuple(attributes), tuple(contents))
+        core = tuple(f for f in fields if f.core)
+        _forms[element] = Form(fields, tuple(attributes), tuple(contents), core)
     return _forms[element]
 
 
@@ -139,8 +158,8 @@ def _field(owner: type, name: str, default: Any, hint: Any) -> Field:
 
     tag = (noted(Called) or Called(name)).name
     datatype = noted(Datatype) or BY_CLASS.get(classes[0])
-    children = noted(Children) or Children()
-    return Field(name, classes, several, default, owner, tag, datatype, noted(str) or "", children)
+    children, core = noted(Children) or Children(), noted(Core) is not None
+    return Field(name, classes, several, default, owner, tag, datatype, noted(str) or "", children, core)
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,33 +198,37 @@ class Tag:
         return self.forms[-1]
 
 
-def inside(element: type) -> Iterator[_Element]:
+def _as_read(field: Field, *, core: bool) -> Field:
+    return field.in_core() if core else field
+
+
+def inside(element: type, *, core: bool = False) -> Iterator[_Element]:
     """The classes of the elements that may stand in one."""
     if element in ROOTS:
         yield Import
-    for content in form_of(element).contents:
-        yield from content.elements
+    for content in form_of(element).held(core=core):
+        yield from content.elements(core=core)
 
 
 @cache
-def language() -> dict[str, Tag]:
-    """The elements of the language, by name."""
+def language(*, core: bool = False) -> dict[str, Tag]:
+    """The elements of the language, by name; of that of core missions, or of the one that people write."""
     forms: dict[str, dict[_Element, None]] = {}
     stack = list(reversed(ROOTS))
     while stack:
         element = stack.pop()
         if element not in forms.setdefault(element.TAG, {}):
             forms[element.TAG][element] = None
-            stack.extend(reversed(list(inside(element))))
-    return {tag: _tag(tuple(classes)) for tag, classes in forms.items()}
+            stack.extend(reversed(list(inside(element, core=core))))
+    return {tag: _tag(tuple(classes), core=core) for tag, classes in forms.items()}
 
 
-def _tag(classes: tuple[_Element, ...]) -> Tag:
+def _tag(classes: tuple[_Element, ...], *, core: bool) -> Tag:
     forms = [form_of(each) for each in classes]
-    attributes = {a.tag: a for form in forms for a in form.attributes}
+    attributes = {a.tag: _as_read(a, core=core) for form in forms for a in form.said(core=core)}
     attributes |= {c.short.tag: c.short for form in forms for c in form.contents if c.short}
     required = frozenset.intersection(*(frozenset(a.tag for a in f.attributes if a.required) for f in forms))
-    children = frozenset(child.TAG for each in classes for child in inside(each))
+    children = frozenset(child.TAG for each in classes for child in inside(each, core=core))
     return Tag(classes, attributes, required, children)
 
 
@@ -231,18 +254,19 @@ _ROOT = f"""\
 """
 
 
-def relax_ng() -> str:
-    """The schema as the text of its file."""
-    tags = language()
+def relax_ng(*, core: bool = False) -> str:
+    """The schema as the text of its file; or that of core missions, which is none."""
+    tags = language(core=core)
     datatypes = {a.datatype.name: a.datatype for tag in tags.values() for a in tag.attributes.values()}
     groups = {
-        group.TAG: [_attribute(a) for a in form_of(group).attributes if a.owner is group] for group in GROUPS
+        group.TAG: [_attribute(a) for a in form_of(group).said(core=core) if a.owner is group]
+        for group in GROUPS
     }
     root = etree.fromstring(_ROOT)
     root.append(_node("start", _any(root.TAG for root in ROOTS)))
     root.extend(_node("define", _data(datatype), name=f"data.{name}") for name, datatype in datatypes.items())
     root.extend(_node("define", *attributes, name=group) for group, attributes in groups.items())
-    root.extend(_node("define", _element(name, tag), name=name) for name, tag in tags.items())
+    root.extend(_node("define", _element(name, tag, core=core), name=name) for name, tag in tags.items())
     etree.indent(root)  # what declares no more than an attribute is one line
     for node in root.iter():
         if next(node.iter(_RNG + "element"), None) is None and len([*node.iter(_DOCUMENTATION)]) < 2:
@@ -278,13 +302,14 @@ def _attribute(field: Field) -> etree._Element:
     return attribute if field.required else _node("optional", attribute)
 
 
-def _element(name: str, tag: Tag) -> etree._Element:
-    variants = list(_variants(tag))
+def _element(name: str, tag: Tag, *, core: bool) -> etree._Element:
+    variants = list(_variants(tag, core=core))
     shared = [a for a in tag.attributes.values() if all(a in said for said, _, _ in variants)]
     groups = dict.fromkeys(a.owner.TAG for a in shared if a.owner in GROUPS)
     attributes = [_attribute(a) for a in shared if a.owner not in GROUPS]
     frees = [free for _, free, _ in variants]
-    common = [child for child in frees[0] if all(child in free for free in frees)] if len(frees) > 1 else []
+    one_way = core or len(frees) == 1  # of core missions no XML Schema is made
+    common = [] if one_way else [child for child in frees[0] if all(child in free for free in frees)]
     ways = [
         [*(_attribute(a) for a in said if a not in shared), *_children(free, needed, common)]
         for said, free, needed in variants
@@ -302,17 +327,18 @@ def _element(name: str, tag: Tag) -> etree._Element:
     )
 
 
-def _variants(tag: Tag) -> Iterator[tuple[list[Field], list[str], list[str]]]:
+def _variants(tag: Tag, *, core: bool) -> Iterator[tuple[list[Field], list[str], list[str]]]:
     """The ways to write an element: its attributes, what may stand inside, what must."""
     for element in tag.forms:
-        form = form_of(element)
+        said = [_as_read(field, core=core) for field in form_of(element).said(core=core)]
+        held = list(form_of(element).held(core=core))
         free = [Import.TAG] * (element in ROOTS)
-        free += [child.TAG for content in form.contents if not content.required for child in content.elements]
-        needed = [child.TAG for content in form.contents if content.required for child in content.elements]
-        for content in form.contents:
+        free += [child.TAG for each in held if not each.required for child in each.elements(core=core)]
+        needed = [child.TAG for each in held if each.required for child in each.elements(core=core)]
+        for content in held:
             if content.short:
-                yield [*form.attributes, content.short], free, []
-        yield [*form.attributes], free, needed
+                yield [*said, content.short], free, []
+        yield said, free, needed
 
 
 def _children(free: list[str], needed: list[str], common: list[str]) -> Iterator[etree._Element]:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from mcpn.mission.expansion.pauses import suffix_at
-from mcpn.mission.expansion.recovery import entered, following, pausing, recovering, suffixes
-from mcpn.mission.expansion.scope import Scope, copies, several
+from mcpn.mission.expansion.copies import Path
+from mcpn.mission.expansion.recovery import entered, following, helping
 from mcpn.mission.graph import ObjectivesGraph
 from mcpn.mission.model import (
     SUCCEED,
@@ -88,47 +87,41 @@ def boxes(mission: Mission, graph: ObjectivesGraph) -> tuple[Box, Mapping[str, i
     """
     building = _Building(mission)
     root = building.mission(mission)
-    keys = building.keys
-    return root, {s.name: keys[s.name] for s in graph.walk()}
+    objectives = graph.copies.objectives
+    return root, {s.name: building.keys[objectives[s.name].path] for s in graph.walk()}
 
 
 class _Building:
     def __init__(self, mission: Mission) -> None:
         self.protocols: dict[str, Protocol] = {p.name: p for p in mission.protocols}
         self.count = 0
-        self.keys: dict[str, int] = {}
+        self.keys: dict[Path, int] = {}
 
     def mission(self, mission: Mission) -> Box:
-        children = self.series(mission.blocks, [Scope()], mission.handlers)
+        children = self.series(mission.blocks, (), mission.handlers)
         return Box(
             -1, "mission", mission.name, mission.description, handlers=mission.handlers, children=children
         )
 
     def series(
-        self, siblings: Sequence[Block], scopes: list[Scope], around: Sequence[Handler], within: str = ""
+        self, siblings: Sequence[Block], uses: Path, around: Sequence[Handler], within: str = ""
     ) -> tuple[Box, ...]:
-        """Siblings that stand in some scopes, under some handlers."""
+        """Siblings inside some uses of protocols, under some handlers."""
         after: dict[str, str | None] = {**following(siblings)}
         if within != "parallel" and siblings:
-            aside = {*recovering(siblings), *pausing(siblings)} - entered(siblings, around)
-            after |= dict.fromkeys(aside)
-        boxes_of = (self.box(*each, within) for each in self.in_scopes(siblings, scopes))
-        return tuple(replace(box, after=after[box.name]) for box in boxes_of)
+            after |= dict.fromkeys(helping(siblings) - entered(siblings, around))
+        return tuple(replace(self.box(block, uses, within), after=after[block.name]) for block in siblings)
 
-    def box(self, block: Block, scopes: list[Scope], within: str = "") -> Box:
-        """A block that stands in some scopes: one for each copy of the blocks around it."""
+    def box(self, block: Block, uses: Path, within: str = "") -> Box:
+        """A block inside some uses of protocols: one box for all copies of it and of the blocks around."""
         key, self.count = self.count, self.count + 1
-        scopes = [inner for scope in scopes for inner in _expanded(block, scope)]
         children: tuple[Block, ...] = ()
         if isinstance(block, Objective):
-            self.keys |= {scope.name(block): key for scope in scopes}
+            self.keys[(*uses, block.name)] = key
         elif isinstance(block, Use):
-            protocol = self.protocols[block.protocol]
-            children, scopes = protocol.blocks, [scope.into_protocol(block, protocol) for scope in scopes]
-        elif isinstance(block, Each):
-            children = block.blocks
+            children, uses = self.protocols[block.protocol].blocks, (*uses, block.name)
         else:
-            children, scopes = block.blocks, [scope.into(block) for scope in scopes]
+            children = block.blocks
         kind = _KINDS[type(block)]
         return Box(
             key,
@@ -145,50 +138,8 @@ class _Building:
             block.timeout_goto,
             block.routes,
             block.handlers,
-            self.series(children, scopes, block.handlers, kind),
+            self.series(children, uses, block.handlers, kind),
         )
-
-    def in_scopes(
-        self, siblings: Sequence[Block], scopes: list[Scope]
-    ) -> Iterator[tuple[Block, list[Scope]]]:
-        """Siblings with their scopes, those of the copies that recover or shelter other siblings included."""
-        recovers, shelters = recovering(siblings), pausing(siblings)
-        for block in siblings:
-            more = [*suffixes(recovers.get(block.name, ()))]
-            found = [*scopes, *(scope.copy(block, suffix) for scope in scopes for suffix in more)]
-            for other in shelters.get(block.name, ()):
-                for scope in scopes:
-                    names = self.leaves(other, scope)
-                    found += (scope.copy(block, suffix_at(name, scope)) for name in names)
-            yield block, found
-
-    def leaves(self, block: Block, scope: Scope) -> Iterator[str]:
-        """The names of the objectives in a block that stands in a scope, blocks that are sections whole."""
-        for inner in _expanded(block, scope, whole=block.timeout is not None):
-            if isinstance(block, Objective | Parallel) or block.timeout is not None:
-                yield inner.name(block)
-                continue
-            children: tuple[Block, ...]
-            if isinstance(block, Use):
-                protocol = self.protocols[block.protocol]
-                children, inside = protocol.blocks, inner.into_protocol(block, protocol)
-            else:
-                children, inside = block.blocks, inner if isinstance(block, Each) else inner.into(block)
-            for child, within in self.in_scopes(children, [inside]):
-                for each in within:
-                    yield from self.leaves(child, each)
-
-
-def _expanded(block: Block, scope: Scope, *, whole: bool = False) -> Iterator[Scope]:
-    """The scopes of a block's rounds and tries; of an ``each`` that is not whole those of what it holds."""
-    if not several(block) and (whole or not isinstance(block, Each)):
-        yield scope
-        return
-    for blocks, inner in copies(block, scope):
-        if isinstance(block, Each) and not (block.recover or block.repeat is not None or block.retries):
-            yield inner
-        else:
-            yield from _expanded(blocks[0], inner, whole=whole)
 
 
 def facts_said(routes: Iterable[FactRoute]) -> Iterator[tuple[FactRoute, str]]:

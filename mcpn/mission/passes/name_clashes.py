@@ -7,9 +7,9 @@ from itertools import islice, product
 
 from mcpn.errors import Problem
 from mcpn.mission.expansion.recovery import recovering, suffixes
-from mcpn.mission.expansion.scope import MAX_OBJECTIVES
 from mcpn.mission.language.datatypes import MAX_ROUNDS
 from mcpn.mission.model import Block, Each, Holder, Parallel, walk
+from mcpn.mission.passes.limits import MAX_OBJECTIVES
 
 
 def clashes(blocks: tuple[Block, ...]) -> Iterator[Problem]:

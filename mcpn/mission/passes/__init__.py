@@ -1,0 +1,54 @@
+"""From what an author writes to the core mission, one construct after the other.
+
+Each pass reads a mission and gives one without its construct. What is left are objectives that hold others
+one after the other, parallel blocks and elementary objectives, each with the name that it has from then on
+(``visit_12.travel_try2``). Such a mission is a *core mission* (``core="true"`` in files): its names may be
+qualified, and blocks say by ``copy`` which copy of what is written they are.
+
+What no mission says remains for the objectives graph (:mod:`mcpn.mission.flatten`): that a guard holds for
+handlers, which have one target alone; for which reason blocks fail; and copies of siblings that run for
+others, in pauses and to recover: they stand outside the block that they lead back into.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from mcpn.mission.model import Mission
+from mcpn.mission.passes.each import each
+from mcpn.mission.passes.limits import measure
+from mcpn.mission.passes.parameters import parameters
+from mcpn.mission.passes.repeat import repeat
+from mcpn.mission.passes.retries import retries
+from mcpn.mission.passes.uses import uses
+from mcpn.mission.passes.wholes import becoming, timeouts
+
+PASSES: tuple[Callable[[Mission], Mission], ...] = (
+    uses,
+    becoming,
+    repeat,
+    retries,
+    each,
+    timeouts,
+    parameters,
+)
+"""In the order in which they run."""
+
+
+def core(mission: Mission, until: str = "") -> Mission:
+    """The core mission of a valid mission.
+
+    Args:
+        mission: The mission.
+        until: The name of a pass, the last that runs; all run by default.
+
+    Raises:
+        LimitError: It would be too large.
+    """
+    measure(mission)
+    for rewrite in PASSES:
+        mission = rewrite(mission)
+        if rewrite.__name__ == until:
+            break
+    return replace(mission, core=True)

@@ -1,0 +1,32 @@
+"""Rounds for values are written out one after the other, each with its value as a parameter."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from mcpn.mission.expansion.recovery import following
+from mcpn.mission.model import SUCCEED, Block, Each, Mission, Recursive
+from mcpn.mission.passes.copying import copied, led
+from mcpn.mission.passes.parameters import with_parameter
+from mcpn.mission.passes.rewriting import common, rewritten
+from mcpn.mission.robot import Parameter
+
+
+def each(mission: Mission) -> Mission:
+    """Rounds for values are written out, the end of each leading to the next (`<each>`)."""
+    return rewritten(mission, _written_out)
+
+
+def _written_out(block: Block) -> Block:
+    if not isinstance(block, Each):
+        return block
+    after = following(block.blocks)
+    inside = [child if child.success else replace(child, success=after[child.name]) for child in block.blocks]
+    made = list[Block]()
+    for value, next_ in zip(block.values, (*block.values[1:], None), strict=True):
+        said = Parameter(name=block.bound, value=value, source=block.source)
+        names = {child.name: f"{child.own}_{value}" for child in inside}
+        if next_ is not None:
+            names[SUCCEED] = f"{inside[0].own}_{next_}"
+        made += (copied(with_parameter(child, said), value, **led(child, names)) for child in inside)
+    return Recursive(**common(block), parameters=block.parameters, blocks=tuple(made))

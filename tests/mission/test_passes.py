@@ -1,0 +1,95 @@
+"""Passes from what an author writes to the core mission: what each gives reads again, and means the same."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+
+from mcpn.errors import InputError
+from mcpn.mission.expansion.copies import Copies
+from mcpn.mission.flatten import flatten, requirements_of
+from mcpn.mission.model import Each, Mission, Objective, Recursive, Use, walk
+from mcpn.mission.passes import PASSES, core
+from mcpn.mission.writer import write_mission
+from mcpn.mission.xml import read_mission
+from mcpn.testing.elements import WIDEST
+from tests.conftest import ROOT, ULYSSE
+from tests.draws import fewer
+from tests.small import activity, mission, robot
+
+
+def placed(copies: Copies) -> dict[str, list[object]]:
+    """Where each objective stands: itself and the blocks around it, with what tells copies apart."""
+    return {
+        name: [(at.prefix, at.block, at.suffixes, at.protocol, at.nominal) for at in position.chain]
+        for name, position in copies.objectives.items()
+    }
+
+
+def meaning(mission: Mission) -> tuple[Any, ...]:
+    """All that follows from a mission: its objectives graph, what names mean in it, its requirements."""
+    graph = flatten(mission)
+    return graph, graph.unreached, placed(graph.copies), requirements_of(mission)
+
+
+@fewer(0.7)
+@given(mission=WIDEST)
+def test_what_a_pass_gives_reads_again_and_means_the_same(
+    mission: Mission, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    path, whole = tmp_path_factory.mktemp("core") / "m.xml", meaning(mission)
+    for rewrite in PASSES:
+        rewritten = core(mission, until=rewrite.__name__)
+        path.write_bytes(write_mission(rewritten))
+        assert (again := read_mission(path)) == rewritten, rewrite.__name__
+        assert meaning(again) == whole, rewrite.__name__
+
+
+def test_a_core_mission_holds_objectives_and_parallel_blocks_alone() -> None:
+    for path in sorted((ROOT / "experiments").glob("*/mission.xml")):
+        made = core(read_mission(path))
+        assert not [block for block in walk(made.blocks) if isinstance(block, Use | Each)], path
+        assert not [b for b in walk(made.blocks) if b.retries or b.repeat is not None], path
+        series = [block for block in walk(made.blocks) if isinstance(block, Recursive)]
+        assert not [block for block in series if block.parameters or block.timeout is not None], path
+
+
+def test_the_lines_of_an_author_stay() -> None:
+    mission = read_mission(ULYSSE)
+    texts = (mission.blocks, *(protocol.blocks for protocol in mission.protocols))
+    lines = {(block.name, block.source) for blocks in texts for block in walk(blocks)}
+    assert {(block.written, block.source) for block in walk(core(mission).blocks)} <= lines
+
+
+@pytest.mark.parametrize(
+    ("attribute", "found"),
+    [
+        ('copy="try1"', "found the attribute copy on <objective>"),
+        ('protocol="deliver"', "found the attribute protocol on <objective>"),
+        ('success="timed out"', "success of <objective> is 'timed out'"),
+    ],
+)
+def test_words_of_core_missions_are_refused_in_others(tmp_path: Path, attribute: str, found: str) -> None:
+    (tmp_path / "m.xml").write_text(
+        '<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r"><activity name="a"/></robot>'
+        f'<objective name="o" {attribute}><objective name="p" activities="a"/></objective></mission>'
+    )
+    with pytest.raises(InputError, match=found):
+        read_mission(tmp_path / "m.xml")
+
+
+def test_a_mission_built_in_python_says_that_it_is_a_core_mission() -> None:
+    built = mission(robot((), activity("a", ())), Objective(name="visit.o", activities=("a",)))
+    assert [section.name for section in flatten(replace(built, core=True)).sections] == ["visit.o"]
+    with pytest.raises(InputError, match=r"the name 'visit\.o' is not allowed"):
+        flatten(built)
+    copy = mission(robot((), activity("a", ())), Objective(name="o_try1", copy=("try1",), activities=("a",)))
+    with pytest.raises(InputError, match="o_try1 has copy, though the mission is no core mission"):
+        flatten(copy)
+    other = mission(robot((), activity("a", ())), Objective(name="o", copy=("try1",), activities=("a",)))
+    with pytest.raises(InputError, match="the copy try1 of o is not what its name ends in"):
+        flatten(replace(other, core=True))
