@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -171,7 +172,7 @@ class WholeNet:
         self.mission_net = mission_net
         self.templates = templates
         # What sections that run the same activities use lies in one place for all of them.
-        self._used: dict[tuple[SectionType, Used], dict[Kind, list[int]]] = {}
+        self._used: dict[tuple[SectionType, Used], dict[Kind, array[int]]] = {}
 
     def stage(self, section: Section, part: LocalPart, type_: SectionType) -> Stage:
         """A section of the mission with its type."""
@@ -187,20 +188,20 @@ class WholeNet:
 
     def _located(
         self, kind: Kind, part: LocalPart, type_: SectionType, own: Mapping[Element, Element]
-    ) -> list[int]:
+    ) -> array[int]:
         """Where the places, or the transitions, of a section's local net lie."""
         known = self._used.setdefault((type_, part.used), {})
         if kind not in known:
             used = Renaming(type_.part, part).elements
-            known[kind] = [NOWHERE] * len(getattr(type_.net.net, kind))
+            known[kind] = array("q", [NOWHERE]) * len(getattr(type_.net.net, kind))
             self._locate(known[kind], kind, part, type_, {e: used[e] for e in used.keys() - own.keys()})
-        indices = known[kind].copy()
+        indices = known[kind][:]
         self._locate(indices, kind, part, type_, own)
         return indices
 
     def _locate(
         self,
-        indices: list[int],
+        indices: array[int],
         kind: Kind,
         part: LocalPart,
         type_: SectionType,

@@ -101,6 +101,16 @@ class Used:
         return tuple(h.name for h in self.hardware if h.faulty)
 
     @cached_property
+    def statuses(self) -> tuple[Status, ...]:
+        """The status of hardware that can fail, one for all sections with these activities."""
+        return tuple(statuses((h for h in self.hardware if h.faulty), (), ()))
+
+    @cached_property
+    def flags(self) -> tuple[Flag, ...]:
+        """What may be true of it, while none dies."""
+        return kind_by_kind(self.statuses)
+
+    @cached_property
     def late(self) -> tuple[str, ...]:
         """Hardware whose loss is detected late, in the order of :attr:`hardware`."""
         return tuple(h.name for h in self.hardware if h.detected == "late")
@@ -203,13 +213,14 @@ class LocalPart:
     @cached_property
     def statuses(self) -> tuple[Status, ...]:
         """What has a status that the sections are entered with, may change, and hand on."""
-        hardware = (h for h in self.used.hardware if h.faulty)
-        return tuple(statuses(hardware, self.once, self.facts))
+        beside = tuple(statuses((), self.once, self.facts))
+        return (*self.used.statuses, *beside) if beside else self.used.statuses
 
     @cached_property
     def flags(self) -> tuple[Flag, ...]:
         """What may be true of these, while no hardware dies, kind by kind."""
-        return kind_by_kind(self.statuses)
+        alone = self.statuses is self.used.statuses
+        return self.used.flags if alone else kind_by_kind(self.statuses)
 
     @property
     def entry_flags(self) -> tuple[str, ...]:

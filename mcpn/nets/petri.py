@@ -388,12 +388,13 @@ class NetBuilder:
             InputError: A transition or a unit names a place that nobody declared.
         """
         index = {name: number for number, name in enumerate(self._places)}
+        single = {name: (number, 1) for name, number in index.items()}  # one for all arcs that are alike
 
         def resolve(weights: Mapping[str, int], user: str, provenance: Provenance | None) -> Arcs:
             if not weights:
                 return ()
             try:
-                arcs = [(index[place], weight) for place, weight in weights.items()]
+                arcs = [single[place] if w == 1 else (index[place], w) for place, w in weights.items()]
             except KeyError as missing:
                 raise InputError.at(
                     provenance.source if provenance else None,

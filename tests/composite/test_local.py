@@ -139,7 +139,7 @@ def test_sections_lie_in_the_whole_where_their_own_nets_have_the_same_names(
         for found, drawn, index in both:
             of_mission = [d.provenance is not None and d.provenance.kind == "mission" for d in drawn]
             there = [index.get(d.name, NOWHERE) for d in drawn]
-            assert found == [NOWHERE if m else t for m, t in zip(of_mission, there, strict=True)]
+            assert list(found) == [NOWHERE if m else t for m, t in zip(of_mission, there, strict=True)]
     shared = len({placed.part.used for placed in composite.sections.values()}) < len(composite.sections)
     event(f"sections that use the same: {shared}")
 

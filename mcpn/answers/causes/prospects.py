@@ -185,16 +185,16 @@ class Prospects(Generic[S]):
             h.name for h in mission_net.mission.hardware if ("oos", h.name) in mission_net.by_role
         )
         self.sections = {section.name: section for section in mission_net.graph.walk()}
-        self._carrying = defaultdict[Event | What | tuple[What, str], set[int]](set)
+        self._carrying = defaultdict[Event | What | tuple[What, str], list[int]](list)
         for t, transition in enumerate(mission_net.net.transitions):
             if (event := transition.event) is not None:
-                self._carrying[event].add(t)
-                self._carrying[event.what].add(t)
-                self._carrying[event.what, event.element].add(t)
+                self._carrying[event].append(t)
+                self._carrying[event.what].append(t)
+                self._carrying[event.what, event.element].append(t)
         self.failing = frozenset(self._carrying[What.OUT_OF_SERVICE])
         self.dying = frozenset(self._carrying[What.LOST])
         self.everything = frozenset[int]().union(*self._carrying.values()) - self.dying
-        self.unrepaired = self.everything - self._carrying[What.REPAIRED]
+        self.unrepaired = self.everything.difference(self._carrying[What.REPAIRED])
         self._striking = Striking(mission_net)
         self._images = ImageStore(len(mission_net.roles))
         self._alike: Alike[Counted] = Alike()
@@ -445,7 +445,7 @@ class Prospects(Generic[S]):
         oos = self.places("oos", names)
         ends = [space.restricted(end, oos, ()) for end in ends]
         forced, free = (self._onward(goal, guards) for guards in (self.forced, None))
-        quiet = transitions - self._carrying[What.DECLARED] - self._carrying[What.TIMEOUT]
+        quiet = transitions.difference(self._carrying[What.DECLARED], self._carrying[What.TIMEOUT])
         tries = [(quiet, end, forced) for end in ends]
         tries += [(transitions, end, guards) for end, guards in product(ends, (forced, free))]
         for steps, end, guards in tries:
