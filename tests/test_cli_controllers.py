@@ -102,6 +102,27 @@ def test_what_a_mission_gets_is_said_by_check(tmp_path: Path) -> None:
     assert 0 < int(rules[1]) <= int(found[1].replace(",", ""))
 
 
+def test_tables_that_take_a_large_file_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(generate, "MOST_UNTOLD", 100)
+    monkeypatch.setattr(generate, "MOST_BYTES", 10_000)
+    path, out = save(tmp_path, 6, 2, 6), tmp_path / "out"
+    run = mcpn("controller", path, "-o", out, "--form", "hierarchical")
+    assert run.returncode == 2
+    found = re.search(
+        r"in a file of more than [\d.]+ MB; the limit is 0 MB, and --max-states (\d+) goes on all the same; "
+        r"--form modular takes (\d+) kB\n",
+        run.stderr,
+    )
+    assert found is not None, run.stderr
+    assert not out.exists()
+    assert mcpn("controller", path, "-o", out, "--form", "minimised").returncode == 0
+    run = mcpn("controller", path, "-o", out, "--form", "hierarchical", "--max-states", found[1])
+    assert run.returncode == 0
+    assert mcpn("controller", path, "-o", tmp_path / "rules", "--form", "modular").returncode == 0
+    size = (tmp_path / "rules" / "controller.json").stat().st_size
+    assert size / 3 < float(found[2]) * 1e3 < 3 * size
+
+
 def test_the_size_of_what_is_listed_is_said_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(generate, "MOST_UNTOLD", 100)
     path, out = save(tmp_path, 6, 2, 6), tmp_path / "out"

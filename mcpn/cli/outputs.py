@@ -76,22 +76,24 @@ def controller(
     from mcpn.controller.generate import refuse_or_tell
     from mcpn.controller.hierarchy import TableController
     from mcpn.controller.minimise import minimise
-    from mcpn.controller.sizes import representatives
+    from mcpn.controller.sizes import MAX_TABLE_STATES
     from mcpn.files import write_folder
     from mcpn.robot.targets import OF_RULES, files
 
     study = question.study(mission)
     tables = form == "auto" and target not in OF_RULES
     made = "hierarchical" if form == "minimised" or tables else form
-    told = _once()
+    told, most = _once(), question.max_states
+    if form == "minimised" and most is None:  # whose file is small whatever is listed for it
+        most = MAX_TABLE_STATES
     with question.work():
         if not unverified and not study.is_net:
             if made == "hierarchical":
                 composite = study.mission_spaces("a controller").composite
                 with suppress(SemanticsError):  # which verification reports with more
-                    refuse_or_tell(representatives(composite()), question.max_states, told)
+                    refuse_or_tell(composite(), most, told)
             require_verified(study, question, REFUSED)
-        found = study.controller(made, max_states=question.max_states, told=told)
+        found = study.controller(made, max_states=most, told=told)
     size = found.size
     if form == "minimised" and isinstance(found, TableController):
         found = minimise(found)

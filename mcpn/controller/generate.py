@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from typing import Literal, overload
 
 from mcpn.answers.spaces import MissionSubject, spaces_of
 from mcpn.composite.clash import in_mission_words
+from mcpn.composite.composite import CompositeSpace
 from mcpn.composite.section_type import SectionType
+from mcpn.controller.document import document
 from mcpn.controller.hierarchy import TableController, flat_controller, hierarchical_controller
 from mcpn.controller.modular import AnyController, ModularController
 from mcpn.controller.rules import modular_controller
@@ -26,6 +29,9 @@ Form = Literal["flat", "hierarchical", "modular"]
 
 BYTES_OF_EDGE = 150
 """Which an edge takes in a file, at least: two states, its event, some actions."""
+
+MOST_BYTES = 100_000_000
+"""Of a file of tables, where the user does not say how many states a machine may have."""
 
 MOST_UNTOLD = 10_000
 """States of a section up to which it is listed without a call of ``told``."""
@@ -100,32 +106,48 @@ def generate(
         if told:
             told(f"{error}: a modular controller is made instead")
         return modular_controller(composite)
-    refuse_or_tell(name_of_type, max_states, told)
+    refuse_or_tell(composite, max_states, told)
     listed = {type_: type_.listed() for type_ in name_of_type}
     return hierarchical_controller(composite, listed)
 
 
 def refuse_or_tell(
-    names: Mapping[SectionType, str], max_states: int | None, told: Callable[[str], object] | None
+    composite: CompositeSpace, max_states: int | None, told: Callable[[str], object] | None
 ) -> None:
     """Refuses a hierarchical controller that is too large, or says how large it will be, before it is listed.
 
     Args:
-        names: The types of sections, each with the name of a section.
-        max_states: How many states a machine may have.
+        composite: The mission's composite.
+        max_states: How many states a machine may have; where given, its file may have any size.
         told: Called with what there is to say of a large one.
 
     Raises:
-        LimitError: It is too large.
+        LimitError: It is too large; the message says what the modular form takes.
     """
+    names = representatives(composite)
     if error := too_large(names, MAX_TABLE_STATES if max_states is None else max_states):
         raise error
     largest = max(names, key=lambda type_: type_.size)
-    if told is None or largest.size <= MOST_UNTOLD:
+    if largest.size <= MOST_UNTOLD:
         return
     edges = sum(map(table_edges, names))
-    told(
+    said = (
         f"{len(names)} machines of sections list {sum(type_.size for type_ in names):,} states, the largest, "
         f"of section {names[largest]}, {largest.size:,}, and {edges:,} edges, in a file of more than "
-        f"{edges * BYTES_OF_EDGE / 1e6:,.1f} MB{rules_instead(names)}"
+        f"{edges * BYTES_OF_EDGE / 1e6:,.1f} MB"
     )
+    if max_states is None and edges * BYTES_OF_EDGE > MOST_BYTES:
+        raise LimitError(
+            f"{said}; the limit is {MOST_BYTES / 1e6:,.0f} MB, and --max-states {largest.size} goes on all "
+            f"the same{_modular_instead(composite, names)}"
+        )
+    if told is not None:
+        told(f"{said}{rules_instead(names)}")
+
+
+def _modular_instead(composite: CompositeSpace, names: Mapping[SectionType, str]) -> str:
+    """How large the modular form is, where there is one: it is made to see."""
+    if any(type_.steps is None for type_ in names):
+        return ""
+    text = json.dumps(document(modular_controller(composite), composite.mission_net))
+    return f"; --form modular takes {len(text) / 1e3:,.0f} kB"
