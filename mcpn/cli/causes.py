@@ -32,7 +32,7 @@ MOST_TOLD = 50
     "--certificate",
     type=FILE,
     metavar="OUT",
-    help="Write the minimal cut sets to OUT, with evidence that certcheck checks.",
+    help="Write the minimal cut sets to OUT, with evidence, and have certcheck check it.",
 )
 @click.option(
     "--rates",
@@ -118,11 +118,13 @@ def causes(
                 unanswered = LimitError(f"numbers of risk: not computed: {error}")
     written = None
     if certificate is not None:
+        from mcpn.certificates.verified import verified
         from mcpn.certificates.writing import certificate_of_causes
 
         with question.progress():
-            written = certificate_of_causes(every, question.max_states)
-        write_atomically(certificate, written.to_bytes())
+            evidence = certificate_of_causes(every, question.max_states)
+            write_atomically(certificate, evidence.to_bytes())
+            written = verified(evidence, certificate)
     if openpsa is not None:
         cut_sets = {name: goal.cut_sets for name, goal in every.objectives.items()}
         safety = None if every.safety is None else every.safety.cut_sets
@@ -161,7 +163,7 @@ def causes(
     if written is not None:
         from mcpn.report.certificates import print_certificate
 
-        print_certificate(written, certificate)
+        print_certificate(written)
     if rows:
         asked = [row for row in rows if not objectives or row.objective in found.objectives]
         terminal.print_fmeca(asked, found.mission_net, classes)

@@ -24,7 +24,7 @@ from mcpn.errors import InputError, Source
 
 if TYPE_CHECKING:
     from mcpn.answers.verdicts.mission import MissionCheck
-    from mcpn.certificates.writing import Certificate
+    from mcpn.certificates.verified import Verified
     from mcpn.report.annotations import AnnotationForm
     from mcpn.spaces.engine_names import Asked
 
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     "--certificate",
     type=FILE,
     metavar="OUT",
-    help="Of a mission: write its claims to OUT, with evidence that certcheck checks.",
+    help="Of a mission: write its claims to OUT, with evidence, and have certcheck check it.",
 )
 @click.option(
     "--format",
@@ -85,31 +85,30 @@ def check(
     warned = [] if question.as_json else tell_warnings(study.mission_net)
     with question.work():
         found = study.verdicts(engine=engine, max_states=question.max_states)
-    seconds = time.perf_counter() - started
-    written = None if certificate is None else _certify(question, found, certificate)
+        seconds = time.perf_counter() - started
+        written = None if certificate is None else certified(found, certificate, question.max_states)
     if question.as_json:
         emit_json({**_check_object(found, seconds, internal), **({} if written is None else written.said)})
     else:
+        from mcpn.report.certificates import print_certificate, print_unchecked
         from mcpn.report.checked import print_check
 
         print_check(found, seconds, internal=internal, told=warned, strict=strict)
-        if written is not None:
-            from mcpn.report.certificates import print_certificate
-
-            print_certificate(written, certificate)
-    if not found.passed or (strict and found.warnings):
+        print_unchecked() if written is None else print_certificate(written)
+    refuted = written is not None and written.keys("refuted")
+    if not found.passed or (strict and found.warnings) or refuted:
         sys.exit(EXIT_FAILED)
 
 
-def _certify(question: Question, found: MissionCheck, out: Path) -> Certificate:
-    """Writes the certificate of a check."""
+def certified(found: MissionCheck, out: Path, max_states: int | None) -> Verified:
+    """Writes the certificate of a check, and has certcheck check it."""
+    from mcpn.certificates.verified import verified
     from mcpn.certificates.writing import certificate_of
     from mcpn.files import write_atomically
 
-    with question.work():
-        certificate = certificate_of(found, question.max_states)
-        write_atomically(out, certificate.to_bytes())
-    return certificate
+    certificate = certificate_of(found, max_states)
+    write_atomically(out, certificate.to_bytes())
+    return verified(certificate, out)
 
 
 def _annotate(

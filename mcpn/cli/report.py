@@ -21,17 +21,25 @@ if TYPE_CHECKING:
 @click.argument("mission", type=FILE)
 @click.option("-o", "--output", type=FILE, required=True, help="The page to write, FILE.html.")
 @engine_option()
+@click.option(
+    "--certificate",
+    type=FILE,
+    metavar="OUT",
+    help="Write the claims to OUT, with evidence, have certcheck check it, and say on the page what it says.",
+)
 @question(workers=True)
 def report(
     question: Question,
     mission: Path,
     output: Path,
     engine: Asked,
+    certificate: Path | None,
 ) -> None:
     """Write a report of MISSION as one HTML page: drawing, verdicts, causes, a controller to click through.
 
     The page opens from disk, needs no network, and can be printed or sent.
     """
+    from mcpn.cli.check import certified
     from mcpn.files import write_atomically
     from mcpn.report.page import page
     from mcpn.report.pictures.machines import local_pictures
@@ -44,7 +52,8 @@ def report(
         found = study.findings(engine=engine, max_states=question.max_states)
         step(Doing.PREPARING, question="the page")
         local = local_pictures(found.local)
-        text = page(found, local=local)
+        verified = None if certificate is None else certified(found.check, certificate, question.max_states)
+        text = page(found, local=local, verified=verified)
     write_atomically(output, text)
     if question.as_json:
         size = len(text.encode())
@@ -53,7 +62,7 @@ def report(
         for note in (*found.notes, *found.unlisted, *local[1]):
             click.echo(f"note: {note}", err=True)
         click.echo(str(output))
-    if not found.check.passed:
+    if not found.check.passed or (verified is not None and verified.keys("refuted")):
         sys.exit(EXIT_FAILED)
 
 

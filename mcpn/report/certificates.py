@@ -1,31 +1,47 @@
-"""What the terminal says of a certificate: which claims have evidence, which are only trusted, and why."""
+"""What the terminal says of a certificate: by claim whether certcheck has checked it, or what is trusted."""
 
 from __future__ import annotations
 
-from collections import defaultdict
-from pathlib import Path
+from collections import Counter, defaultdict
+from collections.abc import Iterable
 
-from mcpn.certificates.writing import Certificate
+from mcpn.certificates.verified import NONE_CHECKED, Verified
 from mcpn.report.terminal import Terminal
 from mcpn.sentences import shortened
 
 MOST_TOLD = 4
-"""Claims without evidence that a line names."""
-TRUSTED = "Trusted are the net, drawn from the mission, and the formulas, read from their text."
+"""Claims that a line names one by one."""
 
 
-def print_certificate(certificate: Certificate, file: Path | None) -> None:
-    """Prints what a certificate holds, and how it is checked.
+def print_unchecked() -> None:
+    """Prints what is trusted of a check without a certificate."""
+    Terminal().print(f"{NONE_CHECKED} (--certificate OUT)", style="dim")
+
+
+def print_certificate(verified: Verified) -> None:
+    """Prints what certcheck says of each claim of a certificate, and what is only trusted.
 
     Args:
-        certificate: The certificate.
-        file: Where it has been written.
+        verified: The certificate as it has been checked.
     """
-    terminal, claims = Terminal(), len(certificate.claims)
-    terminal.print(f"certificate {file}: {claims} claims with evidence. {TRUSTED}")
-    without = defaultdict[str, list[str]](list)
-    for key, (_, why) in certificate.trusted.items():
-        without[why].append(key)
-    for why, keys in without.items():
-        terminal.print(f"without evidence, trusted: {shortened(keys, MOST_TOLD)}: {why}", indent=2)
-    terminal.print(f"check it: python -m mcpn.certificates.certcheck {file}", style="dim")
+    terminal = Terminal()
+    terminal.print(f"certificate {verified.file}: {verified.summary}")
+    terminal.print(f"checked: {_by_kind(verified.keys('proved'))}", indent=2)
+    reasons = defaultdict[tuple[str, str], list[str]](list)
+    for how in ("refuted", "not checked"):
+        for key in verified.keys(how):
+            reasons[how, verified.found[key][1]].append(key)
+    for key, (_, why) in verified.certificate.trusted.items():
+        reasons["trusted, without evidence", why].append(key)
+    for (how, why), keys in reasons.items():
+        style = "red" if how == "refuted" else None
+        terminal.print(f"{how}: {shortened(keys, MOST_TOLD)}: {why}", indent=2, style=style)
+    terminal.print(f"check it elsewhere: python -m mcpn.certificates.certcheck {verified.file}", style="dim")
+
+
+def _by_kind(keys: Iterable[str]) -> str:
+    """Claims by their kinds, each with how many there are of it."""
+    kinds = Counter(key.partition(":")[0] for key in keys)
+    return (
+        ", ".join(kind if number == 1 else f"{kind} ({number})" for kind, number in kinds.items()) or "none"
+    )

@@ -19,6 +19,8 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mcpn.answers.claims.found import of_verdict
+from mcpn.certificates.verified import NONE_CHECKED
 from mcpn.errors import InputError
 from mcpn.mission.model import Mission
 from mcpn.report.assets import environment
@@ -33,6 +35,8 @@ from mcpn.report.pictures.machines import LocalPictures, local_pictures
 from mcpn.version import VERSION
 
 if TYPE_CHECKING:
+    from mcpn.answers.verdicts.mission import MissionCheck
+    from mcpn.certificates.verified import Verified
     from mcpn.errors import Problem, Source
     from mcpn.findings import Findings
     from mcpn.mission.model import Mission
@@ -58,6 +62,13 @@ def identity(findings: Findings) -> Iterator[tuple[str, str, str]]:
     if files:
         shown = f"SHA-256 {digest[:MOST_DIGITS]} of {', '.join(Path(file).name for file in files)}"
         yield "sources", shown, f"{digest}: cat {' '.join(files)} | sha256sum"
+
+
+def how_known(check: MissionCheck, verified: Verified) -> dict[str, str]:
+    """By name of a verdict or requirement: whether certcheck has checked it, or why it is trusted."""
+    keys = {name: of_verdict(verdict).key for name, verdict in check.verdicts.items()}
+    keys |= {each.asked.name: f"requirement: {each.asked.name}" for each in check.requirements}
+    return {name: verified.of(key) for name, key in keys.items()}
 
 
 def date() -> str:
@@ -101,7 +112,12 @@ AROUND, MOST_OF_LINE = 2, 200
 
 
 def page(
-    findings: Findings, *, local: LocalPictures | None = None, served: int = 0, robot: bool = False
+    findings: Findings,
+    *,
+    local: LocalPictures | None = None,
+    served: int = 0,
+    robot: bool = False,
+    verified: Verified | None = None,
 ) -> str:
     """The report as a page of HTML.
 
@@ -111,6 +127,7 @@ def page(
         served: The number of this version of the page, where a server makes a new one after each change of
             the mission's files; 0 for a page without a server.
         robot: Whether the page shows what a robot does, which a server sends.
+        verified: What certcheck says of the mission's certificate, where one has been written.
 
     Raises:
         InputError: The environment sets a date that is none.
@@ -121,6 +138,7 @@ def page(
     data = json.dumps(live, separators=(",", ":"))
     pictures, undrawn = local_pictures(findings.local) if local is None else local
     script, digest = _script()
+    known = {} if verified is None else how_known(findings.check, verified)
     return (
         environment()
         .get_template("report.html")
@@ -137,7 +155,8 @@ def page(
             played="net" in live,
             most_markings=MOST_MARKINGS,
             file=next((Path(file).name for file in files_of(mission_net.mission)), "MISSION"),
-            verdicts=list(runs_of(findings.check)),
+            verdicts=[{**each, "known": known.get(each["name"], "")} for each in runs_of(findings.check)],
+            trusted=NONE_CHECKED if verified is None else verified.summary,
             verdict=headline(findings),
             preflight=list(preflight(findings)),
             story=list(story(findings)),

@@ -184,6 +184,10 @@ CHECK = Document(
             ),
             "undecided": MapOf("By verdict that is null: why.", String()),
             "certificate?": MapOf("With --certificate: why a claim has no evidence, by claim.", String()),
+            "checked?": MapOf(
+                "With --certificate: of each other claim what certcheck says: proved, refuted, not checked.",
+                String(),
+            ),
             "claims": ListOf("All that is said of the mission, but for losses of hardware.", CLAIM),
             "warnings": ListOf(
                 "What is suspicious in the mission, by its text and by its states.",
@@ -378,6 +382,10 @@ CAUSES = Document(
                         "ask": String("The options that ask for it."),
                     },
                 ),
+            ),
+            "checked?": MapOf(
+                "With --certificate: of each other claim what certcheck says: proved, refuted, not checked.",
+                String(),
             ),
             "no_risk?": String("With --rates: why there are no numbers of risk; the exit code is 2."),
             "risk?": ObjectOf(

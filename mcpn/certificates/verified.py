@@ -1,0 +1,74 @@
+"""What certcheck says of a certificate that has been written, claim by claim, and what is trusted still."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from mcpn.certificates import certcheck
+
+if TYPE_CHECKING:
+    from mcpn.certificates.writing import Certificate
+
+SECONDS = 60.0
+"""Time that certcheck gets where a command runs it."""
+STILL_TRUSTED = (
+    "still trusted: reader and templates, which make the net of the mission, and that a formula says what "
+    "its text says"
+)
+"""What no claim of a certificate is free of (docs/certificates.md)."""
+NONE_CHECKED = "no claim is checked by certcheck: reader, templates, kernel and engines are trusted"
+
+
+class Verified(NamedTuple):
+    """A certificate, and what the checker says of it.
+
+    Args:
+        certificate: The certificate.
+        file: Where it is.
+        found: By key of each claim with evidence: ``proved``, ``refuted`` or ``not checked``, and why.
+    """
+
+    certificate: Certificate
+    file: Path
+    found: dict[str, tuple[str, str]]
+
+    def keys(self, how: str) -> list[str]:
+        """The claims of which certcheck says so."""
+        return [key for key, (said, _) in self.found.items() if said == how]
+
+    def of(self, key: str) -> str:
+        """What is known of how a claim is known: ``checked``, ``refuted``, ``not checked`` or ``trusted``."""
+        if key in self.found:
+            how, why = self.found[key]
+            return "checked by certcheck" if how == "proved" else f"{how} by certcheck: {why}"
+        _, why = self.certificate.trusted.get(key, ("", "no evidence is written for it"))
+        return f"trusted, not checked by certcheck: {why}"
+
+    @property
+    def summary(self) -> str:
+        """How many claims are checked, and what is trusted all the same."""
+        checked, every = len(self.keys("proved")), len(self.found) + len(self.certificate.trusted)
+        return f"{checked} of {every} claims are checked by certcheck; {STILL_TRUSTED}"
+
+    @property
+    def said(self) -> dict[str, Any]:
+        """For programs: by claim why it is only trusted, and what certcheck says of each other one."""
+        checked = {key: how if how == "proved" else f"{how}: {why}" for key, (how, why) in self.found.items()}
+        return {**self.certificate.said, "checked": checked}
+
+
+def verified(certificate: Certificate, file: Path, seconds: float = SECONDS) -> Verified:
+    """Has certcheck check a certificate that has been written.
+
+    Args:
+        certificate: The certificate.
+        file: Where it has been written: this is what is read.
+        seconds: After which time what is left is not checked.
+    """
+    try:
+        report = certcheck.checked(str(file), seconds=seconds)
+    except (certcheck.Malformed, certcheck.Limit, RecursionError, MemoryError) as error:
+        why = str(error) or "there is not enough memory"
+        report = [("not checked", claim["key"], why) for claim in certificate.claims]
+    return Verified(certificate, file, {key: (how, why) for how, key, why in report})
