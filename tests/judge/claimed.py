@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable
+from functools import cached_property
 
 from mcpn.mission.model import Mission
 from mcpn.testing.judge.interpreter import (
@@ -12,6 +13,7 @@ from mcpn.testing.judge.interpreter import (
     FAILURE,
     OUT_OF_SERVICE,
     REPAIRED,
+    START,
     SUCCESS,
     TIMEOUT,
     Happening,
@@ -20,7 +22,9 @@ from mcpn.testing.judge.interpreter import (
 )
 from mcpn.testing.judge.robot import Acting
 from tests.judge.asked import Runs
+from tests.judge.nominal import played
 from tests.judge.test_ignored import around, led_to
+from tests.judge.test_unsafe_abort import by_word_alone, failing
 
 HARDWARE = (OUT_OF_SERVICE, REPAIRED, DETECTED)
 
@@ -93,6 +97,16 @@ class Judged:
         events = (event for ways in self.leads.values() for event, _ in ways if event is not None)
         return {event for event in events if event[0] in (DECLARED, TIMEOUT)}
 
+    def happenings(self, name: str, word: str) -> list[Happening]:
+        """The events that a claim calls by what they are to a thing: of hardware, or of all copies."""
+        of_hardware = {"loss": OUT_OF_SERVICE, "detected loss": DETECTED}
+        if word in of_hardware:
+            return [(of_hardware[word], name)]
+        end, _, reason = word.partition(" for ")
+        what = f"{end} {reason}" if reason else end
+        named = self.of(name) or {name}  # a block, whose time is over
+        return [(START, "") if end == "start" else (what, copy) for copy in named]
+
     def taking(self, event: Happening) -> list[tuple[State, State]]:
         """The steps that an event makes."""
         return [(s, after) for s, ways in self.leads.items() for what, after in ways if what == event]
@@ -101,7 +115,165 @@ class Judged:
         """Whether an event may happen in a state."""
         return any(what == event for what, _ in self.leads[state])
 
+    def reaching_safely(self, without: Iterable[Happening] = ()) -> set[State]:
+        """The same of safe ends: success, and an abort but by the failure of what should make safe."""
+        left_out = frozenset(without)
+        found = {state for state in self.leads if state.outcome == SUCCESS}
+        last = {
+            s
+            for s, ways in self.leads.items()
+            for event, after in ways
+            if after.outcome == ABORTED != s.outcome
+            and event is not None
+            and event not in left_out
+            and not self.fails_badly(s, event)
+        }
+        return found | self.onto(last, left_out)
+
+    def onto(self, goal: set[State], left_out: frozenset[Happening]) -> set[State]:
+        """States of a goal, of success, and those from which runs lead there."""
+        found, more = {s for s in self.leads if s.outcome == SUCCESS} | goal, True
+        while more:
+            new = {
+                s
+                for s, ways in self.leads.items()
+                if s not in found and not s.outcome
+                if any(e is not None and e not in left_out and after in found for e, after in ways)
+            }
+            found, more = found | new, bool(new)
+        return found
+
+    @cached_property
+    def unsafe(self) -> set[str]:
+        """The objectives that should make safe, and by whose failure it aborts."""
+        return by_word_alone(self.mission) or set()
+
+    def fails_badly(self, state: State, event: Happening) -> bool:
+        """Whether what should make safe fails by an event."""
+        fails = event[0].startswith(FAILURE) or event[0] == TIMEOUT
+        return fails and not self.unsafe.isdisjoint(failing(self.interpreter, state, event[1]))
+
+    def safely(self, ends: Collection[str], without: Iterable[Happening] = ()) -> set[State]:
+        """States from which it may end so; of safe ends, but by the failure of what should make safe."""
+        return self.reaching_safely(without) if ABORTED in ends else self.reaching(ends, without)
+
+    def well(self, states: set[State], among: set[State]) -> set[State]:
+        """Where runs lead on which nothing fails, from some states through some."""
+        seen, stack = {*states}, [*states]
+        while stack:
+            ways = self.leads[stack.pop()]
+            new = {after for event, after in ways if event is not None and event[0] in (START, SUCCESS)}
+            new = (new & among) - seen
+            seen |= new
+            stack += new
+        return seen
+
     # --- kinds ---
+
+    def needs_help(self, ends: Collection[str]) -> bool:
+        """Whether some state leads to an end only with help."""
+        return bool(self.safely(ends) - self.safely(ends, self.helping()))
+
+    def starts_with_help(self) -> bool:
+        """Whether it succeeds, and never without help."""
+        begin = self.runs.begin
+        return begin in self.reaching([SUCCESS]) - self.reaching([SUCCESS], self.helping())
+
+    def shelters(self) -> set[str]:
+        """The objectives by whose success it aborts, or that lead there and never to success."""
+        every, found = {*self.leads}, set[str]()
+        for name in self.interpreter.objectives:
+            after = [(s, then) for s, then in self.taking((SUCCESS, name))]
+            ends = {then.outcome for then in self.well({then for _, then in after}, every)}
+            if any(then.outcome == ABORTED for _, then in after) or (ABORTED in ends and SUCCESS not in ends):
+                found.add(name)
+        return found
+
+    def past(self, event: str) -> bool:
+        """Whether it leads to abort with nothing that makes safe, while nothing fails."""
+        shelters = self.shelters()
+        outside = {s for s in self.leads if s.running.isdisjoint(shelters)}
+        led = {after for s, after in self.taking((DECLARED, event)) if s in outside and not s.outcome}
+        return any(s.outcome == ABORTED for s in self.well(led & outside, outside))
+
+    def always_decides(self, *events: Happening) -> bool:
+        """Whether each of some events, where success is possible, takes all ways to it."""
+        hopeful = self.reaching([SUCCESS])
+        after = [then for event in events for s, then in self.taking(event) if s in hopeful]
+        return bool(after) and hopeful.isdisjoint(after)
+
+    def leaves_repair(self, *events: Happening) -> bool:
+        """Whether one of some events may leave only ways on which something is repaired."""
+        repairs = {e for ways in self.leads.values() for e, _ in ways if e is not None and e[0] == REPAIRED}
+        hopeful, before = self.reaching([SUCCESS]), self.reaching([SUCCESS], repairs)
+        steps = (step for event in events for step in self.taking(event))
+        return any(s in before and after in hopeful - before for s, after in steps)
+
+    def unrepaired(self, ends: Collection[str]) -> bool:
+        """Whether it ends so only if something is repaired, if at all."""
+        repairs = {e for ways in self.leads.values() for e, _ in ways if e is not None and e[0] == REPAIRED}
+        return self.runs.begin not in self.safely(ends, repairs)
+
+    def always_lost(self, ends: Collection[str], hardware: str) -> bool:
+        """Whether a loss for good takes all ways to an end, whenever it comes."""
+        out = {hardware, *(f.name for f in self.mission.faults if hardware in f.affects)}
+        lost = {s for s in self.leads if s.begun and not s.out.isdisjoint(out) and s.outcome not in ends}
+        return bool(lost) and lost.isdisjoint(self.safely(ends, [(REPAIRED, hardware)]))
+
+    def leaves(self, hardware: str, end: str) -> bool:
+        """Whether a loss for good that takes the last way to success always leaves one to an end."""
+        repair = [(REPAIRED, hardware)]
+        hopeful, later = self.reaching([SUCCESS]), self.reaching([SUCCESS], repair)
+        possible = self.reaching([{"abort": ABORTED, "failure": FAILURE}[end]], repair)
+        lost = self.taking((OUT_OF_SERVICE, hardware))
+        return all(
+            after in possible for s, after in lost if s in self._sound and s in hopeful and after not in later
+        )
+
+    def runs_with(self, name: str, ways: str) -> bool:
+        """Whether an objective runs while its activities run in some alternatives."""
+        wanted = {tuple(each.split(" by ")) for each in ways.split(" and ")}
+        activities = self.interpreter.robot.activities
+
+        def doing(state: State) -> set[tuple[str, ...]]:
+            each = state.activities
+            return {(a, activities[a].alternatives[n].name) for a, (how, n) in each if how is Acting.RUNS}
+
+        return any(self.runs_in(name, s) and wanted <= doing(s) for s in self.leads)
+
+    def unnoticed(self, hardware: str, name: str, *, alone: bool) -> bool:
+        """Whether a loss takes the success of what runs, while nothing can find it out."""
+        (copy,) = self.of(name)
+        running = {s for s in self.leads if copy in s.running}
+        hopeful = {s for s in running if self.possible((SUCCESS, copy), s)}
+        while new := {
+            s
+            for s in running - hopeful
+            if any(e is not None and e[0] != REPAIRED and after in hopeful for e, after in self.leads[s])
+        }:
+            hopeful |= new
+        own, among = (OUT_OF_SERVICE, hardware), running & hopeful
+        if alone:
+            seen, stack = {self.runs.begin}, [self.runs.begin]
+            while stack:
+                ways = self.leads[stack.pop()]
+                fit = (after for e, after in ways if e is None or e == own or e[0] != OUT_OF_SERVICE)
+                new = {*fit} - seen
+                seen |= new
+                stack += new
+            among = among & seen & self._sound
+        steps = ((s, after) for s, after in self.taking(own) if s in among)
+        found = (DETECTED, hardware)
+        return any(
+            after in running and after not in hopeful and not self.possible(found, after)
+            for _, after in steps
+        )
+
+    def all_handled(self) -> bool:
+        """Whether no event that must be handled is ignored."""
+        required = [event.name for event in self.mission.events if event.required]
+        names = self.interpreter.objectives
+        return not any(self.idle(event, name, led=False) for event in required for name in names)
 
     def can_end(self, *ends: str) -> bool:
         """Whether the mission may end so."""
@@ -109,7 +281,11 @@ class Judged:
 
     def always(self, *ends: str) -> bool:
         """Whether it may end so from whatever state."""
-        return self.reaching(ends) >= self.leads.keys()
+        ended = (
+            {s for s in self.leads if s.outcome == ABORTED} if ABORTED in ends and FAILURE not in ends else {}
+        )
+        reached = self.reaching(ends) if FAILURE in ends else self.safely(ends)
+        return reached | {*ended} >= self.leads.keys()
 
     def goes_on(self) -> bool:
         """Whether some event may happen until it ends."""
@@ -122,13 +298,13 @@ class Judged:
     def loss(self, ends: Collection[str], hardware: str, aided: bool) -> bool:
         """Whether a loss for good may take the last way to an end, with nothing else lost."""
         away = set() if aided else self.helping()
-        before, later = self.reaching(ends, away), self.reaching(ends, {*away, (REPAIRED, hardware)})
+        before, later = self.safely(ends, away), self.safely(ends, {*away, (REPAIRED, hardware)})
         lost = self.taking((OUT_OF_SERVICE, hardware))
         return any(s in self._sound and s in before and after not in later for s, after in lost)
 
     def failure(self, ends: Collection[str], hardware: str, name: str) -> bool:
         """Whether a failure during an objective may take all ways to an end, repairs among them."""
-        before = self.reaching(ends)
+        before = self.safely(ends)
         lost = self.taking((OUT_OF_SERVICE, hardware))
         return any(
             s in self._sound and self.runs_in(name, s) and s in before and after not in before
@@ -223,11 +399,33 @@ class Judged:
             "ends_at_once": lambda: self.ends(subject[0], subject[1]),
             "alternate_for_ever": self.goes_round,
             "event_decides": lambda: self.decides((DECLARED, subject[0])),
-            "end_decides": lambda: self.decides(*((subject[1], copy) for copy in self.of(subject[0]))),
+            "end_decides": lambda: self.decides(*self.happenings(*subject)),
             "outcome_comes": lambda: self.runs.happens([(subject[1], copy) for copy in self.of(subject[0])]),
             "fact_defeats": lambda: self.defeats(*subject),
             "used": lambda: self.used(*subject),
             "selected": lambda: self.selected(*subject),
             "waits_for_hardware": self.waits,
+            "needs_help_to_succeed": self.starts_with_help,
+            "needs_help_to_end": lambda: bool(self.reaching(every) - self.reaching(every, self.helping())),
+            "needs_help_to_end_safely": lambda: self.needs_help(safe),
+            "leads_past": lambda: self.past(*subject),
+            "event_always_decides": lambda: self.always_decides((DECLARED, subject[0])),
+            "event_leaves_repair": lambda: self.leaves_repair((DECLARED, subject[0])),
+            "end_always_decides": lambda: self.always_decides(*self.happenings(*subject)),
+            "end_leaves_repair": lambda: self.leaves_repair(*self.happenings(*subject)),
+            "loss_always_defeats": lambda: self.always_lost([SUCCESS], *subject),
+            "loss_always_endangers": lambda: self.always_lost(safe, *subject),
+            "still_possible": lambda: self.leaves(*subject),
+            "runs_with": lambda: self.runs_with(*subject),
+            "loss_unnoticed": lambda: self.unnoticed(*subject, alone=True),
+            "loss_unnoticed_later": lambda: (
+                not self.unnoticed(*subject, alone=True) and self.unnoticed(*subject, alone=False)
+            ),
+            "without_repair_defeated": lambda: self.unrepaired([SUCCESS]),
+            "without_repair_endangered": lambda: self.unrepaired(safe),
+            "abort_after": lambda: not self.unsafe.isdisjoint(self.of(subject[0])),
+            "aborted_by_failure": lambda: bool(self.unsafe),
+            "required_events_handled": self.all_handled,
+            "nominal_success": lambda: (found := played(self.mission)) is not None and found.holds,
         }
         return kinds[kind]() if kind in kinds else None

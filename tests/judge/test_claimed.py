@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 from mcpn.answers.causes.fmeca import fmeca
 from mcpn.answers.causes.prospects import Prospects
-from mcpn.answers.claims import Claim, claims_of, claims_of_losses
+from mcpn.answers.claims import Claim, claims_of, claims_of_causes
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.spaces.engine_names import Engine
@@ -58,9 +58,9 @@ def made(mission: Mission, engine: Engine) -> tuple[list[Claim], Prospects[Any] 
     checked = study.verdicts(engine=engine)
     if checked.alternatives is None:
         return [], None
-    prospects = study.causes(engine=engine).prospects
-    losses = claims_of_losses(prospects, fmeca(prospects))
-    return [*claims_of(checked), *losses], prospects
+    causes = study.causes(engine=engine)
+    losses = claims_of_causes(causes, fmeca(causes.prospects))
+    return [*claims_of(checked), *losses], causes.prospects
 
 
 def judged(mission: Mission, engine: Engine) -> Counter[str]:

@@ -39,7 +39,7 @@ def by_word_alone(of: Mission) -> set[str] | None:
                 begun.setdefault(name, set()).add(after)
             if after.outcome == "abort" and state.outcome is None:
                 ended.setdefault(what, set()).add(name)
-                if what in (FAILURE, TIMEOUT):
+                if what.startswith(FAILURE) or what == TIMEOUT:
                     badly |= failing(interpreter, state, name)
             if after not in known:
                 known.add(after)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from mcpn.answers.claims.claim import Assumes, Claim, Severity
@@ -40,24 +39,23 @@ def of_verdict(verdict: Verdict, ends: Collection[str] = ()) -> Claim:
         (),
         verdict.holds,
         Assumes(moment="every" if kind.name.startswith("can_always") else "some", given=verdict.given),
-        kind.formula.format(ends=" | ".join(ends)),
+        "" if kind.needs_states else kind.formula.format(ends=" | ".join(ends)),
         verdict.explanation if verdict.holds is None else "",
         severity="required" if verdict.required else "informative",
     )
 
 
 def _of_verdicts(check: MissionCheck) -> Iterator[Claim]:
-    by_failure = (verdict := check.verdicts.get("abort_by_failure")) is not None and verdict.holds
-    for name in OF_VERDICTS:
-        if name in check.verdicts:
-            claim = of_verdict(check.verdicts[name], check.mission_net.ends)
-            unsaid = claim.kind == "can_always_end_safely" and by_failure
-            yield replace(claim, formula="") if unsaid else claim
+    return (
+        of_verdict(check.verdicts[name], check.mission_net.ends)
+        for name in OF_VERDICTS
+        if name in check.verdicts
+    )
 
 
 def _of_requirements(check: MissionCheck) -> Iterator[Claim]:
     for answer in check.requirements:
-        name, formula = answer.asked.name, _asked(answer)
+        name, formula = answer.asked.name, asked_formula(answer)
         yield Claim(
             "requirement",
             (name,),
@@ -77,7 +75,7 @@ def _of_requirements(check: MissionCheck) -> Iterator[Claim]:
                 yield Claim("met_as_ignored", (name, each.event), holds, formula=idle if formula else "")
 
 
-def _asked(answer: RequirementAnswer) -> str:
+def asked_formula(answer: RequirementAnswer) -> str:
     """What a requirement asks, as a formula of the whole mission; empty where its names are others."""
     asked = answer.asked
     if asked.requirement.fair or "." in asked.name:

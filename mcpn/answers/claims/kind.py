@@ -6,6 +6,8 @@ from typing import NamedTuple
 
 TERMINAL, PAGE, JSON = "terminal", "page", "JSON"
 EVERYWHERE = (TERMINAL, PAGE, JSON)
+SAFE_ENDS = "where what should make safe, and fails, has copies of one name"
+"""Why there is no formula on safe ends."""
 
 
 class ClaimKind(NamedTuple):
@@ -39,6 +41,11 @@ class ClaimKind(NamedTuple):
     verdict: str = ""
     several: str = "any one of {}"
     joint: str = ", "
+
+    @property
+    def needs_states(self) -> bool:
+        """Whether its formula is made from the mission's states or routes, and not from its ends alone."""
+        return "{" in self.formula.replace("{ends}", "")
 
     @property
     def sentences(self) -> tuple[str, str, str]:

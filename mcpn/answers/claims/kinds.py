@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from mcpn.answers.claims.kind import EVERYWHERE, JSON, PAGE, ClaimKind
+from mcpn.answers.claims.kind import EVERYWHERE, JSON, PAGE, SAFE_ENDS, ClaimKind
 from mcpn.answers.claims.kinds_of_causes import OF_CAUSES
+from mcpn.answers.claims.kinds_of_help import OF_HELP
 from mcpn.answers.claims.kinds_of_reach import OF_REACH
 
-_SAFE_ENDS = "where an abort may come by the failure of what should make safe, safe ends are events"
-
-_UNSEEN = "it is asked of the present run of an objective, which no word of formulas names"
+_UNSEEN = "where an event begins an objective again that runs: no word of formulas tells its runs apart"
+_NOMINAL = "of missions with hardware that is out at first, of more than 40 objectives, of copies of one name"
+_KNOWN = "no word of formulas says that the robot knows of a loss"
 _MISSING = "what crashes does so as it runs, and what is out at first need not fail: no event takes it"
 _OF_MARKINGS = "formulas speak of stable states, and this is so of all markings"
 
@@ -19,36 +20,36 @@ KINDS: Mapping[str, ClaimKind] = {
     for kind in (
         ClaimKind(
             "nominal_success",
-            "",
+            "{good} & !{lasts}",
             "while nothing fails{given} the mission succeeds",
             "while nothing fails, the mission does not do what its blocks say",
             "whether the mission succeeds while nothing fails is not known",
             "all runs of successes; where it fails, one of them",
             EVERYWHERE,
-            "runs that only failures could continue are finite, and what is left out is a set of blocks",
+            _NOMINAL,
             verdict="nominal_success",
             good=True,
         ),
         ClaimKind(
             "nominal_endless",
-            "",
+            "{good} & {lasts} & !E(({as_meant}) U success)",
             "while nothing fails{given} the mission goes on for ever, as it is meant to",
             "while nothing fails, the mission does not do what its blocks say",
             "whether the mission goes on for ever while nothing fails is not known",
             "all runs of successes",
             EVERYWHERE,
-            "runs that only failures could continue are finite, and what is left out is a set of blocks",
+            _NOMINAL,
             good=True,
         ),
         ClaimKind(
             "nominal_either",
-            "",
+            "{good} & {lasts} & E(({as_meant}) U success)",
             "while nothing fails{given} the mission succeeds, or goes on for ever, as it is meant to",
             "while nothing fails, the mission does not do what its blocks say",
             "whether the mission succeeds while nothing fails is not known",
             "all runs of successes",
             EVERYWHERE,
-            "runs that only failures could continue are finite, and what is left out is a set of blocks",
+            _NOMINAL,
             good=True,
         ),
         ClaimKind(
@@ -85,25 +86,25 @@ KINDS: Mapping[str, ClaimKind] = {
         ),
         ClaimKind(
             "aborted_by_failure",
-            "",
+            "{some}",
             "the mission can be aborted by the failure of what should make the robot safe",
             "no abort is reached by the failure of what should make the robot safe",
             "whether an abort is reached by the failure of what should make the robot safe is not known",
             "all states; where it holds, a run",
             EVERYWHERE,
-            "which objectives should make safe is read from the runs of successes",
+            "of more than 40 objectives, and of those whose copies have one name",
             verdict="abort_by_failure",
             good=False,
         ),
         ClaimKind(
             "can_always_end_safely",
-            "AG EF (success | abort)",
+            "AG ({safe})",
             "whatever has happened, the mission can still end safely, in success or abort",
             "the mission can reach a state from which it cannot end safely, in success or abort",
             "whether the mission can always end safely is not known",
             "all states; where it fails, a run",
             EVERYWHERE,
-            _SAFE_ENDS,
+            SAFE_ENDS,
             verdict="can_always_end_safely",
             good=True,
         ),
@@ -120,13 +121,13 @@ KINDS: Mapping[str, ClaimKind] = {
         ),
         ClaimKind(
             "required_events_handled",
-            "",
+            "!({ignored})",
             "every event that must be handled is handled, or changes nothing while its answer runs",
             "an event that must be handled is ignored",
             "whether every event that must be handled is handled is not known",
             "all states",
             EVERYWHERE,
-            "`ignored` says it of each event",
+            "where more than 40 pairs of an event and an objective are asked",
             verdict="events_handled",
             good=True,
         ),
@@ -201,13 +202,12 @@ KINDS: Mapping[str, ClaimKind] = {
         ),
         ClaimKind(
             "without_repair_defeated",
-            "",
+            "!{unrepaired}",
             "there is no way to success without a repair",
             "some way to success needs no repair",
             "whether the mission needs a repair for success is not known",
             "all states",
             EVERYWHERE,
-            "that nothing fails, and that nothing is repaired, is asked of the mission's start alone",
             good=False,
         ),
         ClaimKind(
@@ -260,13 +260,13 @@ KINDS: Mapping[str, ClaimKind] = {
         ),
         ClaimKind(
             "without_repair_endangered",
-            "",
+            "!{unrepaired}",
             "there is no way to a safe end without a repair",
             "some way to a safe end needs no repair",
             "whether the mission needs a repair for a safe end is not known",
             "all states",
             EVERYWHERE,
-            "that nothing fails, and that nothing is repaired, is asked of the mission's start alone",
+            SAFE_ENDS,
             good=False,
         ),
         ClaimKind(
@@ -277,7 +277,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "whether the loss of {0} before the start leaves a way to a safe end is not known",
             "all states after the loss",
             EVERYWHERE,
-            _SAFE_ENDS,
+            SAFE_ENDS,
             joint=", or of ",
             several="{}",
             good=False,
@@ -302,7 +302,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "after the loss of {0} alone, whenever it comes, a safe end stays possible",
             "whether the loss of {0} alone leaves a safe end is not known",
             "all states in which no hardware is lost, and the loss in each",
-            why=_SAFE_ENDS,
+            why=SAFE_ENDS,
             shown=(PAGE, JSON),
             good=False,
         ),
@@ -321,14 +321,14 @@ KINDS: Mapping[str, ClaimKind] = {
         ),
         ClaimKind(
             "abort_after",
-            "",
+            "E(F (!abort & ({fails}) & X abort)) & {shelters}",
             "the mission is aborted where {0} fails, which should make the robot safe: no such abort counts "
             "as a safe end, but in probabilities it counts as an abort",
-            "the mission is not aborted by the failure of {0}",
+            "the mission is not aborted by the failure of {0}, or {0} need not make the robot safe",
             "whether the mission is aborted by the failure of {0} is not known",
             "all states in which it aborts",
             EVERYWHERE,
-            "which objectives should make safe is read from the runs of successes",
+            "of more than 40 objectives, and of those whose copies have one name",
             several="one of {}",
             good=False,
         ),
@@ -386,7 +386,7 @@ KINDS: Mapping[str, ClaimKind] = {
         ),
         ClaimKind(
             "loss_unnoticed",
-            "",
+            "E(({alone}) U ({sound} & objective({1}) & {open} & {lost}))",
             "nothing notices the loss of {0} during {1}, which can then no longer succeed",
             "the loss of {0} during {1} is noticed, or takes nothing",
             "whether the loss of {0} during {1} is noticed is not known",
@@ -398,7 +398,8 @@ KINDS: Mapping[str, ClaimKind] = {
         ),
         ClaimKind(
             "loss_unnoticed_later",
-            "",
+            "!E(({alone}) U ({sound} & objective({1}) & {open} & {lost}))"
+            " & E(F (objective({1}) & {open} & {lost}))",
             "once other hardware has failed, nothing notices the loss of {0} during {1}, which can then no "
             "longer succeed",
             "the loss of {0} during {1} is noticed, or takes nothing",
@@ -417,7 +418,7 @@ KINDS: Mapping[str, ClaimKind] = {
             "whether {1} depends on the loss of {0} being found is not known",
             "all losses of it while nothing else has failed",
             EVERYWHERE,
-            _UNSEEN,
+            _KNOWN,
             several="{}",
             good=False,
         ),
@@ -482,17 +483,17 @@ KINDS: Mapping[str, ClaimKind] = {
         ),
         ClaimKind(
             "failure_loses_robot",
-            "E(F ({sound} & objective({1}) & EF (success | abort) & happens({0}_EV_OOS)"
-            " & X !EF (success | abort)))",
+            "E(F ({sound} & objective({1}) & {wins} & happens({0}_EV_OOS) & X !{wins}))",
             "the failure of {0} alone during {1} can leave no safe end, whatever is repaired",
             "after a failure of {0} alone during {1} a safe end stays possible, if only by repairs",
             "what the failure of {0} during {1} costs is not known",
             "all failures of it while the objective runs",
-            why=_SAFE_ENDS,
+            why=SAFE_ENDS,
             good=False,
         ),
         *OF_REACH,
         *OF_CAUSES,
+        *OF_HELP,
     )
 }
 """By name, in the order in which they are shown."""

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
-from functools import partial, reduce
-from operator import or_
+from functools import partial
 from typing import TYPE_CHECKING, Any, Generic, Literal
 
-from mcpn.answers.causes.cutsets import HELP, help_in_words
+from mcpn.answers.causes.cutsets import help_in_words
 from mcpn.answers.causes.prospects import Goal, Prospects
+from mcpn.answers.claims.asked import with_formulas
 from mcpn.answers.claims.claim import Assumes, Claim
 from mcpn.answers.claims.found import claims_found, copies_by_name, led_to
+from mcpn.answers.claims.helped import Helped, claims_of_modes
 from mcpn.answers.claims.kinds import KINDS
 from mcpn.answers.claims.of_text import claims_of_text
+from mcpn.answers.claims.parts import HELP, FormulaParts
 from mcpn.answers.claims.reached import Reached
 from mcpn.answers.verdicts.nominal import meant_to_be_entered
 from mcpn.events import What
@@ -30,9 +32,11 @@ def claims_of(check: MissionCheck) -> list[Claim]:
     found = [*claims_found(check), *claims_of_text(check.mission_net.mission)]
     if check.alternatives is not None:
         made = _Made(Prospects(check.mission_net, check.alternatives))
+        found = [*with_formulas(found, check, made.parts), *claims_of_modes(check)]
         found += made.without()
         found += made.events()
         found += Reached(made.prospects).claims()
+        found += Helped(made.parts).claims()
     return in_order(found)
 
 
@@ -44,7 +48,7 @@ def claims_of_losses(prospects: Prospects[Any], rows: Sequence[Row] = ()) -> lis
         rows: Its FMECA table, where there is one.
     """
     made = _Made(prospects)
-    return in_order([*made.losses(), *made.failures(rows)])
+    return in_order([*made.losses(), *made.failures(rows), *Helped(made.parts).losses()])
 
 
 def in_order(found: Iterable[Claim]) -> list[Claim]:
@@ -59,6 +63,7 @@ class _Made(Generic[S]):
     def __init__(self, prospects: Prospects[S]) -> None:
         self.prospects, self.net = prospects, prospects.mission_net
         self.space: Space[S] = prospects.space
+        self.parts = FormulaParts(prospects)
         self.led = led_to(self.net)
         self.declared = {
             name: self.prospects.carrying(What.DECLARED, name)
@@ -126,16 +131,15 @@ class _Made(Generic[S]):
     def losses(self) -> Iterator[Claim]:
         """What the loss of each hardware resource alone, for good, leaves, with help and without."""
         prospects = self.prospects
-        goals = [("loss_defeats", prospects.mission, "success")]
+        goals = [("loss_defeats", prospects.mission)]
         if prospects.safety is not None:
-            goals.append(("loss_endangers", prospects.safety, "(success | abort)"))
-        transitions = enumerate(self.space.net.transitions)
-        helping = frozenset(t for t, each in transitions if each.event and each.event.what in HELP)
-        for kind, goal, words in goals:
+            goals.append(("loss_endangers", prospects.safety))
+        helping = self.parts.helping
+        for kind, goal in goals:
             for hardware in filter(self._can_fail, prospects.hardware):
-                aided = self._loss(kind, goal, words, hardware, frozenset())
+                aided = self._loss(kind, goal, hardware, frozenset())
                 if helping:
-                    alone = self._loss(kind, goal, words, hardware, helping)
+                    alone = self._loss(kind, goal, hardware, helping)
                     helpers = (
                         self._helpers(goal, hardware, helping) if alone.holds and not aided.holds else ()
                     )
@@ -146,19 +150,14 @@ class _Made(Generic[S]):
         """Whether some event takes it out of service: a crash of what nothing starts has none."""
         return bool(self.prospects.carrying(What.OUT_OF_SERVICE, hardware))
 
-    def _loss(self, kind: str, goal: Goal[S], words: str, hardware: str, helping: frozenset[int]) -> Claim:
-        space, prospects = self.space, self.prospects
-        repairs = prospects.carrying(What.REPAIRED, hardware)
+    def _loss(self, kind: str, goal: Goal[S], hardware: str, helping: frozenset[int]) -> Claim:
+        prospects = self.prospects
+        repair = [f"{hardware}_EV_RD"] * bool(prospects.carrying(What.REPAIRED, hardware))
         lost = self._losing(goal, hardware, helping)
-        formula = ""
-        if not goal.ends_from:
-            quiet = sorted({str(space.net.transitions[t].event) for t in helping})
-            formula = KINDS[kind].formula.format(
-                hardware,
-                sound=self._sound(),
-                wins=some_run(quiet, words),
-                wins_unrepaired=some_run(quiet + [f"{hardware}_EV_RD"] * bool(repairs), words),
-            )
+        quiet = self.parts.quiet if helping else []
+        wins, unrepaired = self.parts.reaches(goal, quiet), self.parts.reaches(goal, quiet + repair)
+        said = {"sound": self.parts.sound, "wins": wins, "wins_unrepaired": unrepaired}
+        formula = KINDS[kind].formula.format(hardware, **said) if wins else ""
         aid: Literal["none", "declared"] = "none" if helping else "declared"
         run = partial(self._run_to_loss, lost, hardware) if lost else None
         return Claim(kind, (hardware,), bool(lost), Assumes(aid, "others"), formula, find_run=run)
@@ -168,9 +167,9 @@ class _Made(Generic[S]):
         space, prospects = self.space, self.prospects
         allowed = prospects.everything - helping
         sound = space.restricted(space.everything, (), prospects.places("oos", prospects.hardware))
-        later = self._hopeful(goal, allowed - prospects.carrying(What.REPAIRED, hardware))
+        later = self.parts.reaching(goal, allowed - prospects.carrying(What.REPAIRED, hardware))
         fails = prospects.carrying(What.OUT_OF_SERVICE, hardware)
-        return space.before(space.everything - later, fails) & sound & self._hopeful(goal, allowed)
+        return space.before(space.everything - later, fails) & sound & self.parts.reaching(goal, allowed)
 
     def _helpers(self, goal: Goal[S], hardware: str, helping: frozenset[int]) -> tuple[str, ...]:
         """The events that help on a run to a goal after a loss that takes the last way without them."""
@@ -178,7 +177,7 @@ class _Made(Generic[S]):
         lost = self._losing(goal, hardware, helping)
         after = space.after(lost, prospects.carrying(What.OUT_OF_SERVICE, hardware))
         repairs = prospects.carrying(What.REPAIRED, hardware)
-        after = after - self._hopeful(goal, prospects.everything - helping - repairs)
+        after = after - self.parts.reaching(goal, prospects.everything - helping - repairs)
         steps = prospects.everything - repairs
         run = space.run(after.pick(), goal.won, transitions=steps) if after else None
         events = [space.net.transitions[edge.transition].event for edge in run or ()]
@@ -195,35 +194,21 @@ class _Made(Generic[S]):
         last = next(e for e in space.edges(edges[-1].target if edges else begin) if e.transition in fails)
         return Run(space.net, transitions_of([*edges, last]), settles=True)
 
-    def _hopeful(self, goal: Goal[S], steps: frozenset[int]) -> S:
-        """States from which a run of some events reaches a goal of the mission."""
-        space = self.space
-        if not goal.ends_from:
-            return space.reaching(goal.won, transitions=steps)
-        # Where some aborts are no safe ends, the others are events from the states in which they happen.
-        well = {t: states for t, states in goal.ends_from.items() if t in steps}
-        won = reduce(or_, well.values(), self.prospects.mission.won)
-        guards = {t: space.everything - states for t, states in well.items()}
-        return space.reaching(won, goal.running, steps, guards or None)
-
-    def _sound(self) -> str:
-        """That no hardware is out of service."""
-        return " & ".join(f"!oos({name})" for name in self.prospects.hardware)
-
     def failures(self, rows: Sequence[Row]) -> Iterator[Claim]:
         """What each failure of hardware costs while each objective runs, as the FMECA says."""
         from mcpn.answers.causes.effects import Severity
 
         safety = self.prospects.safety
+        wins = self.parts.reaches(self.prospects.mission if safety is None else safety)
         for row in rows:
             kind, lost = "failure_loses_mission", row.severity is Severity.MISSION_LOST
             if safety is not None:
                 kind, lost = "failure_loses_robot", row.severity is Severity.ROBOT_LOST
-            known = safety is None or not safety.ends_from
             if not self._can_fail(row.hardware):
                 continue
-            formula = KINDS[kind].formula.format(row.hardware, row.objective, sound=self._sound())
-            yield Claim(kind, (row.hardware, row.objective), lost, formula=formula if known else "")
+            said = {"sound": self.parts.sound, "wins": wins}
+            formula = KINDS[kind].formula.format(row.hardware, row.objective, **said) if wins else ""
+            yield Claim(kind, (row.hardware, row.objective), lost, formula=formula)
 
 
 def some_run(left_out: Sequence[str], goal: str) -> str:

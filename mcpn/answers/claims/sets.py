@@ -6,13 +6,14 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from mcpn.answers.causes.cutsets import HELP
+from mcpn.answers.claims.asked import claims_of_aborts
 from mcpn.answers.claims.claim import Assumes, Claim
 from mcpn.answers.claims.critical import claims_of_critical
 from mcpn.answers.claims.entries import GOALS, claims_of_entries, together
-from mcpn.answers.claims.found import plain_names
 from mcpn.answers.claims.kinds import KINDS
-from mcpn.answers.claims.made import claims_of, claims_of_losses, in_order, some_run
+from mcpn.answers.claims.made import claims_of, claims_of_losses, in_order
 from mcpn.answers.claims.of_objectives import claims_of_objectives
+from mcpn.answers.claims.parts import FormulaParts
 from mcpn.answers.claims.reached import Reached
 from mcpn.events import What
 from mcpn.sentences import enumeration
@@ -38,8 +39,7 @@ def claims_of_causes(causes: Causes, rows: Sequence[Row] = ()) -> list[Claim]:
     if causes.safety is not None:
         found += _of_goal(causes, causes.safety, "endanger", "(success | abort)")
     found.append(Claim("says_what_is_safe", (), causes.safety is not None))
-    names = plain_names(causes.mission_net, causes.unsafe_aborts)
-    found += [Claim("abort_after", (name,), True) for name in names]
+    found += claims_of_aborts(FormulaParts(causes.prospects))
     found += claims_of_entries(causes)
     found += claims_of_objectives(causes)
     found += Reached(causes.prospects).hardware()
@@ -55,12 +55,17 @@ def all_claims(check: MissionCheck, causes: Causes | None, rows: Sequence[Row] =
 def _of_goal(causes: Causes, goal: GoalCauses, verb: str, words: str) -> Iterator[Claim]:
     """Of each loss before the start whether it does harm, and the sets of several that do."""
     before, at_worst = f"loss_before_{verb}s", f"losses_{verb}"
-    needs_repair = () in goal.cut_sets
     mission, prospects = causes.mission_net.mission, causes.prospects
     certain = causes.safety is not goal or (prospects.safety is not None and not prospects.safety.ends_from)
     yield from claims_of_critical(causes, goal, verb, words, certain)
-    yield Claim(f"without_repair_{verb}ed", (), needs_repair, Assumes(moment="start"))
-    if needs_repair:
+    reached = prospects.mission if causes.safety is not goal else prospects.safety
+    assert reached is not None, "it can abort"
+    parts, kind = FormulaParts(prospects), f"without_repair_{verb}ed"
+    needs_repair = not prospects.hopeful(reached, repairs=False) & prospects.space.initial
+    unrepaired = parts.reaches(reached, parts.repairs)
+    said = KINDS[kind].formula.format(unrepaired=unrepaired) if unrepaired else ""
+    yield Claim(kind, (), needs_repair, Assumes(repairs="none", moment="start"), said)
+    if () in goal.cut_sets:
         return
     # What crashes as it runs is never lost before by an event; that it is gone from the start is supposed.
     begin = prospects.space.initial
@@ -69,15 +74,16 @@ def _of_goal(causes: Causes, goal: GoalCauses, verb: str, words: str) -> Iterato
     alone = [(name,) for name in can_fail if name not in causes.unused]
     known, minimal = {*can_fail}, {*goal.cut_sets}
     several = [lost for lost in goal.cut_sets if len(lost) > 1 and {*lost} <= known]
-    certain &= not any(h.initial == "oos" for h in mission.hardware)
+    certain = not any(h.initial == "oos" for h in mission.hardware)
 
     def formula(lost: Sequence[str], left_out: Sequence[str] = ()) -> str:
         """That no run succeeds after these losses without some events."""
         repairs = [f"{name}_EV_RD" for name in lost if prospects.carrying(What.REPAIRED, name)]
-        said = f"!{some_run([*left_out, *repairs], words)}"
+        reaches = parts.reaches(reached, [*left_out, *repairs])
+        said = f"!{reaches}"
         for name in reversed(lost):
             said = KINDS[before].formula.format(name, then=said)
-        return said if certain else ""
+        return said if certain and reaches else ""
 
     for lost in (*alone, *several):
         yield Claim(before, (together(lost),), lost in minimal, BEFORE, formula(lost))
