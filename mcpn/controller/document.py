@@ -100,6 +100,7 @@ from mcpn.mission.graph import ElementarySection, ObjectivesGraph
 from mcpn.mission.robot import Parameter
 from mcpn.robot.runtime.documents import FORMAT, VERSION
 from mcpn.robot.runtime.file_schema import digest_of
+from mcpn.spaces.memoized import ByKey
 
 
 def document(controller: AnyController, mission_net: MissionNet, *, verified: bool = True) -> dict[str, Any]:
@@ -212,6 +213,9 @@ def _rules(rules: Rules) -> dict[str, Any]:
 
 
 def _machine(machine: SectionMachine) -> dict[str, Any]:
+    # Edges are many, and do few things: what several of them say is one object.
+    actions = ByKey[tuple[PlannedAction, ...], list[dict[str, str]]](lambda told: [_action(a) for a in told])
+    names = ByKey[tuple[str, ...], list[str]](list)
     return {
         "hardware": list(machine.hardware),
         "once": list(machine.once),
@@ -234,11 +238,11 @@ def _machine(machine: SectionMachine) -> dict[str, Any]:
                 "from": move.source,
                 "event": move.event,
                 "to": move.target,
-                "actions": [_action(a) for a in move.actions],
-                "open": list(move.guard.open),
-                "happened": list(move.guard.happened),
-                "gained": list(move.gained),
-                "lost": list(move.lost),
+                "actions": actions[move.actions],
+                "open": names[move.guard.open],
+                "happened": names[move.guard.happened],
+                "gained": names[move.gained],
+                "lost": names[move.lost],
             }
             for move in machine.moves
         ],
