@@ -1117,7 +1117,7 @@ def protocols(number: int, level: str, bottom: str = OK) -> str:
 
 USE = '<use name="a" protocol="NEXT"/>'
 EXPANSIONS = {
-    "doubled 40 times": (protocols(40, USE + USE.replace('"a"', '"b"')), "20000 objectives"),
+    "doubled 40 times": (protocols(40, USE + USE.replace('"a"', '"b"')), "100000 objectives"),
     "a chain": (protocols(3000, USE), "128 deep"),
     "a chain at the second place": (protocols(3000, OK + USE), "128 deep"),
     "a chain through parallel blocks": (
@@ -1128,9 +1128,9 @@ EXPANSIONS = {
         "<each name='e' in='1 2 3'><objective name='a' repeat='1000'><objective name='b' repeat='1000'>"
         + OK.replace("/>", " retries='1000'/>")
         + "</objective></objective></each>",
-        "20000 objectives",
+        "100000 objectives",
     ),
-    "tries of rounds": (OK.replace("/>", " retries='99999' repeat='99999'/>"), "20000 objectives"),
+    "tries of rounds": (OK.replace("/>", " retries='99999' repeat='99999'/>"), "100000 objectives"),
     "parameters times objectives": (
         protocols(
             14,

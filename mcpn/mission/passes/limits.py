@@ -9,7 +9,7 @@ from mcpn.errors import LimitError, Problem, Source
 from mcpn.mission.model import Block, Each, Mission, Objective, Protocol, Use
 
 MAX_NESTING = 128
-MAX_OBJECTIVES = 20_000
+MAX_OBJECTIVES = 100_000
 MAX_PARAMETERS = 1_000_000
 
 
