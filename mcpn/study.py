@@ -105,6 +105,19 @@ class Study:
         """Whether it is a net of no mission."""
         return isinstance(self._subject, PetriNet)
 
+    @property
+    def mission(self) -> Mission:
+        """The mission as its author wrote it.
+
+        Raises:
+            InputError: It is a net of no mission.
+        """
+        from mcpn.mission.model import Mission
+
+        if isinstance(self._subject, Mission):
+            return self._subject
+        return self.mission_net.mission
+
     @cached_property
     def spaces(self) -> Spaces:
         """Its spaces, built or not; here the net of a mission is composed."""

@@ -123,9 +123,34 @@ def controller(
         click.echo(f"check it: python -m mcpn.certificates.ctlcheck {certificate} {beside}")
 
 
+def _list_passes(context: click.Context, _: click.Parameter, asked: bool) -> None:
+    """Lists the passes, each with what it does."""
+    if not asked or context.resilient_parsing:
+        return
+    from mcpn.mission.passes import PASSES
+
+    for rewrite in PASSES:
+        click.echo(f"{rewrite.__name__:<12}{(rewrite.__doc__ or '').strip()}")
+    context.exit()
+
+
 @click.command()
 @click.argument("source", type=FILE)
-@click.argument("target", type=FILE)
+@click.argument("target", type=FILE, required=False)
+@click.option(
+    "--pass",
+    "until",
+    metavar="NAME",
+    help="Print the mission after this pass towards the core mission, and write no TARGET.",
+)
+@click.option(
+    "--passes",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_list_passes,
+    help="List the passes in their order, and exit.",
+)
 @click.option(
     "--draw",
     type=click.Choice(["mission", "objectives", "net", "alternatives", "controller", "run"]),
@@ -141,7 +166,8 @@ def controller(
 def convert(
     question: Question,
     source: Path,
-    target: Path,
+    target: Path | None,
+    until: str | None,
     draw: str | None,
     section: str | None,
     rates: bool,
@@ -152,7 +178,15 @@ def convert(
     places and transitions. With --rates TARGET ends in .drn: the chain of the mission as a Markov automaton,
     for the model checker Storm. --draw run is the first counterexample that check shows, or the run without
     failures, as a sequence diagram; where TARGET ends in .mmd, as a text for Mermaid.
+
+    With --pass NAME there is no TARGET: the mission is printed as it is after that pass, which has written
+    something out that its author says in short; what is printed reads again as the same mission.
     """
+    if until is not None:
+        _print_pass(question, source, until, [target, draw, section, rates or None])
+        return
+    if target is None:
+        raise click.UsageError("Missing argument 'TARGET', or --pass NAME.")
     from mcpn.nets.formats import WRITABLE, save_net
     from mcpn.report.pictures.drawing import KNOWN
 
@@ -189,6 +223,20 @@ def convert(
         emit_json({"file": str(target), **sizes, "warnings": [warning] if warning else []})
     elif warning:
         click.echo(f"warning: {warning}", err=True)
+
+
+def _print_pass(question: Question, source: Path, until: str, others: list[object]) -> None:
+    """Prints a mission after a pass."""
+    from mcpn.mission.passes import PASSES, core
+    from mcpn.mission.writer import write_mission
+
+    names = [rewrite.__name__ for rewrite in PASSES]
+    if until not in names:
+        raise click.UsageError(f"found --pass {until}, expected one of {', '.join(names)}")
+    if question.as_json or any(other is not None for other in others):
+        raise click.UsageError("--pass prints a mission: expected no TARGET, nor --draw, --rates or --json")
+    mission = question.study(source).mission
+    click.echo(write_mission(core(mission, until=until)).decode(), nl=False)
 
 
 def _write_chain(source: Path, target: Path, question: Question) -> None:

@@ -1,8 +1,11 @@
 """The blocks of a mission written out: uses, values, rounds and tries, each with its name and its routes.
 
 Made from the language page alone. A place in the mission is a :class:`WrittenBlock`; the names of nodes are
-the qualified names of the page. Every handler that is written in the text is one object of the model, however
-many copies of its block there are.
+the qualified names of the page. A handler is told from others by where it is written, however many copies of
+its block there are.
+
+Core missions, in which passes have written this out, are read as others are: their names are whole, and a
+block in one that is written as the same block is a copy of it.
 """
 
 from __future__ import annotations
@@ -62,7 +65,7 @@ class WrittenBlock:
         written: Its name in the text; that of a copy is its block's.
         copy: Whether it is a copy of its parent: a round, a try, a run or a value of it.
         helper: Whether it is a copy of a sibling that is run for a block.
-        use: Whether what it holds is written in a protocol.
+        use: The protocol that what it holds is written in, if it is written in one.
         failures: The reasons for which an elementary objective may fail.
         sets: Facts that an elementary objective changes.
         guards: What must be for it to be entered by a route, and where that leads else, in order.
@@ -92,7 +95,7 @@ class WrittenBlock:
     written: str = ""
     copy: bool = False
     helper: bool = False
-    use: bool = False
+    use: str = ""
     failures: tuple[str, ...] = ()
     sets: tuple[FactChange, ...] = ()
     guards: tuple[EntryGuard, ...] = ()
@@ -104,6 +107,14 @@ class WrittenBlock:
     def first(self) -> WrittenBlock:
         """The child that a series is entered at."""
         return next(iter(self.children.values()))
+
+    @property
+    def text(self) -> str:
+        """The protocol that it is written in, if it is written in one."""
+        node = self.parent
+        while node is not None and not node.use:
+            node = node.parent
+        return node.use if node is not None else ""
 
     @property
     def whole(self) -> bool:
@@ -207,6 +218,7 @@ class _Writing:
             node.guards, node.deciding = block.guards, block.routes
             node.mandatory, node.handlers = block.mandatory, block.handlers
             parent.children[block.name] = node
+            node.copy = parent.written == block.written and parent.name.startswith(block.stem)
             if block.recover is not None:
                 self.recoveries(node, block, by_name[block.recover], scope)
             for name in {h.pause for h in block.handlers if h.pause is not None}:
@@ -246,7 +258,7 @@ class _Writing:
 
     def block(self, block: Block, parent: WrittenBlock, scope: _Scope) -> WrittenBlock:
         """A block without what its parent sees of it: rounds, in each its tries, in each the block."""
-        node = WrittenBlock(f"{scope.prefix}{block.name}{scope.suffix}", parent, written=block.name)
+        node = WrittenBlock(f"{scope.prefix}{block.name}{scope.suffix}", parent, written=block.written)
         node.nominal = block.nominal
         if block.timeout_goto is not None:
             node.timed_out = TIMED_OUT  # of a copy; what its parent sees of a block comes later
@@ -294,11 +306,12 @@ class _Writing:
             node.doomed = block.impossible == "fails"
             self.series(node, block.blocks, scope.inside(block))
         elif isinstance(block, Recursive):
+            node.use = block.protocol or ""  # of a use that is written out, as core missions have them
             self.series(node, block.blocks, scope.inside(block, block.parameters))
         else:
             protocol = self.protocols[block.protocol]
             self.series(node, protocol.blocks, scope.protocol(block, protocol))
-            node.use = True
+            node.use = block.protocol
 
     def copies(self, parent: WrittenBlock, copies: list[WrittenBlock], *, tries: bool = False) -> None:
         """Rounds, where each success leads to the next, or tries, where each failure does."""

@@ -64,7 +64,7 @@ class State:
     ended: frozenset[tuple[str, bool]] = frozenset()
     activities: frozenset[tuple[str, At]] = frozenset()
     out: frozenset[str] = frozenset()
-    happened: frozenset[int] = frozenset()
+    happened: frozenset[tuple[str, str, str]] = frozenset()
     facts: frozenset[tuple[str, str]] = frozenset()
     outcome: str | None = None
     begun: bool = False
@@ -189,7 +189,7 @@ class Interpreter:
         inner = [found for child in node.children.values() for found in self.handling(child, event, state)]
         if inner:
             return inner
-        own = (h for h in node.handlers if h.event == event and id(h) not in state.happened)
+        own = (h for h in node.handlers if h.event == event and place(node, h) not in state.happened)
         return [(node, handler) for handler in own][:1]
 
     def runs(self, node: WrittenBlock, state: State) -> bool:
@@ -230,7 +230,7 @@ class Interpreter:
             state = changed(state, self.changing[element])
         elif what == DECLARED:
             found = self.handling(self.root, element, state)
-            once = {id(handler) for _, handler in found if handler.once}
+            once = {place(node, handler) for node, handler in found if handler.once}
             state = replace(state, happened=state.happened | once)
             for node, handler in found:
                 if handler.pause is None:
@@ -484,6 +484,11 @@ class Interpreter:
         (way,) = (way for way in declaring.alternatives if way.name == alternative)
         declared = {p.name: p.value for p in (*declaring.parameters, *way.parameters)}
         return {**declared, **(self.objectives[objective].parameters if objective else {})}
+
+
+def place(node: WrittenBlock, handler: Handler) -> tuple[str, str, str]:
+    """Where a handler is written: the text, the block and the event."""
+    return node.text, node.written, handler.event or ""
 
 
 def fails(block: WrittenBlock, failed: Sequence[WrittenBlock]) -> bool:

@@ -1,0 +1,66 @@
+"""The judge, which draws no net, gives the same before and after each pass."""
+
+from __future__ import annotations
+
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from mcpn.mission.model import Each, Mission, walk
+from mcpn.mission.passes import PASSES, core
+from mcpn.testing.elements import GUARDED, IN_ROUNDS, IN_TIME, INTERRUPTED, LED, LEFT_BY_FACTS, NAMED, TIMED
+from mcpn.testing.judge.interpreter import Happening, Interpreter, State, Undetermined
+from tests.draws import fewer
+
+MOST_STATES = 40
+WRITTEN_OUT = st.one_of(IN_ROUNDS, IN_TIME, TIMED, LED, LEFT_BY_FACTS, NAMED, GUARDED, INTERRUPTED)
+
+
+def helps(mission: Mission) -> bool:
+    """Whether blocks run for others: their copies are named as the objectives graph is made, by no pass."""
+    texts = (mission.blocks, *(protocol.blocks for protocol in mission.protocols))
+    every = [block for blocks in texts for block in walk(blocks)]
+    return any(block.recover or any(h.pause for h in block.handlers) for block in every)
+
+
+def whole_names_copied(mission: Mission) -> bool:
+    """Whether blocks have copies still that hold names written out: the page says no names of such copies."""
+    copied = [b for b in walk(mission.blocks) if isinstance(b, Each) or b.retries or b.repeat is not None]
+    return any(inner.copy or inner.own != inner.written for inner in walk(tuple(copied)))
+
+
+def after(interpreter: Interpreter, state: State, happening: Happening) -> State | None:
+    try:
+        return interpreter.after(state, happening)
+    except Undetermined:
+        return None
+
+
+def alike(one: Interpreter, other: Interpreter) -> int:
+    """Holds one interpreter against another, over the first stable states; how many of them there were."""
+    first = one.initial, other.initial
+    known, stack = {first}, [first]
+    while stack:
+        here, there = stack.pop()
+        assert one.seen(here) == other.seen(there)
+        possible = one.possible(here)
+        assert possible == other.possible(there)
+        for happening in sorted(possible):
+            ways = after(one, here, happening), after(other, there, happening)
+            assert (ways[0] is None) == (ways[1] is None), happening
+            if ways[0] is not None and ways[1] is not None and len(known) < MOST_STATES:
+                pair = ways[0], ways[1]
+                stack += [pair] if pair not in known else []
+                known.add(pair)
+    return len(known)
+
+
+@fewer(0.4)
+@given(WRITTEN_OUT)
+def test_the_judge_gives_the_same_before_and_after_each_pass(mission: Mission) -> None:
+    assume(not helps(mission))
+    judge, last = Interpreter(mission), mission
+    for rewrite in PASSES:
+        rewritten = core(mission, until=rewrite.__name__)
+        if rewritten.blocks != last.blocks and not whole_names_copied(rewritten):
+            alike(judge, Interpreter(rewritten))
+        last = rewritten
