@@ -183,7 +183,7 @@ class Zdd:
         """The markings after one firing of any of some events, those of a set only where one is given."""
 
     def beyond(self, before: Zdd, events: Sequence[int]) -> Zdd:
-        """The markings of this set that no firing of any of some events in another set makes."""
+        """This set minus the images of `before` under `events`."""
 
     def saturate(
         self, events: Sequence[int], max_nodes: int = ..., within: Zdd | None = ..., max_steps: int = ...

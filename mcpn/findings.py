@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from mcpn.answers.causes.find import Causes, find_causes
 from mcpn.answers.causes.fmeca import Row, fmeca
 from mcpn.answers.claims import Claim, all_claims, claims_of
+from mcpn.answers.claims.of_risk import claims_of_risk
 from mcpn.answers.spaces import MissionSpaces, MissionSubject, spaces_of
 from mcpn.answers.verdicts.mission import MissionCheck, check
 from mcpn.controller.document import document
@@ -158,6 +159,7 @@ def findings(
             notes.append(f"Numbers of risk are {means}; mcpn causes --rates tells bounds.")
     with timed("claims"):
         claims = all_claims(checked, causes, rows or ())
+        claims += [] if risk is None else claims_of_risk(risk)
     return Findings(
         checked, causes, rows, controller, notes, warnings, chosen, seconds, risk, local, unlisted, claims
     )

@@ -291,7 +291,7 @@ def test_events_without_a_rate_are_named(tmp_path: Path) -> None:
     event, handler = '<event name="leak"/></robot>', '<on event="leak" goto="fail"/><objective'
     path.write_text(TIMED.replace("</robot>", event).replace("<objective", handler, 1))
     assert output("causes", path, "--rates")["risk"]["unrated"] == ["leak"]
-    assert "event leak has no rate: not counted in these numbers" in mcpn("causes", path, "--rates").stdout
+    assert "leak has no rate, and never happens in these numbers." in mcpn("causes", path, "--rates").stdout
     path.write_text(path.read_text().replace('"leak"/>', '"leak" rate="0.5"/>', 1))
     found = output("causes", path, "--rates")["risk"]
     # It ends at 0.5 per hour, the resource fails at 0.25, it leaks at 0.5.

@@ -24,13 +24,13 @@ if TYPE_CHECKING:
     from mcpn.spaces.run import Run
 
 ASKED = {
-    "ends_safely": "Whatever fails, the mission can still end; where it can abort, in success or a safe way.",
+    "ends_safely": "Whatever fails, the mission can still end; where it can abort, safely.",
     "events_answered": "Every handled event is answered in one reaction, which ends and is always the same.",
     "no_event_ignored": "No declared event is ignored, except while what it leads to already runs.",
     "dark_after_stop": "After a stop nothing dangerous runs.",
     "no_single_loss_endangers": "No single loss of hardware, at whatever moment, leaves no safe end.",
     "no_late_loss_endangers": "No loss noticed late lets an objective go on in vain, or leaves no safe end.",
-    "no_abort_by_failure": "No abort is called safe though what should make the robot safe has failed.",
+    "no_abort_by_failure": "No abort is reached by the failure of a safing objective.",
     "succeeds_if_nothing_fails": "While nothing fails, the mission succeeds, or goes on where that is meant.",
 }
 """By name what is asked, as a sentence that is to be true."""

@@ -34,7 +34,7 @@ MOST_LISTED = 200_000
 """Stable states up to which a certificate is written by listing them."""
 WHEN = (1980, 1, 1, 0, 0, 0)
 """The time of each entry, so that one mission has one certificate."""
-UNSAFE = "an abort by the failure of what should make the robot safe is no safe end"
+UNSAFE = "an abort by the failure of a safing objective is no safe end"
 LISTED = {"safe": "safe", "bounded": "safe", "confluent": "confluent"}
 """By verdict that listing the states shows: the kind of the certificate's claim."""
 SENTENCES = {

@@ -79,6 +79,7 @@ def causes(
     """
     from mcpn.answers.causes.fmeca import fmeca as table_of
     from mcpn.answers.claims import claims_of_causes
+    from mcpn.answers.claims.of_risk import claims_of_risk
     from mcpn.files import write_atomically
     from mcpn.mission.static.intervals import at_their_means, interval_rates
     from mcpn.report.failures import objects, tables, terminal
@@ -139,6 +140,7 @@ def causes(
     if fmeca is not None:
         tables.save_fmeca(rows, fmeca, classes)
     claims = claims_of_causes(found, rows)
+    claims += [] if numbers is None else claims_of_risk(numbers)
     left_out = [objects.RUNS] * question.as_json + [objects.EFFECTS] * (fmeca is None)
     missing = [] if short else objects.left_out(len(found.objectives), left_out)
     if question.as_json:

@@ -69,14 +69,14 @@ def test_a_spare_matters_where_it_runs_and_in_company(ulysse_rows: dict[tuple[st
 def test_the_thruster_ends_the_mission(ulysse_rows: dict[tuple[str, str], Row]) -> None:
     row = ulysse_rows["thruster_actuator", "transect.going_up"]
     assert row.local_effect == "go_surface has no possible alternative"
-    assert row.compensation == "its failure ends the mission in failure"
+    assert row.compensation == "the objective's failure ends the mission in failure"
     assert row.severity is Severity.MISSION_LOST
     row = ulysse_rows["thruster_actuator", "transect.diving"]
-    assert row.compensation == "its failure leads to transect.going_up"
+    assert row.compensation == "the objective's failure leads to transect.going_up"
     assert row.recovery == "none before the objective has failed, then the mission can succeed"
     assert row.severity is Severity.MISSION_LOST_UNLESS_REPAIRED
     assert ulysse_rows["thruster_actuator", "transect.advancing"].compensation == (
-        "its failure fails transect.census"
+        "the objective's failure fails transect.census"
     )
     row = ulysse_rows["thruster_actuator", "transect.filming"]
     assert row.local_effect == (
@@ -123,7 +123,7 @@ def test_a_retry_may_run_with_all_hardware_in_service(retried: dict[tuple[str, s
         worst = Severity.MISSION_LOST if name == "go_home_try2" else Severity.MISSION_LOST_UNLESS_REPAIRED
         assert (row.severity, row.with_others) == (worst, ()), name
     assert retried["coupling", "refill_try2"].severity is Severity.OBJECTIVE_LOST
-    assert retried["coupling", "refill_try2"].compensation == "its failure leads to go_home_try1"
+    assert retried["coupling", "refill_try2"].compensation == "the objective's failure leads to go_home_try1"
 
 
 def test_no_pair_is_missing(retried: dict[tuple[str, str], Row]) -> None:
@@ -323,23 +323,23 @@ class Words:
                 return "cannot succeed any more"
             return "can succeed only if repaired" if self.mission_lost(after) else "can still succeed"
         if not self.costs.ends_safely(after, frozenset()):
-            return "can neither succeed nor be aborted any more"
+            return "can no longer end safely"
         without_hope = not self.costs.mission_survives(after, frozenset())
         if self.unsafe(after) and without_hope:
-            return "can be aborted only if repaired"
+            return "can end safely only if repaired, and no longer succeed"
         if self.unsafe(after):
-            return "can succeed or be aborted only if repaired"
+            return "can end safely only if repaired"
         if without_hope:
-            return "can be aborted, but no longer succeed"
+            return "can end safely, but no longer succeed"
         return (
-            "can succeed only if repaired, or be aborted" if self.mission_lost(after) else "can still succeed"
+            "can succeed only if repaired, or end safely" if self.mission_lost(after) else "can still succeed"
         )
 
     def regained(self, after: Marking, back: Marking) -> str:
         """What the mission can do again when the resource is ready again."""
         if self.mission_lost(after) and not self.mission_lost(back):
             return "succeed"
-        return "be aborted" if self.unsafe(after) and not self.unsafe(back) else ""
+        return "end safely" if self.unsafe(after) and not self.unsafe(back) else ""
 
     def leads(self) -> str:
         """Where the failure of the objective leads, as the graph has it."""
@@ -358,19 +358,20 @@ class Words:
         """The same, in the branch of a block, or in none."""
         if to not in ("succeed", "fail", "abort"):
             here, there = (re.sub("_try[0-9]+", "_try", name) for name in (self.section.name, to))
-            return f"its failure leads to {'its next try' if here == there and '_try' in here else to}"
+            then = "its next try" if here == there and "_try" in here else to
+            return f"the objective's failure leads to {then}"
         if block is None or branch is None:
             ends = {"succeed": "success", "fail": "failure", "abort": "abort"}
-            return f"its failure ends the mission in {ends[to]}"
+            return f"the objective's failure ends the mission in {ends[to]}"
         if to == "abort":
-            return f"its failure aborts {block.name}"
+            return f"the objective's failure aborts {block.name}"
         if to == "succeed":
-            return f"its failure is a success of {branch.name}"
+            return f"the objective's failure is a success of {branch.name}"
         if branch.mandatory and (block.needed is None or block.hasty):
-            return f"its failure fails {block.name}"
+            return f"the objective's failure fails {block.name}"
         if block.failing == 1:
             last = " while another child runs" if block.needed is None and not branch.mandatory else ""
-            return f"its failure fails {block.name}{last}"
+            return f"the objective's failure fails {block.name}{last}"
         spared = len(block.branches) - (block.needed or 0)
         alike = block.failing is None or block.failing > spared  # by success that cannot be reached any more
         last = " while another child runs" if block.needed is None else ""
@@ -551,12 +552,12 @@ def test_where_the_failure_of_an_objective_leads(tmp_path: Path) -> None:
         # Each objective has hardware of its own.
         told = {row.objective: row for row in rows if row.hardware == f"h_{row.objective}"}
         assert {name: row.compensation for name, row in told.items()} == {
-            "first": "its failure leads to end",
-            "inner": "its failure is a success of branch",
-            "last": "its failure fails both",
-            "needed": "its failure fails both",
+            "first": "the objective's failure leads to end",
+            "inner": "the objective's failure is a success of branch",
+            "last": "the objective's failure fails both",
+            "needed": "the objective's failure fails both",
             "spare": "both does not need it",
-            "end": "its failure ends the mission in success",
+            "end": "the objective's failure ends the mission in success",
         }
         assert [told[name].section for name in names] == ["first", "both", "both", "both", "both", "end"]
 
@@ -564,8 +565,8 @@ def test_where_the_failure_of_an_objective_leads(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("ends", "told"),
     [
-        ('failure_when="1"', "its failure fails both while another child runs"),
-        ('failure_when="1" success_when="1"', "its failure fails both"),
+        ('failure_when="1"', "the objective's failure fails both while another child runs"),
+        ('failure_when="1" success_when="1"', "the objective's failure fails both"),
     ],
 )
 def test_a_failure_fails_a_block_unless_it_is_the_last(tmp_path: Path, ends: str, told: str) -> None:

@@ -154,5 +154,7 @@ def test_what_is_lost_fails_for_no_reason(engine: Engine) -> None:
 def test_the_table_says_where_a_reason_leads() -> None:
     rows = fmeca(Asked(drive(STUCK, failures=("stuck", "lost")), "explicit").prospects)
     (row,) = (row for row in rows if row.objective == "go")
-    said = "its failure ends the mission in failure, its failure leads to free for stuck"
+    said = (
+        "the objective's failure ends the mission in failure, the objective's failure leads to free for stuck"
+    )
     assert row.compensation == said

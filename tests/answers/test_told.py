@@ -75,7 +75,7 @@ def test_a_mission_that_was_lost_before_is_told_so(tmp_path: Path) -> None:
     (row,) = (row for row in fmeca(found.causes().prospects) if row.objective == "rescue")
     assert (row.severity, row.mission_effect) == (
         Severity.OBJECTIVE_LOST,
-        "can be aborted, but no longer succeed, as before it",
+        "can end safely, but no longer succeed, as before it",
     )
     assert found.ctl("AG (objective(rescue) -> !EF success & EF abort)").holds
 

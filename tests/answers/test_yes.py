@@ -115,7 +115,7 @@ def test_an_abort_by_the_failure_of_what_makes_safe(folder: Path, tmp_path: Path
     assert mcpn("report", path, "-o", page).returncode == 1
     text = " ".join(page.read_text().split())
     assert f"{hardware[0]}" in text
-    assert f"where {last} fails, which should make the robot safe" in text
+    assert f"by the failure of {last}, a safing objective" in text
     assert "Whatever hardware is lost" not in text
     answers = {each["question"]: each["holds"] for each in output("ask", path, "--robot-safety", code=1)}
     assert answers["no_abort_by_failure"] is False

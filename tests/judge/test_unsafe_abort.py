@@ -1,4 +1,4 @@
-"""An abort that the failure of what should make safe leads to: every engine against the interpreter."""
+"""An abort that the failure of a safing objective leads to: every engine against the interpreter."""
 
 from __future__ import annotations
 

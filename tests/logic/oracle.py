@@ -132,7 +132,7 @@ class Play:
 
     @cached_property
     def unsafe(self) -> set[tuple[Marking, str]]:
-        """Where the failure of an objective that should make the robot safe leads to abort.
+        """Where the failure of a safing objective leads to abort.
 
         Such an objective ends the mission in abort by its success, too; or after its success objectives that
         succeed lead to abort, and never to success.

@@ -63,7 +63,7 @@ def test_both_levels_stand_in_the_headlines(causes: Causes) -> None:
         "At most 2 resources may be lost by the start, not repaired, so that a safe end stays possible.",
     ]
     assert moments["from home on"] == [
-        "From the entry of home on there is no way to success without a repair.",
+        "From the entry of home on success is out of reach, whatever is repaired.",
         "The loss of motor, not repaired, leaves no way to a safe end from the entry of home on.",
         "At most 2 resources may be lost by the entry of home, not repaired, so that a safe end stays "
         "possible.",
@@ -92,14 +92,16 @@ def test_what_each_failure_costs(causes: Causes) -> None:
         ("motor", "home"): Severity.ROBOT_LOST,
     }
     motor, sonar = rows["motor", "look"], rows["sonar", "lines_try2"]
-    assert motor.mission_effect == "can succeed or be aborted only if repaired"
+    assert motor.mission_effect == "can end safely only if repaired"
     assert motor.recovery == "the mission can succeed again"
-    assert sonar.mission_effect == "can be aborted, but no longer succeed"
-    assert sonar.compensation == "its failure leads to home"
-    assert rows["motor", "lines_try2"].mission_effect == "can be aborted only if repaired"
-    regained = "none before the objective has failed, then the mission can be aborted"
+    assert sonar.mission_effect == "can end safely, but no longer succeed"
+    assert sonar.compensation == "the objective's failure leads to home"
+    assert (
+        rows["motor", "lines_try2"].mission_effect == "can end safely only if repaired, and no longer succeed"
+    )
+    regained = "none before the objective has failed, then the mission can end safely"
     assert rows["motor", "lines_try2"].recovery == regained
-    assert rows["motor", "home"].mission_effect == "can neither succeed nor be aborted any more"
+    assert rows["motor", "home"].mission_effect == "can no longer end safely"
 
 
 def test_the_page_does_not_count_an_abort_as_success(survey: Path) -> None:

@@ -264,7 +264,7 @@ def test_risk_is_told_where_there_are_rates() -> None:
     found = findings(compose(read_mission(ROOT / "experiments" / "rover" / "mission.xml")))
     assert found.risk is not None
     text = Elements(page(found)).text
-    assert f"it succeeds with probability {found.risk.success:.6g}" in text
+    assert f"the mission ends in success with probability {found.risk.success:.6g}" in text
     assert "importance of" in text
 
 
@@ -277,8 +277,10 @@ def test_risk_is_told_where_an_event_alone_has_a_rate(tmp_path: Path) -> None:
         </mission>"""
     )
     text = Elements(page(findings(compose(read_mission(tmp_path / "m.xml"))))).text
-    assert "it succeeds with probability 0.5 and fails with 0.5" in text
-    assert "event call has no rate: not counted in these numbers" in text
+    assert (
+        "With the given rates the mission ends in each of success and failure with probability 0.5." in text
+    )
+    assert "call has no rate, and never happens in these numbers." in text
 
 
 def test_a_mission_whose_sections_are_interrupted(browser: Any, tmp_path: Path) -> None:

@@ -109,7 +109,7 @@ def test_an_end_that_is_not_safe_is_no_safe_end(tmp_path: Path) -> None:
     answer = next(a for a in story(found) if a.asked == "What endangers the robot?")
     assert answer.state == "fails"
     assert answer.said == (
-        "The mission can reach a state from which it cannot end safely, in success or abort."
+        "The mission can reach a state from which it can end neither in success nor in a safe abort."
     )
     assert list(answer.chips) == ["a", "failure"]
 
@@ -130,10 +130,10 @@ def test_what_reassures_where_it_should_not_stands_first(tmp_path: Path) -> None
     (tmp_path / "m.xml").write_text(LEAK)
     found = findings(compose(read_mission(tmp_path / "m.xml")))
     said = {answer.asked: (answer.state, answer.said) for answer in [headline(found), *story(found)]}
-    # An abort by the failure of what should make the robot safe is no safe end: up may only fail.
+    # An abort by the failure of a safing objective is no safe end: up may only fail.
     state, go = said["May it go?"]
     assert state == "fails"
-    assert "cannot" in go or "can neither succeed nor be aborted" in go
+    assert "can end neither in success nor in a safe abort" in go
     state, endangers = said["What endangers the robot?"]
     assert (state, "no way to a safe end" in endangers, "thrusters" in endangers) == ("note", True, True)
     assert said["Is every abort safe?"][0] == "fails"

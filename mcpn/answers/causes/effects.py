@@ -18,8 +18,8 @@ from mcpn.mission.static.resource_use import Usage
 class Severity(IntEnum):
     """What a failure costs, the worst last.
 
-    *Lost* means that no run leads to success any more. The robot is lost where none leads to abort either;
-    of a mission that cannot abort nothing is said of the robot.
+    *Lost* means that no run leads to success any more. The robot is lost where none leads to a safe
+    abort either; of a mission that cannot abort nothing is said of the robot.
     """
 
     NO_EFFECT = 0
@@ -33,9 +33,9 @@ class Severity(IntEnum):
     MISSION_LOST = 4
     """The mission can no longer succeed, whatever is repaired."""
     ROBOT_LOST_UNLESS_REPAIRED = 5
-    """The mission can end in success or abort only if hardware is repaired."""
+    """The mission can end safely, in success or a safe abort, only if hardware is repaired."""
     ROBOT_LOST = 6
-    """The mission can no longer end in success or abort, whatever is repaired."""
+    """The mission can no longer end safely, whatever is repaired."""
 
     @property
     def words(self) -> str:
@@ -49,9 +49,9 @@ class Loss(NamedTuple):
     Args:
         unrepaired: Whether the mission can succeed only by repairs.
         for_ever: Whether it can no longer succeed.
-        unsafe_unrepaired: Whether it can succeed or be aborted only by repairs; ``None`` of a mission that
+        unsafe_unrepaired: Whether it can end safely only by repairs; ``None`` of a mission that
             cannot abort.
-        unsafe_for_ever: Whether it can no longer succeed nor be aborted; ``None`` there too.
+        unsafe_for_ever: Whether it can no longer end safely; ``None`` there too.
     """
 
     unrepaired: bool
@@ -67,12 +67,12 @@ class Loss(NamedTuple):
                 return "cannot succeed any more"
             return "can succeed only if repaired" if self.unrepaired else "can still succeed"
         if self.unsafe_for_ever:
-            return "can neither succeed nor be aborted any more"
+            return "can no longer end safely"
         if self.unsafe_unrepaired:
-            return f"can {'' if self.for_ever else 'succeed or '}be aborted only if repaired"
+            return f"can end safely only if repaired{', and no longer succeed' * self.for_ever}"
         if self.for_ever:
-            return "can be aborted, but no longer succeed"
-        return "can succeed only if repaired, or be aborted" if self.unrepaired else "can still succeed"
+            return "can end safely, but no longer succeed"
+        return "can succeed only if repaired, or end safely" if self.unrepaired else "can still succeed"
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class Case:
         loss: What the mission can no longer reach.
         objective_regained: Whether the objective can succeed again when the resource is ready again.
         mission_regained: Whether the mission can.
-        safety_regained: Whether the mission can be aborted again, or succeed.
+        safety_regained: Whether the mission can end safely again.
         elsewhere: By objective in other branches of the same block, what it does there, in words.
         found: Where the failure is detected late: whether its detection may be the next event.
         repaired: Whether its repair may be the next event: not of what is never repaired, and not before a
@@ -179,7 +179,7 @@ class Case:
         """What the mission can do again when the resource is ready again."""
         if self.mission_regained:
             return "succeed"
-        return "be aborted" if self.safety_regained else ""
+        return "end safely" if self.safety_regained else ""
 
 
 Ancestors: TypeAlias = Sequence[tuple[ParallelSection, Branch]]
@@ -201,18 +201,19 @@ def _route(section: ElementarySection, around: Ancestors) -> str:
     """Where the failure of an objective leads."""
     if section.failure not in _ENDS:
         again = _TRY.search(section.name) and _TRY.sub("", section.name) == _TRY.sub("", section.failure)
-        return f"its failure leads to {'its next try' if again else section.failure}"
+        return f"the objective's failure leads to {'its next try' if again else section.failure}"
     if not around:
-        return f"its failure ends the mission in {_ENDS[section.failure]}"
+        return f"the objective's failure ends the mission in {_ENDS[section.failure]}"
     block, branch = around[-1]
     if section.failure == ABORT:
-        return f"its failure aborts {block.name}"
+        return f"the objective's failure aborts {block.name}"
     if section.failure == SUCCEED:
-        return f"its failure is a success of {branch.name}"
+        return f"the objective's failure is a success of {branch.name}"
     if block.failing == 1 and block.needed is None and not branch.mandatory:
-        return f"its failure fails {block.name} while another child runs"  # else mandatory ones decide
+        # As the last child ends, the mandatory ones decide.
+        return f"the objective's failure fails {block.name} while another child runs"
     if block.failing == 1 or (branch.mandatory and (block.needed is None or block.hasty)):
-        return f"its failure fails {block.name}"
+        return f"the objective's failure fails {block.name}"
     counts = []
     if block.needed is not None:
         counts.append(f"{block.name} needs {block.needed} of {len(block.branches)}")

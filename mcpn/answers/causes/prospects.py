@@ -221,7 +221,7 @@ class Prospects(Generic[S]):
     def safety(self) -> Goal[S] | None:
         """A safe end of the mission, success or abort; ``None`` of a mission that cannot abort.
 
-        An abort by the failure of what should make the robot safe is none. So the goal is reached in states
+        An abort by the failure of a safing objective is none. So the goal is reached in states
         in which another event may lead to abort.
         """
         space, found, name = self.space, self.aborts, self.mission_net.mission.name

@@ -66,7 +66,7 @@ def claims_of_survival(found: Survival, section: str, moment: str) -> Iterator[C
             continue
         if level.always is None or level.at_most is None:
             if section:
-                yield Claim(f"from_entry_without_repair_{verb}ed", (section,), True, Assumes(repairs="none"))
+                yield Claim(f"no_way_from_entry_to_{noun}", (section,), True)
             continue
         for lost in level.cut_sets if section else ():
             yield Claim(f"loss_at_entry_{verb}s", (together(lost), section), True, LEFT)

@@ -36,13 +36,14 @@ class Helped(Generic[S]):
 
     def claims(self) -> Iterator[Claim]:
         """Those that follow from its stable states."""
-        yield from self._needs_help()
+        yield from self.needs_help()
         yield from self._past()
         yield from self._deciding()
 
     # --- what needs help ---
 
-    def _needs_help(self) -> Iterator[Claim]:
+    def needs_help(self) -> Iterator[Claim]:
+        """Whether success, an end and a safe end take declared events or timeouts."""
         parts, prospects, space = self.parts, self.prospects, self.space
         alone = prospects.everything - parts.helping
         unaided = parts.reaches(prospects.mission, parts.quiet)

@@ -87,9 +87,9 @@ KINDS: Mapping[str, ClaimKind] = {
         ClaimKind(
             "aborted_by_failure",
             "{some}",
-            "the mission can be aborted by the failure of what should make the robot safe",
-            "no abort is reached by the failure of what should make the robot safe",
-            "whether an abort is reached by the failure of what should make the robot safe is not known",
+            "the mission can be aborted by the failure of a safing objective: no safe abort",
+            "no abort is reached by the failure of a safing objective",
+            "whether an abort is reached by the failure of a safing objective is not known",
             "all states; where it holds, a run",
             EVERYWHERE,
             "of more than 40 objectives, and of those whose copies have one name",
@@ -99,8 +99,8 @@ KINDS: Mapping[str, ClaimKind] = {
         ClaimKind(
             "can_always_end_safely",
             "AG ({safe})",
-            "whatever has happened, the mission can still end safely, in success or abort",
-            "the mission can reach a state from which it cannot end safely, in success or abort",
+            "whatever has happened, the mission can still end safely, in success or in a safe abort",
+            "the mission can reach a state from which it can end neither in success nor in a safe abort",
             "whether the mission can always end safely is not known",
             "all states; where it fails, a run",
             EVERYWHERE,
@@ -322,14 +322,14 @@ KINDS: Mapping[str, ClaimKind] = {
         ClaimKind(
             "abort_after",
             "E(F (!abort & ({fails}) & X abort)) & {shelters}",
-            "the mission is aborted where {0} fails, which should make the robot safe: no such abort counts "
-            "as a safe end, but in probabilities it counts as an abort",
-            "the mission is not aborted by the failure of {0}, or {0} need not make the robot safe",
+            "the mission is aborted by the failure of {0}, a safing objective: that is no safe end, but in "
+            "probabilities it counts as an abort",
+            "the mission is not aborted by the failure of {0}, or {0} is no safing objective",
             "whether the mission is aborted by the failure of {0} is not known",
             "all states in which it aborts",
             EVERYWHERE,
             "of more than 40 objectives, and of those whose copies have one name",
-            several="one of {}",
+            several="any one of {}",
             good=False,
         ),
         ClaimKind(

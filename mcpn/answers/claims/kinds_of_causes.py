@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from mcpn.answers.claims.kind import JSON, TERMINAL, ClaimKind
+from mcpn.answers.claims.kind import EVERYWHERE, JSON, TERMINAL, ClaimKind
 
 _ENTRY = "no word of formulas names the moment at which a section is entered"
 _SETS = "it counts sets of hardware, which no formula does"
-_SAFE_ENDS = "where an abort may come by the failure of what should make safe, safe ends are events"
+_NUMBERS = "formulas have no probabilities: dense solves judge them"
+_SAFE_ENDS = "where an abort may come by the failure of a safing objective, safe ends are events"
 _COMMANDS = (TERMINAL, JSON)
 
 
@@ -44,11 +45,11 @@ def _of_goal(verb: str, goal: str, noun: str) -> Iterator[ClaimKind]:
         several="{}",
     )
     yield ClaimKind(
-        f"from_entry_without_repair_{verb}ed",
+        f"no_way_from_entry_to_{noun}",
         "",
-        f"from the entry of {{0}} on there is no way to {goal} without a repair",
-        f"from the entry of {{0}} on some way to {goal} needs no repair",
-        f"whether {goal} needs a repair from the entry of {{0}} on is not known",
+        f"from the entry of {{0}} on {goal} is out of reach, whatever is repaired",
+        f"from the entry of {{0}} on {goal} is possible",
+        f"whether {goal} is out of reach from the entry of {{0}} on is not known",
         "all states at the entry",
         _COMMANDS,
         _ENTRY,
@@ -106,16 +107,15 @@ OF_CAUSES = (
         good=False,
     ),
     ClaimKind(
-        "objective_needs_repair",
-        "",
-        "without a repair there is no way for {0} to succeed",
-        "{0} can succeed without a repair",
-        "whether {0} needs a repair is not known",
-        "all states at its entry",
+        "can_end_safely",
+        "EF (success | abort)",
+        "the mission can end safely",
+        "the mission can never end safely",
+        "whether the mission can end safely is not known",
+        "a run",
         _COMMANDS,
-        _ENTRY,
-        several="{}",
-        good=False,
+        _SAFE_ENDS,
+        good=True,
     ),
     *_of_goal("defeat", "success", "success"),
     *_of_goal("endanger", "a safe end", "safety"),
@@ -140,6 +140,50 @@ OF_CAUSES = (
         _COMMANDS,
         _SAFE_ENDS,
         good=False,
+    ),
+    ClaimKind(
+        "chance",
+        "",
+        "with the given rates the mission ends in {0} with probability {others}",
+        "with the given rates the mission does not end in {0} with probability {others}",
+        "how probable {0} is is not known",
+        "a chain of all states",
+        EVERYWHERE,
+        _NUMBERS,
+        several="each of {}",
+    ),
+    ClaimKind(
+        "importance",
+        "",
+        "success is more probable by {others} if {0} never fails than if it is lost before the start and not "
+        "repaired, whether it has a rate or not",
+        "success is not more probable by {others} if {0} never fails",
+        "the importance of {0} is not known",
+        "chains of all states",
+        EVERYWHERE,
+        _NUMBERS,
+    ),
+    ClaimKind(
+        "safe_importance",
+        "",
+        "success or an abort is more probable by {others} if {0} never fails than if it is lost before the "
+        "start and not repaired, whether it has a rate or not",
+        "success or an abort is not more probable by {others} if {0} never fails",
+        "the importance of {0} for an end without failure is not known",
+        "chains of all states",
+        EVERYWHERE,
+        _NUMBERS,
+    ),
+    ClaimKind(
+        "unrated",
+        "",
+        "{0} has no rate, and never happens in these numbers",
+        "{0} has a rate",
+        "whether {0} has a rate is not known",
+        "its text",
+        EVERYWHERE,
+        "it is a question to the text",
+        several="each of {}",
     ),
 )
 """In the order in which they are shown."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mcpn.answers.claims.kind import EVERYWHERE, SAFE_ENDS, ClaimKind
+from mcpn.answers.claims.kind import EVERYWHERE, JSON, SAFE_ENDS, ClaimKind
 
 _BEGUN = "!event(MISSION_EV_START)"
 
@@ -24,7 +24,7 @@ OF_HELP = (
         "wherever the mission can still end, it needs no declared event and no timeout",
         "whether an end needs help is not known",
         "all states",
-        EVERYWHERE,
+        (JSON,),
         good=False,
     ),
     ClaimKind(
@@ -34,7 +34,7 @@ OF_HELP = (
         "wherever the mission can still end safely, it needs no declared event and no timeout",
         "whether a safe end needs help is not known",
         "all states",
-        EVERYWHERE,
+        (JSON,),
         why=SAFE_ENDS,
         good=False,
     ),

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from mcpn.answers.claims.claim import Assumes, Claim
 from mcpn.answers.claims.entries import together
+from mcpn.events import Event, What
 
 if TYPE_CHECKING:
     from mcpn.answers.causes.find import Causes, GoalCauses
@@ -28,7 +29,8 @@ def claims_of_objective(goal: GoalCauses, name: str) -> Iterator[Claim]:
         name: Its name, or theirs in words.
     """
     if () in goal.cut_sets:
-        yield Claim("objective_needs_repair", (name,), True, Assumes(repairs="none"))
+        event = Event(What.SUCCESS, name)
+        yield Claim("outcome_comes", (name, "success"), False, formula=f"E(F happens({event}))")
     elif not goal.cut_sets:
         yield Claim("losses_lose_objective", (name,), False, BEFOREHAND)
     else:

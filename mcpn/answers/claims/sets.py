@@ -10,6 +10,7 @@ from mcpn.answers.claims.asked import claims_of_aborts
 from mcpn.answers.claims.claim import Assumes, Claim
 from mcpn.answers.claims.critical import claims_of_critical
 from mcpn.answers.claims.entries import GOALS, claims_of_entries, together
+from mcpn.answers.claims.helped import Helped
 from mcpn.answers.claims.kinds import KINDS
 from mcpn.answers.claims.made import claims_of, claims_of_losses, in_order
 from mcpn.answers.claims.of_objectives import claims_of_objectives
@@ -43,6 +44,11 @@ def claims_of_causes(causes: Causes, rows: Sequence[Row] = ()) -> list[Claim]:
     found += claims_of_entries(causes)
     found += claims_of_objectives(causes)
     found += Reached(causes.prospects).hardware()
+    found += Helped(FormulaParts(causes.prospects)).needs_help()
+    if causes.safety is not None and () in causes.safety.cut_sets:
+        found.append(Claim("can_end_safely", (), False))
+    if () in causes.mission.cut_sets:
+        found.append(Claim("can_succeed", (), False, formula=KINDS["can_succeed"].formula))
     return in_order(found)
 
 
@@ -90,7 +96,9 @@ def _of_goal(causes: Causes, goal: GoalCauses, verb: str, words: str) -> Iterato
     if goal.unaided is not None and goal.unaided.helpers:
         events = (transition.event for transition in prospects.space.net.transitions)
         help_ = sorted({str(event) for event in events if event is not None and event.what in HELP})
-        for lost in (lost for lost in goal.unaided.cut_sets if lost not in minimal and {*lost} <= known):
+        for lost in (
+            lost for lost in goal.unaided.cut_sets if lost and lost not in minimal and {*lost} <= known
+        ):
             said = formula(lost, help_)
             yield Claim(before, (together(lost),), True, UNAIDED, said, refers_to=goal.unaided.helpers)
     for lost in (lost for lost in goal.cut_sets if not {*lost} <= known):

@@ -9,6 +9,8 @@ from mcpn.answers.claims.claim import Claim, told
 DEFEATING = {"event_decides": "What defeats it?", "fact_defeats": "What defeats it?"}
 """By kind of claim on what defeats a mission beside hardware, what it answers."""
 UNASKED = {
+    "needs_help_to_succeed": "What does it need?",
+    "leads_past": "What leads past a shelter?",
     "succeeds_without": "What may success leave out?",
     "interrupts_answer": "What interrupts an answer?",
     "ends_at_once": "What ends it at once?",

@@ -84,7 +84,7 @@ INFORMATIVE = ("failure_reachable", "unselectable")
 ENDS_SAFELY, ABORT_REACHABLE = "can_always_end_safely", "abort_reachable"
 """The further required and the further informative verdict of a mission that can abort."""
 UNSAFE_ABORT = "abort_by_failure"
-"""The informative verdict on an abort that the failure of what should make safe leads to."""
+"""The informative verdict on an abort that the failure of a safing objective leads to."""
 HANDLED = "events_handled"
 """The further required verdict of a mission with events that must be handled whatever runs."""
 
@@ -476,13 +476,13 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
 
 
 def _unsafe_abort(mission_net: MissionNet, space: Space[S], *, settles: bool) -> Verdict:
-    """Whether the mission aborts by the failure of an objective that should make the robot safe."""
+    """Whether the mission aborts by the failure of a safing objective."""
     step(Doing.DECIDING, question=UNSAFE_ABORT)
     names, run = abort_by_failure(mission_net, space, settles=settles)
     if run is None:
         return Verdict(UNSAFE_ABORT, False, "what ends in abort by its success does not by its failure")
     told = shortened(mission_net.graph.copies.told(names, names_of_objectives(mission_net.graph)))
-    return Verdict(UNSAFE_ABORT, True, f"abort is called safe although this failed: {told}", (run,))
+    return Verdict(UNSAFE_ABORT, True, f"safing objectives by whose failure it aborts: {told}", (run,))
 
 
 def _success(nominal_runs: NominalRuns[S], goal: S) -> Verdict:

@@ -1,4 +1,4 @@
-"""An abort that is reached by the failure of what should make the robot safe.
+"""An abort that is reached by the failure of a safing objective.
 
 Such an abort is no safe end. So neither the verdict nor the cut sets of safe ends take a route's word for it.
 """
@@ -84,7 +84,7 @@ def aborts(mission_net: MissionNet, space: Space[S]) -> Aborts[S]:
 
 
 def without_safe_end(mission_net: MissionNet, space: Space[S]) -> S:
-    """States from which no run succeeds, or aborts by anything but the failure of what should make safe.
+    """States from which no run succeeds, or aborts by anything but the failure of a safing objective.
 
     Args:
         mission_net: The mission's net.

@@ -137,7 +137,7 @@ CHECK = Document(
                     "can_always_end_safely?": Nullable(
                         Boolean(
                             "Whatever has happened, some run still ends the mission in success, or in an "
-                            "abort that no failure of what should make the robot safe leads to; of missions "
+                            "abort that no failure of a safing objective leads to; of missions "
                             "that can abort."
                         )
                     ),

@@ -13,9 +13,11 @@ from mcpn.answers.causes.find import Causes, Survival
 from mcpn.answers.claims.claim import Claim, sentences, told
 from mcpn.answers.claims.entries import GOALS, claims_of_survival
 from mcpn.answers.claims.found import plain_names
+from mcpn.answers.claims.kinds import KINDS
 from mcpn.answers.claims.of_objectives import claims_of_objective
+from mcpn.answers.claims.of_risk import ROUNDING
 from mcpn.report.words import folded
-from mcpn.sentences import enumeration
+from mcpn.sentences import counted, enumeration
 
 if TYPE_CHECKING:
     from mcpn.answers.causes.cutsets import CutSet
@@ -23,14 +25,11 @@ if TYPE_CHECKING:
     from mcpn.answers.causes.risk import Risk
 
 
+IMPORTANCE = f"importance: {KINDS['importance'].holds.format('a resource', others='so much')}"
 MOST_TOLD = 8
 """Sets of losses, or names, of one sentence; tables and JSON have all."""
-IMPORTANCE = (
-    "importance: how much more probable success is if a resource never fails than if it is lost before the "
-    "start and not repaired; so of one without a rate, too"
-)
-ROUNDING = 1e-12
-"""Differences of probabilities up to which they are equal."""
+NEVER = {"defeat": "can_succeed", "endanger": "can_end_safely"}
+"""By what losses of a goal do the kind of claim that it can be reached."""
 
 
 def held(claims: Sequence[Claim], kind: str) -> list[Claim]:
@@ -51,11 +50,14 @@ def losses(claims: Sequence[Claim], verb: str, most: int = MOST_TOLD) -> list[st
     before = held(claims, f"loss_before_{verb}s")
     aided, unaided = ([c for c in before if c.assumes.help == help_] for help_ in ("declared", "none"))
     known, known_alone = ({claim.subject for claim in some} for some in (aided, before))
+    missing, several = held(claims, f"missing_{verb}s"), held(claims, f"losses_{verb}")
+    known |= {claim.subject for claim in missing}
+    known_alone |= known
     later = held(claims, f"loss_{verb}s")
     worse = [c for c in later if c.assumes.help == "declared" and c.subject not in known]
     alone = [c for c in later if c.refers_to and c.subject not in known_alone]
-    missing, several = held(claims, f"missing_{verb}s"), held(claims, f"losses_{verb}")
-    needed = held(claims, f"without_repair_{verb}ed")
+    never = [c for c in claims if c.kind == NEVER[verb] and c.holds is False]
+    needed = never or held(claims, f"without_repair_{verb}ed")
     return sentences([*needed, *aided, *missing, *worse, *several, *unaided, *alone], most)
 
 
@@ -76,6 +78,7 @@ def kept(claims: Sequence[Claim], verb: str, unused: Collection[str], most: int 
 
 def headlines(causes: Causes, claims: Sequence[Claim]) -> Iterator[str]:
     """What keeps the mission from success, and from a safe end if it can abort, and what does not."""
+    yield from sentences(held(claims, "needs_help_to_succeed"))
     for verb in ("defeat", "endanger")[: 1 + (causes.safety is not None)]:
         yield from (*losses(claims, verb, most=len(claims)), *kept(claims, verb, causes.unused))
     unsaid = [claim for claim in claims if claim.kind == "says_what_is_safe" and not claim.holds]
@@ -126,6 +129,7 @@ def _from(found: Survival, section: str, moment: str) -> list[str]:
         for claim in claims_of_survival(found, section, moment)
         if not (claim.kind.startswith("any_lost") and claim.holds)
     ]
+    claims = [c for c in claims if c.refers_to != (counted(0, "resource"),)]
     for verb, noun in GOALS:  # what any so many losses leave says how many may be lost at most
         any_ = [c.refers_to for c in claims if c.kind == f"any_lost_{verb}"]
         claims = [c for c in claims if c.kind != f"most_lost_spare_{noun}" or c.refers_to not in any_]
@@ -191,10 +195,3 @@ def ranked(values: Mapping[str, float]) -> list[str]:
         return float(f"{values[name]:.9g}") if abs(values[name]) > ROUNDING else 0.0
 
     return sorted(values, key=size, reverse=True)
-
-
-def without_a_rate(numbers: Risk) -> str:
-    """Says of events without a rate that the numbers leave them out."""
-    several = len(numbers.unrated) > 1
-    names = f"event{'s' * several} {', '.join(numbers.unrated)}"
-    return f"{names} {'have' if several else 'has'} no rate: not counted in these numbers"

@@ -19,6 +19,12 @@ Classes = Mapping[Severity, str]
 
 STANDARD: Classes = {severity: severity.words for severity in Severity}
 
+ALONE = (
+    "All other hardware is in service: what failed before is repaired, and objectives may have failed. "
+    "Declared events and timeouts may help."
+)
+"""What each row assumes."""
+
 COLUMNS = (
     "hardware",
     "objective",

@@ -11,6 +11,7 @@ from mcpn.answers.causes.effects import Severity
 from mcpn.answers.causes.find import Causes
 from mcpn.answers.causes.fmeca import Row
 from mcpn.answers.claims.claim import Claim, sentences
+from mcpn.answers.claims.of_risk import claims_of_risk
 from mcpn.drawing.compose import MissionNet
 from mcpn.report.failures.sentences import (
     IMPORTANCE,
@@ -20,9 +21,8 @@ from mcpn.report.failures.sentences import (
     ranked,
     risk_counts,
     survived,
-    without_a_rate,
 )
-from mcpn.report.failures.tables import STANDARD, Classes, fmeca_rows
+from mcpn.report.failures.tables import ALONE, STANDARD, Classes, fmeca_rows
 from mcpn.report.terminal import Terminal
 from mcpn.report.text import print_counts, print_steps
 from mcpn.report.words import folded, in_words, of_all_copies
@@ -125,11 +125,14 @@ def print_fmeca(rows: Sequence[Row], mission_net: MissionNet, classes: Classes =
     terminal = Terminal()
     shared: dict[str, dict[tuple[str, str, str], list[str]]] = {}
     for row, told in zip(rows, fmeca_rows(rows, classes), strict=True):
-        leads = [t for t in row.compensation.split("; or ") if t.startswith("its failure")]
+        leads = [t for t in row.compensation.split("; or ") if t.startswith("the objective's failure")]
         effects = [t for t in (row.local_effect, *leads) if t != "none"]
         effect = of_all_copies(mission_net, "; ".join(effects))
         key = told["severity"], told["with_others"], effect
         shared.setdefault(row.hardware, {}).setdefault(key, []).append(row.objective)
+    terminal.print()
+    terminal.print("what each failure does", style="bold")
+    terminal.print(ALONE, indent=2)
     for hardware, effects_of in shared.items():
         terminal.print()
         terminal.print(f"if {hardware} fails", style="bold")
@@ -150,8 +153,8 @@ def print_risk(numbers: Risk) -> None:
     print_counts({name: f"{value:.6g}" for name, value in risk_counts(numbers)})
     if numbers.importance:
         Terminal().print(IMPORTANCE)
-    if numbers.unrated:
-        Terminal().print(without_a_rate(numbers))
+    for said in sentences(claim for claim in claims_of_risk(numbers) if claim.kind == "unrated"):
+        Terminal().print(said)
 
 
 def print_within(numbers: Within, time: str) -> None:

@@ -12,7 +12,7 @@ from mcpn.answers.claims.found import claims_found, of_verdict
 from mcpn.answers.claims.kinds import OF_VERDICTS
 from mcpn.answers.claims.unasked import DEFEATING, UNASKED, unasked
 from mcpn.answers.verdicts.mission import NOMINAL
-from mcpn.report.failures.sentences import MOST_TOLD, kept, losses, without_a_rate
+from mcpn.report.failures.sentences import MOST_TOLD, kept, losses
 from mcpn.report.pages.nominal_run import nominal_run, strip
 from mcpn.report.words import (
     folded,
@@ -126,15 +126,8 @@ def story(findings: Findings) -> Iterator[StoryLine]:
     yield from _noted(late_losses(findings), "What goes unnoticed?", "note")
     yield from _required(findings.check)
     yield from _granted(findings.check)
-    if (chance := findings.risk) is not None:
-        aborts = "" if chance.abort is None else f", is aborted with {chance.abort:.6g}"
-        told = (
-            f"it succeeds with probability {_near_one(chance.success)}{aborts} "
-            f"and fails with {chance.failure:.6g}"
-        )
-        if chance.unrated:
-            told += f"; {without_a_rate(chance)}"
-        yield StoryLine("note", "How probable?", f"With the given rates {told}.")
+    numbers = [*findings.held("chance"), *findings.held("unrated")]
+    yield from _noted(numbers, "How probable?", "note")
     yield _never(findings.check)
     yield _unproved(findings)
 
@@ -143,12 +136,6 @@ def _claimed(claims: Sequence[Claim], kinds: Mapping[str, str]) -> Iterator[Stor
     """The claims that hold and that a reader should know."""
     for kind, said in unasked(claims, kinds):
         yield StoryLine("note", kinds[kind], " ".join(said))
-
-
-def _near_one(chance: float) -> str:
-    """A probability; one that only rounding would make certain says by how much it is not."""
-    said = f"{chance:.6g}"
-    return f"1 - {1 - chance:.3g}" if said == "1" and chance < 1 else said
 
 
 def _nominal(findings: Findings) -> Iterator[StoryLine]:

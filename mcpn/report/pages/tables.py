@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from mcpn.answers.causes.effects import NOT_HERE
 from mcpn.answers.names import MissionNames
 from mcpn.report.failures.sentences import IMPORTANCE, risk_counts
-from mcpn.report.failures.tables import COLUMNS, fmeca_rows
+from mcpn.report.failures.tables import ALONE, COLUMNS, fmeca_rows
 from mcpn.report.words import MOST_NAMED, modes_in_words, modes_together, what_happens
 from mcpn.sentences import enumeration, shortened
 
@@ -136,9 +136,8 @@ def _what_if(rows: Sequence[Row], mission_net: MissionNet) -> Table:
         return _differences(by_objective, mission_net)
     return Table(
         "What happens when hardware fails",
-        "A row is what the robot is doing, a column what fails then, with all other hardware in service "
-        "(what failed before is repaired, objectives may have failed); the cell is what follows "
-        f"({UNCHANGED}: nothing changes).",
+        f"A row is what the robot is doing, a column what fails then; the cell is what follows ({UNCHANGED}: "
+        f"nothing changes). {ALONE}",
         heads,
         fold_rows(mission_net, table),
     )
@@ -154,8 +153,7 @@ def _differences(effects: Mapping[str, Mapping[str, str]], mission_net: MissionN
         rows += ((objective, ", ".join(h), e) for e, h in together.items() if e != UNCHANGED)
     return Table(
         "What happens when hardware fails",
-        "While an objective runs one hardware resource fails, with all other hardware in service. What is "
-        "not listed changes nothing.",
+        f"While an objective runs one hardware resource fails. What is not listed changes nothing. {ALONE}",
         ("while this runs", "one of these fails", "what follows"),
         merged(fold_rows(mission_net, rows)),
     )
@@ -205,9 +203,9 @@ def _fmeca(rows: Sequence[Row], mission_net: MissionNet) -> Table:
     texts = [tuple(row[column] for column in order) for row in fmeca_rows(worst)]
     return Table(
         "FMECA: what each failure does",
-        "One row for each hardware resource that fails while an objective runs: how bad it is with all else "
-        "in service, what changes at once, for the objective and for the mission, and what makes up for it. "
-        "A failure that changes nothing, with whatever else is out of service, has no row.",
+        "One row for each hardware resource that fails while an objective runs: how bad it is, what changes "
+        "at once, for the objective and for the mission, and what makes up for it. A failure that changes "
+        f"nothing, with whatever else is out of service, has no row. {ALONE}",
         [column.replace("_", " ") for column in order],
         merged(merged(fold_rows(mission_net, texts, 1), 1)),
     )
