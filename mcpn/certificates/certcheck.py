@@ -86,7 +86,7 @@ def unpacked(path: str) -> dict[str, bytes]:
     try:
         with zipfile.ZipFile(path) as archive:
             for info in archive.infolist():
-                fine = info.filename in {"net.json", "claims.json"} - entries.keys()
+                fine = info.filename in {"net.json", "claims.json", "core.json"} - entries.keys()
                 need(fine, f"the entry {info.filename[:60]!r} is not expected, or there twice", Malformed)
                 fine = info.compress_type in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
                 need(fine, f"the entry {info.filename} is neither stored nor deflated", Malformed)

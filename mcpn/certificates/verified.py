@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from mcpn.certificates import certcheck
+from mcpn.certificates import certcheck, corecheck
+from mcpn.certificates.core_entry import OBJECTIVES
 
 if TYPE_CHECKING:
     from mcpn.certificates.writing import Certificate
@@ -15,6 +16,10 @@ SECONDS = 60.0
 STILL_TRUSTED = (
     "still trusted: reader and templates, which make the net of the mission, and that a formula says what "
     "its text says"
+)
+BUT_OBJECTIVES = (
+    "still trusted: the reader, the templates of activities and hardware (what those of objectives draw is "
+    "checked by corecheck), and that a formula says what its text says"
 )
 """What no claim of a certificate is free of (docs/certificates.md)."""
 NONE_CHECKED = "no claim is checked by certcheck: reader, templates, kernel and engines are trusted"
@@ -41,7 +46,8 @@ class Verified(NamedTuple):
         """What is known of how a claim is known: ``checked``, ``refuted``, ``not checked`` or ``trusted``."""
         if key in self.found:
             how, why = self.found[key]
-            return "checked by certcheck" if how == "proved" else f"{how} by certcheck: {why}"
+            by = "corecheck" if key == OBJECTIVES else "certcheck"
+            return f"checked by {by}" if how == "proved" else f"{how} by {by}: {why}"
         _, why = self.certificate.trusted.get(key, ("", "no evidence is written for it"))
         return f"trusted, not checked by certcheck: {why}"
 
@@ -49,7 +55,9 @@ class Verified(NamedTuple):
     def summary(self) -> str:
         """How many claims are checked, and what is trusted all the same."""
         checked, every = len(self.keys("proved")), len(self.found) + len(self.certificate.trusted)
-        return f"{checked} of {every} claims are checked by certcheck; {STILL_TRUSTED}"
+        played = self.found.get(OBJECTIVES, ("",))[0] == "proved"
+        still = BUT_OBJECTIVES if played else STILL_TRUSTED
+        return f"{checked} of {every} claims are checked; {still}"
 
     @property
     def said(self) -> dict[str, Any]:
@@ -71,4 +79,17 @@ def verified(certificate: Certificate, file: Path, seconds: float = SECONDS) -> 
     except (certcheck.Malformed, certcheck.Limit, RecursionError, MemoryError) as error:
         why = str(error) or "there is not enough memory"
         report = [("not checked", claim["key"], why) for claim in certificate.claims]
+    if certificate.core is not None:
+        report.append(_played(file, seconds))
     return Verified(certificate, file, {key: (how, why) for how, key, why in report})
+
+
+def _played(file: Path, seconds: float) -> tuple[str, str, str]:
+    """What corecheck says of the objectives of a certificate."""
+    try:
+        corecheck.checked(str(file), seconds)
+    except certcheck.Refuted as error:
+        return "refuted", OBJECTIVES, str(error)
+    except (certcheck.Malformed, certcheck.Limit, RecursionError, MemoryError) as error:
+        return "not checked", OBJECTIVES, str(error) or "there is not enough memory"
+    return "proved", OBJECTIVES, ""

@@ -16,7 +16,8 @@ from mcpn.answers.spaces import MissionSpaces, spaces_of
 from mcpn.answers.verdicts.mission import MissionCheck
 from mcpn.answers.verdicts.nominal import NominalRuns, meant_to_be_entered
 from mcpn.certificates import evidence
-from mcpn.certificates.certcheck import VERSION
+from mcpn.certificates.certcheck import ENDS, VERSION
+from mcpn.certificates.core_entry import OBJECTIVES, PLAYED, Unplayed, core_entry
 from mcpn.certificates.cut_sets import certified_cut_sets
 from mcpn.certificates.formula_entry import formula_entry
 from mcpn.certificates.net_entry import net_entry
@@ -55,12 +56,14 @@ class Certificate(NamedTuple):
         net: The entry ``net.json``.
         claims: Those with evidence, as ``claims.json`` holds them.
         trusted: By key of a claim without: its sentence, and why there is no evidence.
+        core: The entry ``core.json``, where the mission's objectives can be played beside the net.
     """
 
     mission: str
     net: dict[str, Any]
     claims: list[dict[str, Any]]
     trusted: dict[str, tuple[str, str]]
+    core: dict[str, Any] | None = None
 
     @property
     def said(self) -> dict[str, Any]:
@@ -79,7 +82,9 @@ class Certificate(NamedTuple):
         }
         written = BytesIO()
         with zipfile.ZipFile(written, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
-            for name, entry in (("net.json", self.net), ("claims.json", claims)):
+            for name, entry in (("net.json", self.net), ("claims.json", claims), ("core.json", self.core)):
+                if entry is None:
+                    continue
                 text = json.dumps(entry, separators=(",", ":"))
                 archive.writestr(zipfile.ZipInfo(name, WHEN), text, zipfile.ZIP_DEFLATED)
         return written.getvalue()
@@ -172,15 +177,20 @@ class _Writer:
                 assert claim.holds is not None, "evidence refuses what is not known"
                 claims[claim.key] = _entry(
                     claim.key,
-                    LISTED.get(claim.of.verdict, claim.kind),
+                    _kind(claim, said),
                     claim.subject,
                     claim.holds,
                     claim.sentence,
                     said,
                     shown,
                 )
+        core = None
+        try:
+            core = core_entry(self.mission_net.graph)
+        except Unplayed as why:
+            trusted[OBJECTIVES] = PLAYED, f"corecheck does not play what the mission has: {why}"
         mission = self.mission_net.mission.name
-        return Certificate(mission, net_entry(self.mission_net), list(claims.values()), trusted)
+        return Certificate(mission, net_entry(self.mission_net), list(claims.values()), trusted, core)
 
     def evidence(self, claim: Claim) -> tuple[dict[str, Any], dict[str, Any]]:
         """What a claim states beside its kind, and its evidence.
@@ -192,13 +202,11 @@ class _Writer:
             raise Uncertified("whether it holds is not known")
         if claim.of.verdict in LISTED and claim.holds:
             return {}, {}
-        if claim.kind == "can_always_end_safely" and not claim.formula:
-            raise Uncertified(UNSAFE)
         match claim.kind:
             case "can_succeed" | "can_fail" | "can_be_aborted":
                 end = {"can_succeed": "success", "can_fail": "failure", "can_be_aborted": "abort"}[claim.kind]
                 return {}, {"run": self.run(self.ended(end))} if claim.holds else {}
-            case "can_always_end" | "can_always_end_safely":
+            case "can_always_end" | "can_always_end_safely" if "happens(" not in claim.formula:
                 ends = (
                     ("success", "abort") if claim.kind.endswith("safely") else ("success", "failure", "abort")
                 )
@@ -264,6 +272,12 @@ class _Writer:
             "repaired": [h.name for h in hardware if h.initial == "oos" and h.repairable],
         }
         return said, {"numbers": numbers.tolist()}
+
+
+def _kind(claim: Claim, said: dict[str, Any]) -> str:
+    """The kind of a claim in the certificate: of a formula where an abort may be no safe end."""
+    kind = LISTED.get(claim.of.verdict, claim.kind)
+    return "formula" if kind in ENDS and "formula" in said else kind
 
 
 def _entry(

@@ -182,7 +182,7 @@ std::map<std::string, std::string> unzipped(const std::string& path) {
   const std::size_t end = bytes.rfind("PK\5\6");
   require(end != std::string::npos, "no zip");
   const std::size_t entries = number(end + 10, 2);
-  require(entries == 2, "a zip with other than two entries");
+  require(entries == 2 || entries == 3, "a zip with other than two or three entries");
   std::map<std::string, std::string> found;
   std::size_t at = number(end + 16, 4), unpacked = 0;
   for (std::size_t i = 0; i < entries; ++i) {
@@ -192,6 +192,7 @@ std::map<std::string, std::string> unzipped(const std::string& path) {
     const std::size_t local = number(at + 42, 4);
     require(at + 46 + name_size <= bytes.size(), "a zip that ends too early");
     const std::string name = bytes.substr(at + 46, name_size);
+    require(name == "net.json" || name == "claims.json" || name == "core.json", "an unknown entry");
     require(!(flags & 1), "an encrypted entry");
     require(method == 0 || method == 8, "an entry packed in another way");
     unpacked += size;
