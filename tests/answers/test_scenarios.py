@@ -277,3 +277,18 @@ def gives_up_to_succeed(play: Play) -> bool:
 
 def dead_from_the_start(play: Play, dead: frozenset[str]) -> Marking:
     return play.after(play.initial, [f"{h}_EV_OOS" for h in sorted(dead)])
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_run_to_where_nothing_can_succeed_any_more_has_begun(engine: Engine) -> None:
+    """The mission goes on in y for ever. Without h it is lost, but it has not failed before it begins."""
+    of = robot(hw("h"), activity("a", ("h",)), activity("b", ()))
+    found = mission(
+        of,
+        Objective(name="x", activities=("a",), success="succeed", failure="y"),
+        Objective(name="y", activities=("b",), success="y", failure="y"),
+    )
+    asked = Asked(compose(found), engine)
+    run = asked.prospects.to_failure(asked.prospects.mission, ["h"])
+    assert run is not None
+    assert {"MISSION_EV_START", "h_EV_OOS"} <= {*events(run)}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import signal
 import subprocess
@@ -12,7 +13,8 @@ from pathlib import Path
 import pytest
 
 from mcpn.robot.drivers import warden
-from mcpn.robot.drivers.processes import Warden, row_of
+from mcpn.robot.drivers.inbox import Inbox
+from mcpn.robot.drivers.processes import ProcessDriver, Warden, row_of
 from mcpn.robot.drivers.warden import ProcessGroup
 from tests.drivers.robots import until
 from tests.drivers.runs import Runs
@@ -112,17 +114,41 @@ ends = {0 = "success", other = "failure"}
 process = ["{python}", "noting.py", "panel"]
 lines = {"called back" = "called_back"}
 
+[sources.radio]
+process = ["{python}", "noting.py", "radio"]
+lines = {"called back" = "called_back"}
+
 [release.wheels]
 process = ["true"]
 """
 
 
 def test_a_run_stops_what_it_started_last_first(runs_of: Callable[..., Runs], tmp_path: Path) -> None:
-    """Sources, which began before all else, at the end."""
+    """Sources, which began before all else, at the end, and the last of them first."""
     (tmp_path / "noting.py").write_text(NOTING)
     run = runs_of(RUN).start()
     begun, ended = tmp_path / "begun", tmp_path / "ended"
-    until(lambda: begun.exists() and len(begun.read_text().split()) == 4)
+    until(lambda: begun.exists() and len(begun.read_text().split()) == 5)
     run.send_signal(signal.SIGTERM)
     run.communicate(timeout=120)
-    assert ended.read_text().split() == ["drive", "localisation", "lidar", "panel"]
+    assert ended.read_text().split() == ["drive", "localisation", "lidar", "radio", "panel"]
+
+
+def test_a_driver_that_has_been_stopped_is_forgotten(tmp_path: Path) -> None:
+    """Else a warden would keep what ended long ago, and end a stranger of its number."""
+
+    async def played() -> tuple[list[int], list[int]]:
+        keeper = Warden()
+        inbox = Inbox(lambda line: None, lambda: True)
+        driver = ProcessDriver(
+            "one", ["sleep", "60"], tmp_path, inbox, lambda *how: None, signal.SIGTERM, 20.0, keeper
+        )
+        await driver.start()
+        begun = list(keeper.rows)
+        await driver.stop(20.0)
+        keeper.close()
+        return begun, list(keeper.rows)
+
+    begun, left = asyncio.run(played())
+    assert len(begun) == 1
+    assert left == []

@@ -470,6 +470,26 @@ def test_more_copies_than_there_may_be_are_refused_before_one_is_made(
         flatten(found)
 
 
+@pytest.mark.parametrize("copies", ["repeat", "retries"])
+@given(most=st.integers(2, 6), more=st.integers(0, 2), alone=st.integers(0, 2))
+def test_there_may_be_as_many_objectives_as_the_limit_says(
+    tmp_path_factory: pytest.TempPathFactory, copies: str, most: int, more: int, alone: int
+) -> None:
+    """One more is refused; those beside the copies count, too."""
+    number = max(2, most - alone + more)
+    blocks = "".join(f'<objective name="o{i}" activities="go"/>' for i in range(alone))
+    blocks += f'<objective name="o" activities="go" {copies}="{number - (copies == "retries")}"/>'
+    found = mission(tmp_path_factory.mktemp("limit"), blocks)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("mcpn.mission.passes.limits.MAX_OBJECTIVES", most)
+        if number + alone > most:
+            patch.setattr("mcpn.mission.passes.PASSES", None)  # it is refused before a copy is made
+            with pytest.raises(LimitError, match=f"more than {most} objectives"):
+                flatten(found)
+        else:
+            assert len(list(flatten(found).walk())) == number + alone
+
+
 def test_an_alternative_consumes_no_more_than_it_may(tmp_path: Path) -> None:
     def text(number: int) -> str:
         names = [f"h{i}" for i in range(number)]
