@@ -6,10 +6,12 @@ from pathlib import Path
 
 from mcpn.answers.causes.effects import Severity
 from mcpn.answers.causes.fmeca import fmeca
-from mcpn.answers.claims import claims_of
+from mcpn.answers.claims import Claim, claims_of, claims_of_causes
+from mcpn.answers.claims.claim import told
 from mcpn.answers.claims.found import of_verdict
 from mcpn.answers.claims.unasked import DEFEATING, UNASKED, unasked
 from mcpn.mission.xml import read_mission
+from mcpn.report.failures.sentences import headlines, of_objectives
 from mcpn.study import Study
 from tests.commands import mcpn
 
@@ -156,3 +158,43 @@ def test_facts_and_events_that_put_success_out_of_reach_are_told(tmp_path: Path)
     assert "Once broken is true success is out of reach." in said
     assert "breaks can put success out of reach, whatever is repaired." in said
     assert found.ctl("AG (fact(broken)=true & !success -> !EF success)").holds
+
+
+def test_several_names_begin_a_sentence_and_one_is_written_as_it_is() -> None:
+    assert told([Claim("unrated", (name,), True) for name in ("leak", "rain")]) == (
+        "Each of leak and rain has no rate, and never happens in these numbers."
+    )
+    assert (
+        told([Claim("unrated", ("leak",), True)]) == "leak has no rate, and never happens in these numbers."
+    )
+
+
+def test_what_never_succeeds_is_not_told_to_need_a_repair(tmp_path: Path) -> None:
+    found = of(
+        tmp_path,
+        '<hardware name="lamp"/><fact name="open"/><activity name="pull" requires="open=true"/>'
+        '<activity name="shine" consumes="lamp"/></robot>'
+        '<objective name="go" activities="pull" success="rest" failure="rest"/>'
+        '<objective name="rest" activities="shine"/>',
+    )
+    causes = found.causes()
+    assert "The success of go never comes." in [*of_objectives(causes)]
+    assert not found.ctl("E(F happens(OBJ_go_EV_OK))").holds
+    never = of(
+        tmp_path, '<activity name="wait"/></robot><objective name="go" activities="wait" success="fail"/>'
+    )
+    causes = never.causes()
+    assert next(headlines(causes, claims_of_causes(causes))) == "The mission can never succeed."
+
+
+def test_a_mission_that_a_declared_event_alone_ends_well_says_so(tmp_path: Path) -> None:
+    found = of(
+        tmp_path,
+        '<event name="stop"/><activity name="wait"/></robot>'
+        '<objective name="go" activities="wait" success="go" failure="go" nominal="endless">'
+        '<on event="stop" goto="home"/></objective><objective name="home" activities="wait"/>',
+    )
+    causes = found.causes()
+    first = next(headlines(causes, claims_of_causes(causes)))
+    assert first == "The mission can succeed only with the help of stop."
+    assert not found.ctl("E((!happens(stop)) U success)").holds

@@ -123,7 +123,8 @@ def told(claims: Sequence[Claim], most: int = MOST_NAMED, moments: str | None = 
     help_ = enumeration(first.refers_to) or "declared events and timeouts"
     without = f" without the help of {help_}" if first.assumes.help == "none" else ""
     # Names are written as they are.
-    begin = said if words.startswith("{") else f"{said[:1].upper()}{said[1:]}"
+    name_first = words.startswith("{") and (not subject or said.startswith(subject[0][0]))
+    begin = said if name_first else f"{said[:1].upper()}{said[1:]}"
     return f"{begin}{without}."
 
 
