@@ -605,6 +605,20 @@ class TokenNet:
     ) -> tuple[str, int, list[int]]:
         """Best-first search: ``reached``, ``unreachable`` or the limit hit; the markings seen; the run."""
 
+    def plan(
+        self,
+        initial: Sequence[int],
+        goals: Goals,
+        root: int,
+        max_states: int,
+        max_bytes: int,
+        seed: int,
+    ) -> tuple[str, int, list[int]]:
+        """Greedy best-first search by the additive heuristic of planning; as of ``seek``.
+
+        The seed draws the order of markings that are equally near.
+        """
+
     def lasso(
         self,
         initial: Sequence[int],

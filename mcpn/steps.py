@@ -35,6 +35,7 @@ class Doing(Enum):
     FINDING_SURVIVAL = "finding what the mission survives from the start on"
     FINDING_SURVIVAL_FROM = "finding what the mission survives from section {section} on"
     JOINING = "joining the sections"
+    LEFT_OPEN = "answering what is open: {question}"
     LISTING = "listing the stable states, and proving that each event has one outcome"
     LISTING_SECTION = "listing the states of section {section}"
     LISTING_MARKINGS = "listing the markings"

@@ -12,6 +12,8 @@ from pathlib import Path
 import pytest
 
 from mcpn.cli.line import run as run_command
+from mcpn.report.progress import UnderWay
+from mcpn.steps import Doing, WorkStep
 from mcpn.workers import executor_of
 from tests.conftest import ULYSSE, interruptible
 
@@ -277,3 +279,33 @@ def test_what_the_system_refuses_is_told(
     monkeypatch.setattr("mcpn.study.open_study", refused)
     assert run_command(["check", str(ULYSSE)]) == 2
     assert capsys.readouterr().err.startswith(f"error: {told}")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGXCPU])
+def test_an_interruption_names_the_questions_that_are_open(tmp_path: Path, number: signal.Signals) -> None:
+    """Ctrl-C, or the limit on CPU time: and no engine is recommended that was working."""
+    path = tmp_path / "big.net"
+    path.write_text("net big\npl a (2)\ntr t a -> b\ntr u b -> a\n")
+    script = f"""
+import os, sys
+from mcpn.spaces.registry import Spaces
+Spaces.go_on = lambda *_: os.kill(os.getpid(), {int(number)})
+examinations = "ReachabilityDeadlock", "OneSafe", "Liveness"
+sys.argv = ["mcpn", "ask", {str(path)!r}, *(f"--examination={{each}}" for each in examinations)]
+from mcpn.cli import main
+main()
+"""
+    run = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False, preexec_fn=interruptible
+    )
+    assert run.returncode == 128 + number
+    assert run.stdout == "FORMULA big-OneSafe FALSE TECHNIQUES INITIAL_STATE\n"
+    _, step = run.stderr.splitlines()
+    assert step.startswith("while answering what is open: big-ReachabilityDeadlock, big-Liveness (")
+
+
+def test_a_hint_names_no_engine_that_was_working() -> None:
+    heard = UnderWay()
+    heard.begins(WorkStep(Doing.MAKING_DIAGRAM))
+    heard.begins(WorkStep(Doing.PROVING))
+    assert heard.interrupted()[1:] == ["another engine may be quicker: --engine local or explicit"]

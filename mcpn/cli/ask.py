@@ -106,7 +106,8 @@ def ask(
         if hoa:
             _print_automata(questions, formulas, question.as_json)
             return
-        objects = _tell_contest(questions, properties, examinations, question.as_json)
+        with question.progress():
+            objects = _tell_contest(questions, properties, examinations, question.as_json)
         if formulas:
             with question.progress():
                 answers = answer_typed(questions, formulas)
@@ -232,7 +233,10 @@ def _contest_object(verdict: ContestAnswer) -> dict[str, Any]:
     truth = {"TRUE": True, "FALSE": False}.get(verdict.value)
     answer: dict[str, Any] = {"formula": verdict.name, "holds": truth, "witness": None}
     answer["techniques"] = list(verdict.techniques)
-    return answer if truth is not None else {**answer, "value": int(verdict.value)}
+    if truth is not None:
+        return answer
+    unbounded = verdict.value == "INF"
+    return {**answer, "value": None if unbounded else int(verdict.value), "unbounded": unbounded}
 
 
 def witness_object(witness: Witness, net: PetriNet) -> dict[str, Any]:

@@ -50,6 +50,8 @@ if TYPE_CHECKING:
 DIAGRAMS, REWRITING, COMPOSITION = "DECISION_DIAGRAMS", "QUERY_REDUCTION", "COMPOSITION"
 FIRST_STEPS, STEPS_FACTOR = 150_000, 2
 """Of the race for the space, and how many times as many each of its turns has."""
+MOST_STEPS = 2**60
+"""After which it goes on to its end."""
 FIRST_SLICE_OF_QUESTION, FIRST_ROUND, SLICE_FACTOR = 0.4, 1.0, 3.0
 WALK_STEPS = 50_000
 Meaning: TypeAlias = Formula | tuple[int, ...] | str
@@ -81,7 +83,7 @@ class ContestAnswer:
 
     Args:
         name: The question's.
-        value: ``TRUE``, ``FALSE`` or a number.
+        value: ``TRUE``, ``FALSE``, a number, or ``INF`` of what has no bound.
         techniques: How it was had, in the contest's words.
     """
 
@@ -186,10 +188,18 @@ class _Answers:
     def all(self) -> Iterator[ContestAnswer]:
         """Asks all ways by turns; of typed formulas, whose runs are to be the same each time, one by one."""
         first = inf if self.typed else FIRST_SLICE
-        yield from _told(in_turns(self.ways_to_go(), lambda: not self.waiting, first=first))
+        self.tell_open()
+        for told in in_turns(self.ways_to_go(), lambda: not self.waiting, first=first):
+            if told is not None:
+                yield told
+                self.tell_open()
         if self.waiting:
             open_ones = f"{self.questions.engine} leaves open: {', '.join(self.waiting)}"
             raise self.failed or LimitError(f"engine {open_ones}")
+
+    def tell_open(self) -> None:
+        """Announces which questions are open: an interruption names them."""
+        step(Doing.LEFT_OPEN, question=", ".join(self.waiting))
 
     def ways_to_go(self) -> list[Iterator[ContestAnswer | None]]:
         """The ways to answer that there are, in the order in which they begin."""
@@ -239,7 +249,7 @@ class _Answers:
 
     # --- what waits ---
 
-    def answer(self, name: str, value: int, *ways: str) -> Iterator[ContestAnswer]:
+    def answer(self, name: str, value: float, *ways: str) -> Iterator[ContestAnswer]:
         """Answers a question, which no longer waits, with the techniques of its parts; and what follows."""
         del self.waiting[name]
         told = tuple({**self.ways[name], **dict.fromkeys(ways)})
@@ -247,7 +257,7 @@ class _Answers:
         for other, follows in self.implied(self.asked[name], value):
             yield from self.learn(other, follows, *told)
 
-    def implied(self, asked: Meaning, value: int) -> list[tuple[Meaning, bool]]:
+    def implied(self, asked: Meaning, value: float) -> list[tuple[Meaning, bool]]:
         """What an answer says of examinations, and of formulas that ask whether a transition fires."""
         if isinstance(asked, tuple):
             return [(ONE_SAFE, False)] if value > len(asked) else []
@@ -270,7 +280,7 @@ class _Answers:
         formulas = (asked for asked in self.waiting.values() if isinstance(asked, Formula))
         return sorted(dict.fromkeys(chain.from_iterable(map(parts_at_first, formulas))), key=_effort)
 
-    def learn(self, part: Meaning, value: int, *ways: str) -> Iterator[ContestAnswer]:
+    def learn(self, part: Meaning, value: float, *ways: str) -> Iterator[ContestAnswer]:
         """Puts a value where it is asked for, and yields what that answers."""
         if isinstance(part, Formula):
             self.known.values[part] = bool(value)
@@ -352,11 +362,12 @@ class _Answers:
         questions, steps = self.questions, FIRST_STEPS
         try:
             if questions.searchable and not (self.typed or self.net.priorities):
-                while not questions.made and not questions.spaces.go_on(steps):
+                while steps < MOST_STEPS and not questions.made and not questions.spaces.go_on(steps):
                     yield None
                     steps *= STEPS_FACTOR
             yield from self.one_safe()
             space = questions.space if self.waiting else None
+            self.tell_open()
         except McpnError as error:
             self.failed = error
             return
@@ -421,11 +432,15 @@ class _Answers:
     def examined_by_equation(self) -> Iterator[ContestAnswer | None]:
         """Answers examinations."""
         assert self.facts is not None
-        for name, decide in self.facts.examinations.items():
-            if name in self.waiting.values():
-                value, ways = yield from decide()
-                if value is not None:
-                    yield from self.learn(name, value, *ways)
+        asked = [name for name in self.facts.examinations if name in self.waiting.values()]
+        yield from in_turns(map(self.examining, asked), lambda: not self.waiting)
+
+    def examining(self, name: str) -> Iterator[ContestAnswer | None]:
+        """Answers one examination."""
+        assert self.facts is not None
+        value, ways = yield from self.facts.examinations[name]()
+        if value is not None and name in self.waiting.values():
+            yield from self.learn(name, value, *ways)
 
     def simplified_by_equation(self) -> Iterator[ContestAnswer | None]:
         """Simplifies formulas by what always holds, or may always hold again."""
@@ -562,11 +577,6 @@ class _Answers:
 
             return EXAMINATIONS[meaning](Behaviour(questions.space))
         return questions.evaluation.holds(meaning)
-
-
-def _told(turns: Iterator[ContestAnswer | None]) -> Iterator[ContestAnswer]:
-    """What comes without the pauses."""
-    return (told for told in turns if told is not None)
 
 
 def _asks_firing(asked: Meaning) -> bool:

@@ -9,10 +9,21 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from mcpn.spaces.engine_names import EXPLICIT, LOCAL, SYMBOLIC
 from mcpn.steps import Doing, WorkStep, heard_by
 
 SILENT_SECONDS = 1.0
 """Work that ends sooner shows no progress."""
+
+ENGINES = (LOCAL, SYMBOLIC, EXPLICIT)
+RUNNING = {
+    Doing.MAKING_DIAGRAM: (SYMBOLIC,),
+    Doing.LISTING: (EXPLICIT,),
+    Doing.LISTING_MARKINGS: (EXPLICIT,),
+    Doing.LISTING_SECTION: (LOCAL,),
+    Doing.LEFT_OPEN: ENGINES,  # a diagram is drawn, markings are listed and searched, by turns
+}
+"""Engines that work in a step, and in those after it until another engine does: no hint names them."""
 
 _TICK = 0.25
 
@@ -24,10 +35,12 @@ class UnderWay:
         self.step: WorkStep | None = None
         self.since = self.started = time.monotonic()
         self.explored = (0, 0)
+        self.running: tuple[str, ...] = ()
 
     def begins(self, step: WorkStep) -> None:
         """Begins a step."""
         self.step, self.since, self.explored = step, time.monotonic(), (0, 0)
+        self.running = RUNNING.get(step.doing, self.running)
 
     def comes_to(self, states: int, edges: int) -> None:
         """Notes how far it is."""
@@ -58,8 +71,8 @@ class UnderWay:
                 f"if this step always takes the time, make section {self.step.section} smaller (fewer "
                 'activities in one block, hardware with faulty="false") or check a mission with it alone'
             )
-        else:
-            lines.append("another engine may be quicker: --engine local, symbolic or explicit")
+        elif others := [engine for engine in ENGINES if engine not in self.running]:
+            lines.append(f"another engine may be quicker: --engine {' or '.join(others)}")
         return lines
 
 

@@ -471,6 +471,14 @@ METHODS: dict[str, Callable[[Caller, Any], tuple[Any, ...]]] = {
         me.limit(),
         me.bytes_limit(),
     ),
+    "TokenNet.plan": lambda me, _: (
+        me.marking(),
+        me.some(kernel.Goals),
+        me.root(),
+        me.limit(),
+        me.bytes_limit(),
+        me.number(1 << 60),
+    ),
     "TokenNet.lasso": lambda me, _: (
         me.marking(),
         me.some(kernel.Goals),

@@ -147,6 +147,16 @@ void bind_search(nb::module_& module) {
         return std::tuple(std::string(kOutcomes[int(found.outcome)]), found.states, found.run);
       }, nb::arg("initial"), nb::arg("goals"), nb::arg("root"), nb::arg("stubborn"), nb::arg("max_states"),
          nb::arg("max_bytes"))
+      .def("plan", [](const TokenNet& net, const Marking& initial, const Goals& goals, std::uint32_t root,
+                      std::uint64_t max_states, std::uint64_t max_bytes, std::uint64_t seed) {
+        check(initial, net);
+        check(goals, {root}, net);
+        const Search found = run([&](const GoOn& go_on) {
+          return plan(net, initial, goals, root, max_states, max_bytes, seed, go_on);
+        });
+        return std::tuple(std::string(kOutcomes[int(found.outcome)]), found.states, found.run);
+      }, nb::arg("initial"), nb::arg("goals"), nb::arg("root"), nb::arg("max_states"), nb::arg("max_bytes"),
+         nb::arg("seed"))
       .def("lasso", [](const TokenNet& net, const Marking& initial, const Goals& goals,
                        const std::vector<std::uint32_t>& roots, const std::vector<std::vector<GivenEdge>>& edges,
                        std::uint64_t marks, const std::vector<bool>& accepting_all, std::uint64_t max_steps,

@@ -74,4 +74,25 @@ class Packed {
   std::vector<std::uint32_t> slots_;
 };
 
+// Markings, and where each came from.
+class Markings : public Packed {
+ public:
+  using Packed::Packed;
+  bool add(const Row& row, std::uint32_t parent, Transition via) {
+    const bool fresh = Packed::add(row).second;
+    if (fresh) from_.emplace_back(parent, via);
+    return fresh;
+  }
+  std::vector<Transition> run(std::uint32_t number) const {
+    std::vector<Transition> found;
+    for (; number != 0; number = from_[number].first) found.push_back(from_[number].second);
+    std::reverse(found.begin(), found.end());
+    return found;
+  }
+  std::uint64_t bytes() const { return Packed::bytes() + from_.capacity() * sizeof(from_[0]); }
+
+ private:
+  std::vector<std::pair<std::uint32_t, Transition>> from_;
+};
+
 }  // namespace mcpn::search

@@ -14,27 +14,6 @@ namespace {
 constexpr std::size_t kSeeds = 8;       // transitions tried as the first of a stubborn set
 constexpr std::uint64_t kPatience = 100;  // states in a row in which none of them leaves anything out
 
-// Markings, and where each came from.
-class Markings : public Packed {
- public:
-  using Packed::Packed;
-  bool add(const Row& row, std::uint32_t parent, Transition via) {
-    const bool fresh = Packed::add(row).second;
-    if (fresh) from_.emplace_back(parent, via);
-    return fresh;
-  }
-  std::vector<Transition> run(std::uint32_t number) const {
-    std::vector<Transition> found;
-    for (; number != 0; number = from_[number].first) found.push_back(from_[number].second);
-    std::reverse(found.begin(), found.end());
-    return found;
-  }
-  std::uint64_t bytes() const { return Packed::bytes() + from_.capacity() * sizeof(from_[0]); }
-
- private:
-  std::vector<std::pair<std::uint32_t, Transition>> from_;
-};
-
 // Sets of transitions that hold the next step of some shortest run to the goal. A run to the goal fires one of
 // the `interesting` transitions. The closure takes in, for an enabled transition, all that it may disable, and
 // for a disabled one, all that put tokens in one place that it lacks: then the first of the set that a run

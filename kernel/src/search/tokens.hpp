@@ -110,4 +110,9 @@ struct Search {
 Search seek(const TokenNet& net, const Marking& initial, const Goals& goals, std::uint32_t root, bool stubborn,
             std::uint64_t max_states, std::uint64_t max_bytes, const GoOn& go_on);
 
+// Greedy best first by the additive heuristic of planning, with no stubborn sets: finds runs where `seek` is lost.
+// `draws` orders what is equally near.
+Search plan(const TokenNet& net, const Marking& initial, const Goals& goals, std::uint32_t root,
+            std::uint64_t max_states, std::uint64_t max_bytes, std::uint64_t draws, const GoOn& go_on);
+
 }  // namespace mcpn::search

@@ -474,7 +474,10 @@ ASK = Document(
                 "holds": Nullable(Boolean("The answer; null where it is a bound.")),
                 "witness": RUN,
                 "techniques?": texts("How it was answered."),
-                "value?": Integer("Of a property that asks for a bound: the bound.", least=None),
+                "value?": Nullable(
+                    Integer("Of a property that asks for a bound: the bound; null of none.", least=None)
+                ),
+                "unbounded?": Boolean("Of such a property: whether there is no bound."),
                 "engine?": OneOf(
                     "The engine that answered.", "auto", EXPLICIT, SYMBOLIC, "search", LOCAL, PYEDA
                 ),

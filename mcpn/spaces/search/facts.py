@@ -19,9 +19,10 @@ from mcpn.nets.petri import Marking, PetriNet
 from mcpn.nets.repeatable import repeatable
 from mcpn.nets.siphons import classes, commoner
 from mcpn.nets.structure import incidence, needs
-from mcpn.spaces.search import HOME, INITIAL_STATE, RANDOM_WALK, STATE_EQUATION, STRUCTURE, TRAPS
+from mcpn.spaces.search import HEURISTIC, HOME, INITIAL_STATE, RANDOM_WALK, STATE_EQUATION, STRUCTURE, TRAPS
 from mcpn.spaces.search.equation import Ceiling, StateEquation
 from mcpn.spaces.search.goal import AtMost, Fires, Formula, Goal, as_goal, asks_dead, fireable, holds, marked
+from mcpn.spaces.search.growth import Growth, growing
 from mcpn.spaces.search.home import Home, proving_home
 from mcpn.spaces.search.portfolio import FIRINGS, MOST_COUNTED
 from mcpn.spaces.search.searches import Searches
@@ -30,6 +31,8 @@ from mcpn.turns import Pausing
 STEPS = 20_000
 """Firings of walks for each sum; as many for all transitions together, and some for each."""
 STEPS_OF_TRANSITION = 50
+PLANNED = 10_000
+"""Markings of a greedy search for one goal."""
 CASES = 4
 """Of the branch and bound, for each condition that is joined of several."""
 SIPHON_STEPS = 500
@@ -52,6 +55,7 @@ class Facts:
     Attributes:
         fires: Transitions that are known to fire in some reachable marking.
         dead: Transitions that are known never to fire.
+        grows: How sums of tokens grow for ever, of those that are known to.
         home: A marking that every reachable one leads to, once :meth:`going_home` has proved one.
     """
 
@@ -69,13 +73,14 @@ class Facts:
         self._round = 0
         self._walks = self.searches.ends(steps=STEPS + len(net.transitions), walks=WALKS)
         self._came: list[list[int]] = []
+        self.grows: dict[tuple[int, ...], Growth] = {}
         self.home: Home | None = None
         self._home_sought = False
 
     # --- bounds ---
 
-    def sums(self, asked: Iterable[tuple[int, ...]]) -> Iterator[tuple[tuple[int, ...], int, Ways] | None]:
-        """The most tokens that places hold together, of sums whose bound by the equation is met.
+    def sums(self, asked: Iterable[tuple[int, ...]]) -> Iterator[tuple[tuple[int, ...], float, Ways] | None]:
+        """The most tokens that places hold together, where a bound is met, or none is there.
 
         Args:
             asked: Places of each sum; one that stands twice counts twice.
@@ -84,9 +89,11 @@ class Facts:
             A sum, its bound, and how it was had; ``None`` for a pause.
         """
         left: list[tuple[tuple[int, ...], int, Ceiling, Goal]] = []
+        unbounded: list[tuple[int, ...]] = []
         for places in asked:
             found = yield from self.equation.bounding(Counter(places))
             if found.bound is None:
+                unbounded.append(places)
                 continue
             goal = exceeding(places, found.bound - 1)
             if holds(goal, self.net, self.net.initial):
@@ -97,7 +104,13 @@ class Facts:
         for number, (places, bound, found, goal) in enumerate(left):
             if number in reached or self._counted(goal, found.counts):
                 yield places, bound, (*_proved(found.traps), RANDOM_WALK)
+            elif self._planned(goal):
+                yield places, bound, (*_proved(found.traps), HEURISTIC)
             yield None
+        for places in unbounded:
+            if growth := (yield from growing(self.searches, Counter(places), self.dead)):
+                self.grows[places] = growth
+                yield places, inf, (STATE_EQUATION, HEURISTIC)
 
     def bounded_by(self, bounds: Sequence[float]) -> None:
         """Takes over most tokens of each place."""
@@ -118,7 +131,9 @@ class Facts:
             if solution.kind == "unreachable":
                 self.dead.add(t)
                 self._traps = self._traps or bool(solution.traps)
-            elif solution.kind == "possible" and self._counted(fireable(self.net, t), solution.counts):
+            elif solution.kind == "possible" and (
+                self._counted(fireable(self.net, t), solution.counts) or self._planned(fireable(self.net, t))
+            ):
                 self.fires.add(t)
 
     @property
@@ -144,9 +159,9 @@ class Facts:
         """By names of the contest: what decides each, cheap ones first."""
         return {
             "OneSafe": self.safe,
-            "Liveness": self.live,
             "QuasiLiveness": self.quasi_live,
             "StableMarking": self.stable_place,
+            "Liveness": self.live,
         }
 
     def quasi_live(self) -> Pausing[Examined]:
@@ -172,6 +187,10 @@ class Facts:
         crowded = yield from self._crowded(1)
         if (yield from self._met([marked(p, tokens=2) for p in crowded], STEPS * len(crowded))):
             return False, (RANDOM_WALK,)
+        for place in crowded:
+            yield
+            if self._planned(marked(place, tokens=2)):
+                return False, (HEURISTIC,)
         return (None, ()) if crowded else (True, _proved(self._traps))
 
     def _crowded(self, most: float) -> Pausing[list[int]]:
@@ -266,7 +285,7 @@ class Facts:
         if self.equation.fits and not (yield from self._crowded(inf)) and self._lowers_for_good(every):
             return False, (STATE_EQUATION,)
         yield
-        if {"ordinary", "free choice"} <= classes(self.net):
+        if self._chooses_freely and {"ordinary", "free choice"} <= classes(self.net):
             try:
                 return commoner(self.net, max_steps=SIPHON_STEPS) is None, (STRUCTURE,)
             except LimitError:
@@ -281,6 +300,13 @@ class Facts:
             return fires, (*ways, HOME, STATE_EQUATION)
         return None, ()
 
+    @property
+    def _chooses_freely(self) -> bool:
+        """Whether transitions that share a place need no other; quicker than to ask for all classes."""
+        inputs = [needs(self.net, t).keys() for t in range(len(self.net.transitions))]
+        users = Counter(place for places in inputs for place in places)
+        return all(len(places) == 1 or all(users[place] == 1 for place in places) for places in inputs)
+
     def _lowers_for_good(self, every: Sequence[int]) -> bool:
         """Whether some transition lowers a bounded sum of tokens that nothing raises."""
         return len(repeatable(self.net, every)) < len(every)
@@ -288,15 +314,18 @@ class Facts:
     # --- walks ---
 
     def _met(self, goals: Sequence[Goal], steps: int) -> Pausing[set[int]]:
-        """The goals that walks have met, by index."""
+        """The goals that walks have met, by index; there is no further walk after one that has met none."""
         met: set[int] = set()
         if self.searches.fits:
-            self._round += 1
+            self._round, before = self._round + 1, -1
             for walked in self.searches.walking(goals, steps, seed=self._round):
-                if walked is None:
-                    yield
-                else:
+                if walked is not None:
                     met.add(walked[0])
+                    continue
+                yield
+                if len(met) == before:
+                    break
+                before = len(met)
         return met
 
     def _counted(self, goal: Goal, counts: Sequence[int]) -> bool:
@@ -305,6 +334,10 @@ class Facts:
         if not self.searches.fits or FIRINGS * firings > MOST_COUNTED:
             return False
         return bool(self.searches.met([goal], steps=STEPS + FIRINGS * firings, counts=counts))
+
+    def _planned(self, goal: Goal) -> bool:
+        """Whether a greedy search comes to a goal."""
+        return self.searches.fits and self.searches.plan(goal, max_states=PLANNED).outcome == "reached"
 
 
 def exceeding(places: Sequence[int], bound: int) -> Goal:

@@ -1,7 +1,8 @@
 """Is some marking of a goal reachable? Asked of cheap ways first, each with a budget that grows by rounds.
 
-The ways are a look at the initial marking, walks, structural reductions with a search of what is left, and
-the state equation. Nothing here builds the whole space, and nothing is sure to end with an answer.
+The ways are a look at the initial marking, walks, structural reductions with searches of what is left, greedy
+and with stubborn sets, and the state equation. Nothing here builds the whole space, and nothing is sure to
+end with an answer.
 
 Budgets are counts of firings and markings, never seconds, so that the same question has the same answer.
 """
@@ -15,6 +16,7 @@ from mcpn.nets.petri import PetriNet
 from mcpn.nets.reduce.reduction import Reduction, reduce_for_deadlock, reduce_for_goal
 from mcpn.spaces.search import (
     EXPLICIT,
+    HEURISTIC,
     INITIAL_STATE,
     RANDOM_WALK,
     REDUCTION,
@@ -50,7 +52,7 @@ class Round:
     """Budgets of one round, for each goal.
 
     Args:
-        steps: Firings of a walk; none where it is 0.
+        steps: Firings of a walk; where it is 0, neither walks nor a greedy search, whose runs are long.
         states: Markings of a search.
         equation: Whether the state equation is asked as well.
     """
@@ -196,6 +198,11 @@ class _Task:
             walked = self.searches.walk([self.inner], steps=budget.steps, seed=seed)
             if walked:
                 return self._reached(walked[0], RANDOM_WALK)
+            yield
+        if budget.steps:
+            run = self.searches.plan(self.inner, max_states=budget.states, seed=seed)
+            if run.outcome == "reached":
+                return self._reached(run.run, HEURISTIC)
             yield
         more = ALONE if alone and budget.equation else 1
         run = self.searches.seek(self.inner, max_states=budget.states * more)

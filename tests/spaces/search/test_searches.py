@@ -50,6 +50,48 @@ def test_search_finds_what_is_reachable_and_nothing_else(data: st.DataObject) ->
 
 
 @given(st.data())
+def test_a_greedy_search_finds_what_is_reachable_and_nothing_else(data: st.DataObject) -> None:
+    net = data.draw(ANY_NETS)
+    goal = data.draw(goals(net))
+    markings = all_markings(net)
+    assume(markings is not None)
+    assert markings is not None
+    expected = any(is_goal(goal, net, marking) for marking in markings)
+    found = Searches(net).plan(goal, max_states=100_000, seed=data.draw(st.integers(0, 9)))
+    assert found.outcome == ("reached" if expected else "unreachable")
+    assert found.states <= len(markings)
+    if expected:
+        assert respects_priorities(net, found.run)
+        assert is_goal(goal, net, replay(net, found.run))
+
+
+def test_a_greedy_search_comes_far_where_a_search_of_the_nearest_is_lost() -> None:
+    """Each of twenty counters is raised once to open the next door, and lowered again before the end."""
+    builder = NetBuilder("doors")
+    doors = 20
+    for i in range(doors):
+        builder.place(f"off{i}", initial=1)
+        builder.place(f"on{i}")
+        builder.place(f"room{i}", initial=int(i == 0))
+        builder.transition(f"raise{i}", consume=[f"off{i}"], produce=[f"on{i}"])
+        builder.transition(f"lower{i}", consume=[f"on{i}"], produce=[f"off{i}"])
+    builder.place("end")
+    for i in range(doors):
+        builder.transition(
+            f"go{i}",
+            consume=[f"room{i}"],
+            produce=[f"room{i + 1}" if i + 1 < doors else "end"],
+            read=[f"on{i}"],
+        )
+    net = builder.build()
+    goal = And(marked(net.place_index["end"]), marked(net.place_index["off0"]))
+    assert Searches(net).seek(goal, max_states=2_000, stubborn=False).outcome == "states"
+    found = Searches(net).plan(goal, max_states=2_000)
+    assert found.outcome == "reached"
+    assert is_goal(goal, net, replay(net, found.run))
+
+
+@given(st.data())
 def test_walks_replay_and_end_in_the_goal(data: st.DataObject) -> None:
     net = data.draw(ANY_NETS)
     asked = data.draw(st.lists(goals(net), min_size=1, max_size=3))
