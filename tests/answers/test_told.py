@@ -198,3 +198,43 @@ def test_a_mission_that_a_declared_event_alone_ends_well_says_so(tmp_path: Path)
     first = next(headlines(causes, claims_of_causes(causes)))
     assert first == "The mission can succeed only with the help of stop."
     assert not found.ctl("E((!happens(stop)) U success)").holds
+
+
+def test_an_event_that_leads_past_the_block_which_parks_is_told(tmp_path: Path) -> None:
+    """An abort of the mission itself leads past a block that catches what aborts inside another."""
+    found = of(
+        tmp_path,
+        '<event name="stop"/><activity name="fly"/></robot><on event="stop" goto="abort"/>'
+        '<objective name="survey" abort="park" success="succeed">'
+        '<objective name="lines" activities="fly" failure="abort"/></objective>'
+        '<objective name="park" activities="fly" success="abort" failure="park"/>',
+    )
+    assert "stop can lead to abort without park, which makes the robot safe elsewhere." in [
+        sentence[:1].lower() + sentence[1:] for sentence in unasked_of(found)
+    ]
+    assert "can lead to abort without park" in mcpn("check", tmp_path / "m.xml").stdout
+    assert found.ctl("E(F (!objective(park) & happens(stop) & X abort))").holds
+
+
+def test_help_that_an_end_needs_is_told_by_name(tmp_path: Path) -> None:
+    found = of(
+        tmp_path,
+        '<event name="rescue"/><activity name="wait"/></robot>'
+        '<objective name="stay" activities="wait" success="stay" failure="stay">'
+        '<on event="rescue" goto="succeed"/></objective>',
+    )
+    said = unasked_of(found)
+    assert "The mission can succeed only with the help of rescue." in said
+    assert "The mission can reach a state from which only rescue leads to an end." in said
+    assert not found.ctl("E((!happens(rescue)) U success)").holds
+
+
+def test_faults_of_failsafes_are_told_unasked(faults: Path) -> None:
+    """Of each mission in the folder something is told that none asked for, by the terminal too."""
+    files = sorted((faults / "failsafes").glob("*.xml"))
+    assert files
+    for path in files:
+        said = unasked_of(Study(read_mission(path)))
+        assert any(" interrupts " in sentence or " can lead to abort " in sentence for sentence in said), path
+        printed = mcpn("--width", 1000, "check", path).stdout
+        assert all(sentence in printed for sentence in said), path

@@ -10,6 +10,8 @@ DEFEATING = {"event_decides": "What defeats it?", "fact_defeats": "What defeats 
 """By kind of claim on what defeats a mission beside hardware, what it answers."""
 UNASKED = {
     "needs_help_to_succeed": "What does it need?",
+    "needs_help_to_end": "What does it need?",
+    "needs_help_to_end_safely": "What does it need?",
     "leads_past": "What leads past a shelter?",
     "succeeds_without": "What may success leave out?",
     "interrupts_answer": "What interrupts an answer?",
