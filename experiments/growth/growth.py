@@ -172,7 +172,12 @@ BARS: tuple[tuple[str, int, str, float, int | None], ...] = (
     ("net", 0, "check", 0.09, None),
     ("past", 8, "check", 5, None),
     ("passing", 8, "check", 1.3, None),
-    ("sites", 10_000, "check", 15, 600),
+    ("sites", 1000, "check", 1.6, 70),
+    ("sites", 3000, "check", 5, None),
+    ("sites", 3000, "text", 12, 500),
+    ("branches", 5, "modular", 2, None),
+    ("sites", 10_000, "check", 18, 600),
+    ("sites", 10_000, "text", 45, 1500),
     ("sites", 10_000, "causes", 60, None),
     ("sites", 10_000, "report", 60, None),
 )
@@ -275,8 +280,11 @@ OUTPUTS = {
     "modular": ("-o", "controller", "--form", "modular"),
     "report": ("-o", "report.html"),
     "tests": ("-o", "tests"),
+    "text": (),
 }
-"""The options of commands that write files."""
+"""The options of commands that write files, or words; others have ``--json``."""
+NAMES = {"modular": "controller", "text": "causes"}
+"""By their names in :data:`BARS` the commands that are called otherwise."""
 
 
 def print_bars(seconds: float, families: Sequence[str]) -> None:
@@ -288,7 +296,7 @@ def print_bars(seconds: float, families: Sequence[str]) -> None:
             if family not in families:
                 continue
             path = write(family, size, folder)
-            name = "controller" if command == "modular" else command
+            name = NAMES.get(command, command)
             line = [sys.executable, "-m", "mcpn.cli", name, str(path), *OUTPUTS.get(command, ("--json",))]
             runs = [run(line, Path(folder), seconds) for _ in range(5 if most <= QUICK else 1)]
             if family == "passing":
