@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Set
 from functools import cached_property
 from typing import Generic
 
@@ -10,6 +10,7 @@ from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.claims.claim import Claim
 from mcpn.answers.claims.found import copies_by_name
 from mcpn.answers.claims.kinds import KINDS
+from mcpn.answers.verdicts.unreachable import selected_and_entered
 from mcpn.events import Event, What
 from mcpn.spaces.algebra import S, Space
 
@@ -47,16 +48,16 @@ class Reached(Generic[S]):
                 if not own:
                     continue
                 said = str(Event(what, name))
-                yield self._claim("outcome_comes", (name, word), bool(self.space.enabling(own)), said)
+                yield self._claim("outcome_comes", (name, word), not self._firing.isdisjoint(own), said)
                 if word != "success":
                     yield self._claim("end_decides", (name, word), self._decides(own), said)
 
     def _alternatives(self) -> Iterator[Claim]:
         """Which alternatives are ever selected."""
-        for (kind, name), places in self.net.by_role.items():
+        for kind, name in self.net.by_role:
             if kind == "active":
                 activity, way = name.split(".", 1)
-                yield self._claim("selected", (activity, way), bool(self.space.marked(places)))
+                yield self._claim("selected", (activity, way), name in self._selected)
 
     def hardware(self) -> Iterator[Claim]:
         """Which hardware some alternative that runs consumes."""
@@ -68,10 +69,10 @@ class Reached(Generic[S]):
                         ways.setdefault(resource, []).append((activity.name, way.name))
         for robot in self.net.mission.robots:
             for name in (h.name for h in robot.hardware if h.name in ways):
-                places = [p for a, w in ways[name] for p in self.net.by_role["active", f"{a}.{w}"]]
+                runs = any(f"{a}.{w}" in self._selected for a, w in ways[name])
                 some = " | ".join(f"alternative({a})={w}" for a, w in ways[name])
                 formula = KINDS["used"].formula.format(name, ways=some)
-                yield Claim("used", (name,), bool(self.space.marked(places)), formula=formula)
+                yield Claim("used", (name,), runs, formula=formula)
 
     def _deciding_events(self) -> Iterator[Claim]:
         """Which declared events can put success out of reach."""
@@ -122,9 +123,20 @@ class Reached(Generic[S]):
 
     def _decides(self, own: Collection[int]) -> bool:
         """Whether some of these events lead from a way to success to none."""
-        return bool(self._lost and self.space.before(self._lost, own) & self._hopeful)
+        return not self._deciding.isdisjoint(own)
 
     @cached_property
-    def _lost(self) -> S:
-        """States from which no run succeeds."""
-        return self.space.everything - self._hopeful
+    def _deciding(self) -> Set[int]:
+        """Transitions that lead from a way to success to none."""
+        lost = self.space.everything - self._hopeful
+        return {t for t, _ in self.space.crossing(self._hopeful, lost)} if lost else set()
+
+    @cached_property
+    def _firing(self) -> Set[int]:
+        """Transitions that some state has an edge of."""
+        return {t for t, count in self.space.firings(self.space.everything).items() if count}
+
+    @cached_property
+    def _selected(self) -> Set[str]:
+        """Alternatives that run in some state."""
+        return selected_and_entered(self.net, self.space)[0]
