@@ -7,7 +7,7 @@ from math import inf
 
 import pytest
 
-from mcpn.turns import Pausing, finished, in_turns
+from mcpn.turns import FAVOUR, Pausing, finished, in_turns
 
 
 class Clock:
@@ -41,6 +41,13 @@ def test_each_way_has_as_much_time_as_every_other(clock: Clock) -> None:
             assert clock.now < 20
     assert clock.spent["short"] == pytest.approx(1)
     assert clock.spent["fine"] == pytest.approx(clock.spent["coarse"], rel=0.5)
+
+
+def test_a_favoured_way_has_more_time(clock: Clock) -> None:
+    ways = [clock.work("a", 0.01, 100_000), clock.work("b", 0.01, 100_000)]
+    for _ in in_turns(ways, lambda: clock.now > 60, favoured=ways[1]):
+        pass
+    assert clock.spent["b"] == pytest.approx(FAVOUR * clock.spent["a"], rel=0.5)
 
 
 def test_without_slices_one_way_ends_before_the_next(clock: Clock) -> None:

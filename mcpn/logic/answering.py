@@ -48,10 +48,8 @@ if TYPE_CHECKING:
 # What searches is loaded when something is searched.
 
 DIAGRAMS, REWRITING, COMPOSITION = "DECISION_DIAGRAMS", "QUERY_REDUCTION", "COMPOSITION"
-FIRST_STEPS, STEPS_FACTOR = 150_000, 2
-"""Of the race for the space, and how many times as many each of its turns has."""
-MOST_STEPS = 2**60
-"""After which it goes on to its end."""
+FIRST_STEPS, STEPS_FACTOR, MOST_STEPS = 600_000, 2, 2**60
+"""Of the race for the space, how many times as many each turn has, and when it goes on to its end."""
 FIRST_SLICE_OF_QUESTION, FIRST_ROUND, SLICE_FACTOR = 0.4, 1.0, 3.0
 WALK_STEPS = 50_000
 Meaning: TypeAlias = Formula | tuple[int, ...] | str
@@ -189,28 +187,31 @@ class _Answers:
         """Asks all ways by turns; of typed formulas, whose runs are to be the same each time, one by one."""
         first = inf if self.typed else FIRST_SLICE
         self.tell_open()
-        for told in in_turns(self.ways_to_go(), lambda: not self.waiting, first=first):
+        space = self.by_space()
+        ways = self.ways_to_go([] if self.questions.engine == "search" else [space])
+        for told in in_turns(ways, lambda: not self.waiting, first=first, favoured=space):
             if told is not None:
                 yield told
                 self.tell_open()
         if self.waiting:
-            open_ones = f"{self.questions.engine} leaves open: {', '.join(self.waiting)}"
-            raise self.failed or LimitError(f"engine {open_ones}")
+            raise self.failed or LimitError(f"engine search leaves open: {', '.join(self.waiting)}")
 
     def tell_open(self) -> None:
         """Announces which questions are open: an interruption names them."""
         step(Doing.LEFT_OPEN, question=", ".join(self.waiting))
 
-    def ways_to_go(self) -> list[Iterator[ContestAnswer | None]]:
-        """The ways to answer that there are, in the order in which they begin."""
+    def ways_to_go(self, space: list[Iterator[ContestAnswer | None]]) -> list[Iterator[ContestAnswer | None]]:
+        """The ways to answer that there are, the space among them, in the order of their first turns."""
         questions = self.questions
-        space = [] if questions.engine == "search" else [self.by_space()]
         if not questions.searchable:
             return [self.one_safe_at_sight(), *space]
         if not self.typed:
             at_sight = chain(self.one_safe_at_sight(), self.rewritten(), self.by_structure())
-            markings = self.by_need(), self.by_paths(), self.by_search()
-            return [at_sight, *space, self.by_equation(), *markings]
+            ways = [*space, self.by_equation(), self.by_need(), self.by_paths()]
+            goals = all(self.known.goal(part) is not None for part in self.parts())
+            searched = goals and all(isinstance(asked, Formula) for asked in self.waiting.values())
+            ways.insert(0 if searched else len(ways), self.by_search())
+            return [at_sight, *ways]
         # The space of a mission is not far, once a search has found nothing; in a small one it has the
         # shortest runs.
         ways = [self.one_safe_at_sight(), self.rewritten(), self.by_need(LOCAL_STEPS[:1])]
@@ -272,8 +273,9 @@ class _Answers:
 
     def paced(self, steps: int) -> int:
         """Fewer steps where each takes longer, since the net is large."""
-        size = len(self.net.places) + len(self.net.transitions)
-        return max(FEWEST_STEPS, steps * PACED // max(size, PACED))
+        return max(
+            FEWEST_STEPS, steps * PACED // max(len(self.net.places) + len(self.net.transitions), PACED)
+        )
 
     def parts(self) -> list[Formula]:
         """The parts whose initial values are asked for, cheap ones first."""
