@@ -231,8 +231,7 @@ class Listing:
 
     def __init__(self, net: Net, most: int, until: float) -> None:
         self.net, self.most, self.until = net, most, until
-        self.number = dict[int, State]()
-        self.ends: dict[int, int | None] = {}
+        self.number, self.ends = dict[int, State](), dict[int, int | None]()
         start = self.settled(net.initial, [t for t in net.internal if net.pre[t] & ~net.initial == 0])
         self.number[start], self.stable = 0, [start]
         self.edges: list[list[tuple[int, State]]] = []
@@ -249,9 +248,11 @@ class Listing:
             self.edges.append(edges)
             self.within()
         self.back: list[list[State]] = [[] for _ in self.stable]
+        self.firing = {t: set[State]() for t in net.events}
         for state, edges in enumerate(self.edges):
-            for _, after in edges:
+            for t, after in edges:
                 self.back[after].append(state)
+                self.firing[t].add(state)
         self.formulas = Formulas(self)
 
     def within(self, more: int = 0) -> None:
@@ -385,8 +386,7 @@ class Formulas:
                 sums = (sum(weight for p, weight in weights if m >> p & 1) for m in graph.stable)
                 return {s for s, weight in enumerate(sums) if weight <= most}
             case "fires":
-                may = self.fired(of)
-                return {s for s, edges in enumerate(graph.edges) if any(t in may for t, _ in edges)}
+                return set[State]().union(*(graph.firing[t] for t in self.fired(of)))
             case "deadlock":
                 return {s for s, edges in enumerate(graph.edges) if not edges}
             case "not":
