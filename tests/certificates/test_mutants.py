@@ -15,7 +15,7 @@ from tests.conftest import ROOT
 @pytest.fixture(scope="module")
 def script() -> ModuleType:
     """The script that changes certificates."""
-    folder = ROOT / "experiments"
+    folder = ROOT / "experiments" / "faults"
     spec = importlib.util.spec_from_file_location("certificate_mutants", folder / "certificates.py")
     assert spec is not None
     assert spec.loader is not None
