@@ -1,4 +1,4 @@
-"""The command line: the one room that sees all others.
+"""The command line as a process: how it begins, and how signals end it; the one room that sees all others.
 
 Heavy modules are imported inside the commands, so that ``mcpn --help`` answers at once. Exit codes: 0 all
 that is required holds; 1 a verdict or requirement fails, or the semantics do not allow an answer; 2 anything

@@ -1,4 +1,4 @@
-"""How likely the events of a mission are beside each other: what a walk at random draws by.
+"""A mission's net played event by event, and how likely each possible event is: walks at random draw by it.
 
 A weight is a rate, per hour, as the numbers of risk have it (:mod:`mcpn.answers.causes.risk`): what the files
 of the mission give counts. Where they give nothing an objective takes an hour, and something fails, or a

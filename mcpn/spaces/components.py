@@ -1,4 +1,4 @@
-"""Strongly connected components: networkx takes longer to load than most questions to answer."""
+"""Strongly connected components, without networkx: it takes longer to load than most questions to answer."""
 
 from __future__ import annotations
 

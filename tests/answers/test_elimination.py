@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.answers.causes import linear_systems
-from mcpn.answers.causes.linear_systems import Elimination, Floats, resolvent, solver_of
+from mcpn.answers.causes.block_elimination import Elimination
+from mcpn.answers.causes.linear_systems import Floats, resolvent, solver_of
 
 
 @given(st.data())

@@ -17,7 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.answers.causes import chain, linear_systems, passages, section_chains
-from mcpn.answers.causes.linear_systems import Elimination
+from mcpn.answers.causes.block_elimination import Elimination
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.causes.risk import Risk, risk
 from mcpn.answers.spaces import spaces_of

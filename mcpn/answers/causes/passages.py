@@ -29,8 +29,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mcpn.answers.causes.block_elimination import Elimination
 from mcpn.answers.causes.chain import Chain, Clocks, Phases
-from mcpn.answers.causes.linear_systems import MOST_DENSE, Elimination, Floats, solver_of
+from mcpn.answers.causes.linear_systems import MOST_DENSE, Floats, solver_of
 from mcpn.spaces.markings.graph import Ints, Mask
 
 MOST_BYTES = 1 << 30

@@ -1,4 +1,4 @@
-"""One claim about a mission: of which kind, about what, whether it holds, and under which assumptions."""
+"""A claim about a mission: its subject, answer and assumptions; claims alike are folded into one sentence."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""PNML, the ISO/IEC 15909-2 exchange format, for place/transition nets: the one reader and the one writer.
+"""Reads PNML, the ISO/IEC 15909-2 exchange format, for place/transition nets, with the remarks of mcpn in it.
 
 Names are the ``id`` attributes, which property files refer to; what ``<name>`` says is kept as the label.
 :data:`KNOWN` declares the elements and attributes that are read, those that are without meaning, and those

@@ -1,4 +1,4 @@
-"""Bit widths of the counters of tokens: from invariants, and widened where a counter overflows.
+"""Markings of nets with several tokens in a place, listed or counted: places are counters, as wide as needed.
 
 No bound is believed. Whoever explores says which places a firing has put too many tokens in, and explores
 again with wider ones. Once they have grown, P-semiflows, the coverability tree and linear programs are
