@@ -78,8 +78,7 @@ OF_NETS = [
 
 def subjects(folder: Path, number: int, seed: int) -> None:
     """Writes what is asked about."""
-    from drawing import drawn
-
+    from experiments.shared.drawing import drawn
     from mcpn.mission.writer import write_mission
     from mcpn.nets.formats.pnml_writer import write_pnml
     from mcpn.testing import nets

@@ -264,7 +264,7 @@ def run(name: str, mission_net: MissionNet, count: int, qt: int, seed: int) -> t
 
 def drawn_missions(number: int, seed: int, **bounds: int) -> list[MissionNet]:
     """Drawn missions, small enough that both forms can be built; of nets of one size the first alone."""
-    from drawing import drawn
+    from experiments.shared.drawing import drawn
 
     found: dict[tuple[int, int], MissionNet] = {}
     for mission in drawn(missions(max_objectives=4, max_depth=2, **bounds), 40 * number + 1, seed):
