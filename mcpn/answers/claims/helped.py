@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Set
 from functools import cached_property
 from typing import TYPE_CHECKING, Generic
 
@@ -117,18 +117,33 @@ class Helped(Generic[S]):
     def _decides(
         self, which: str, subject: tuple[str, ...], own: Collection[int], event: str
     ) -> Iterator[Claim]:
-        space = self.space
-        happens = self._hopeful & space.enabling(own)
-        kept = space.before(self._hopeful, own) & self._hopeful
+        always = not self._losing.isdisjoint(own) and self._keeping.isdisjoint(own)
         kind = f"{which}_always_decides"
         formula = KINDS[kind].formula.format(*subject, event=event)
-        yield Claim(kind, subject, bool(happens) and not kept, Assumes(moment="every"), formula)
+        yield Claim(kind, subject, always, Assumes(moment="every"), formula)
         if self.parts.repairs:
-            needed = self._by_repair and space.before(self._by_repair, own) & self._unrepaired
             unrepaired = self.parts.reaches(self.prospects.mission, self.parts.repairs)
             kind = f"{which}_leaves_repair"
             formula = KINDS[kind].formula.format(*subject, event=event, unrepaired=unrepaired)
-            yield Claim(kind, subject, bool(needed), formula=formula)
+            yield Claim(kind, subject, not self._leaving_repair.isdisjoint(own), formula=formula)
+
+    @cached_property
+    def _losing(self) -> Set[int]:
+        """Transitions that lead from a way to success to none."""
+        return self._between(self._hopeful, self.space.everything - self._hopeful)
+
+    @cached_property
+    def _keeping(self) -> Set[int]:
+        """Transitions that lead from a way to success to another."""
+        return self._between(self._hopeful, self._hopeful)
+
+    @cached_property
+    def _leaving_repair(self) -> Set[int]:
+        """Transitions behind which only a repair leads to success, as before them it need not."""
+        return self._between(self._unrepaired, self._by_repair)
+
+    def _between(self, before: S, after: S) -> Set[int]:
+        return {t for t, _ in self.space.crossing(before, after)} if before and after else set()
 
     @cached_property
     def _hopeful(self) -> S:
