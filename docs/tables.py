@@ -15,7 +15,8 @@ from typing import Any
 from mcpn.answers.claims import KINDS
 from mcpn.drawing.templates.interface import MEETINGS
 from mcpn.logic.contest import KNOWN as OF_PROPERTIES
-from mcpn.mission.language.forms import GROUPS, Field, form_of, inside, language, relax_ng
+from mcpn.mission.language.forms import GROUPS, Field, form_of, inside, language
+from mcpn.mission.language.relax_ng import relax_ng
 from mcpn.mission.misfits import SCHEMA
 from mcpn.mission.model import BlockElement
 from mcpn.mission.requirement import Absence

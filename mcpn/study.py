@@ -367,7 +367,7 @@ class Study:
 
         Examples:
             >>> from mcpn.mission.model import Objective
-            >>> from mcpn.testing.shape import activity, hw, mission, robot
+            >>> from mcpn.testing.by_hand import activity, hw, mission, robot
             >>> film = activity("film", ("camera",), ("sonar",))
             >>> see = Objective(name="see", activities=("film",))
             >>> small = mission(robot(hw("camera", "sonar"), film), see)
@@ -437,7 +437,7 @@ class Study:
         """
         from mcpn.spaces.arrays import ArraySpace
         from mcpn.spaces.engines import Choice, refuse_unknown
-        from mcpn.spaces.stable.alternatives import written_out
+        from mcpn.spaces.stable.written_out import written_out
 
         refuse_unknown(on=on)
         if on == "markings":

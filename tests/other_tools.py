@@ -18,7 +18,7 @@ import pytest
 from hypothesis import strategies as st
 
 from mcpn.answers.causes.chain import decimal
-from mcpn.answers.causes.interval_bounds import within
+from mcpn.answers.causes.ends_by_time import within
 from mcpn.answers.causes.whole_chain import whole_chain
 from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError, SemanticsError

@@ -279,10 +279,11 @@ HEAVY = {
     "mcpn.trees.ledger",
     "mcpn.spaces.diagrams.counters",
     "mcpn.spaces.markings.counted",
+    "mcpn.spaces.markings.widths",
     "mcpn.spaces.search.portfolio",
     "mcpn.logic.contest",
 }
-TOKENS = {"mcpn.spaces.markings.counted"}
+TOKENS = {"mcpn.spaces.markings.counted", "mcpn.spaces.markings.widths"}
 ARRAYS, FILES = {"numpy"}, {"tempfile"}
 CONTEST = {"mcpn.logic.contest", "mcpn.spaces.search.portfolio"}
 LOADS: dict[str, set[str]] = {

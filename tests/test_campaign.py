@@ -32,10 +32,11 @@ from mcpn.mission.writer import write_mission
 from mcpn.robot.runtime import Controller as Runtime
 from mcpn.spaces.diagrams.symbolic import reach
 from mcpn.spaces.markings.explicit import explore
-from mcpn.spaces.stable.alternatives import AlternativesGraph, by_reduction, written_out
+from mcpn.spaces.stable.alternatives import AlternativesGraph, by_reduction
 from mcpn.spaces.stable.confluence import prove_confluent
+from mcpn.spaces.stable.written_out import written_out
 from mcpn.testing import missions
-from mcpn.testing.shape import stacked_missions
+from mcpn.testing.stacked import stacked_missions
 from tests.controller.test_lockstep import walk
 from tests.drawing.promises import check_each_is_one_thing, check_promises
 

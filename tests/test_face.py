@@ -26,7 +26,7 @@ from mcpn.report.pictures.drawing import Drawing
 from mcpn.spaces.markings.graph import StateGraph
 from mcpn.spaces.summary import SpaceSummary
 from mcpn.testing import missions
-from mcpn.testing.shape import as_xml
+from mcpn.testing.printing import as_xml
 from tests.conftest import ROOT, ULYSSE
 from tests.nets.nets import graph_of, pt_nets
 

@@ -15,7 +15,8 @@ from lxml import etree
 from mcpn.answers.verdicts.mission import check
 from mcpn.cli.begin import EXAMPLES
 from mcpn.drawing.compose import compose
-from mcpn.mission.language.forms import language, relax_ng
+from mcpn.mission.language.forms import language
+from mcpn.mission.language.relax_ng import relax_ng
 from mcpn.mission.misfits import SCHEMA, find_misfits
 from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.xml import read_mission

@@ -16,7 +16,7 @@ from lxml import etree
 from mcpn.errors import InputError
 from mcpn.mission.language import datatypes
 from mcpn.mission.language.datatypes import Datatype
-from mcpn.mission.language.forms import _data
+from mcpn.mission.language.relax_ng import _data
 from mcpn.mission.xml import read_mission
 from mcpn.xmlio import parse_xml, stream_xml
 from tests.conftest import ROOT

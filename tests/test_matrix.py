@@ -27,7 +27,7 @@ from mcpn.mission.model import Mission, Objective, Parallel
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.spaces.engine_names import Engine, On
 from mcpn.spaces.registry import Spaces
-from mcpn.spaces.stable.alternatives import written_out
+from mcpn.spaces.stable.written_out import written_out
 from tests.logic.asked import Asked
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "engines.md"

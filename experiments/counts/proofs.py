@@ -25,7 +25,7 @@ sys.path.append(str(Path(__file__).resolve().parents[2]))
 from experiments.growth.growth import FAMILIES
 from experiments.shared.drawing import drawn
 from experiments.shared.limits import Result, measured
-from mcpn.composite.section_type import Explored, explore_local
+from mcpn.composite.explored_section import Explored, explore_local
 from mcpn.drawing.compose import compose
 from mcpn.drawing.sections import SectionParts
 from mcpn.mission.model import Mission

@@ -3,7 +3,7 @@
 Usage: ``python experiments/judges/lockstep.py [--events N] [--seed S] [--generated G] [--qt N] [--kinds KIND
 ...] [MISSION.xml ...]``
 
-The net is run to completion event by event (:mod:`mcpn.controller.simulator`); it knows no machine. Against
+The net is run to completion event by event (:mod:`mcpn.controller.likelihood`); it knows no machine. Against
 it run, flat and hierarchical, minimised and not, and modular: the Python runtime, the compiled C, the
 generated Python; on the first ``--qt`` events of each mission SCXML in Qt's interpreter (needs
 ``mcpn[targets]``; the modular form has none). Compared are actions, mode, possible events and outcome; of

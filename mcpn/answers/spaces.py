@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from math import inf
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from mcpn.composite.clash import in_mission_words
+from mcpn.composite.clash_sentences import in_mission_words
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.permanent_loss import mortal
 from mcpn.drawing.sections import SectionParts, part_of, refuse_wide

@@ -104,9 +104,10 @@ def causes(
         rows = table_of(found.prospects, wanted) if short or fmeca is not None else []
         numbers = slopes = bounded = by_then = unanswered = None
         if rates:
-            from mcpn.answers.causes.interval_bounds import bounds, slopes_of
-            from mcpn.answers.causes.interval_bounds import within as ends_within
+            from mcpn.answers.causes.ends_by_time import within as ends_within
+            from mcpn.answers.causes.interval_bounds import bounds
             from mcpn.answers.causes.risk import risk
+            from mcpn.answers.causes.slopes import slopes_of
             from mcpn.answers.causes.whole_chain import whole_chain
 
             try:

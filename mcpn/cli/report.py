@@ -42,7 +42,7 @@ def report(
     from mcpn.cli.check import certified
     from mcpn.files import write_atomically
     from mcpn.report.page import page
-    from mcpn.report.pictures.machines import local_pictures
+    from mcpn.report.pictures.local_graphs import local_pictures
 
     if output.suffix.lower() not in (".html", ".htm"):
         source = Source(str(output))

@@ -90,7 +90,8 @@ def _play_events(
     as_json: bool,
 ) -> None:
     from mcpn.cli.play.events import EventSession
-    from mcpn.controller.simulator import MAX_VISITED, Simulation, drawn_event, likelihood
+    from mcpn.controller.likelihood import drawn_event, likelihood
+    from mcpn.controller.simulator import MAX_VISITED, Simulation
 
     simulation = Simulation(study.mission_net, max_states or MAX_VISITED)
     weight = likelihood(study.mission_net)

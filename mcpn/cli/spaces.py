@@ -107,10 +107,11 @@ def alternatives(
     section: str | None,
 ) -> None:
     """Build the alternatives graph of MISSION: its stable markings and events."""
-    from mcpn.composite.clash import in_mission_words
+    from mcpn.composite.clash_sentences import in_mission_words
     from mcpn.spaces.arrays import ArraySpace
     from mcpn.spaces.engines import answered
-    from mcpn.spaces.stable.alternatives import AlternativesGraph, written_out
+    from mcpn.spaces.stable.alternatives import AlternativesGraph
+    from mcpn.spaces.stable.written_out import written_out
 
     if method is not None or not proof:
         if engine not in ("auto", EXPLICIT):

@@ -14,10 +14,11 @@ from collections.abc import Hashable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from mcpn.composite.clash import in_mission_words
+from mcpn.composite.clash_sentences import in_mission_words
 from mcpn.composite.composite import CompositeSpace
+from mcpn.composite.explored_section import Explored, explore_and_prove, explore_local
 from mcpn.composite.layout import Layout
-from mcpn.composite.section_type import Explored, SectionType, explore_and_prove, explore_local
+from mcpn.composite.section_type import SectionType
 from mcpn.composite.sections import WholeNet
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.forgetful import forgetful

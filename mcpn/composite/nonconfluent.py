@@ -12,13 +12,15 @@ from typing import TYPE_CHECKING, NoReturn
 
 from mcpn._kernel import Zdd
 from mcpn.composite.composite import CompositeSpace, TwoOutcomes
+from mcpn.composite.explored_section import Explored
 from mcpn.composite.glued import CompositeSet, SectionSets
-from mcpn.composite.section_type import ALL, Explored, SectionType
+from mcpn.composite.section_type import ALL, SectionType
 from mcpn.composite.sections import Stage
 from mcpn.drawing.sections import junction_part
 from mcpn.mission.flatten import Section
 from mcpn.nets.petri import Marking
-from mcpn.spaces.diagrams.encoding import behind, distinct, leading, passing
+from mcpn.spaces.diagrams.encoding import distinct
+from mcpn.spaces.diagrams.internal_evolution import behind, leading, passing
 from mcpn.spaces.stable.confluence import prove_confluent
 from mcpn.spaces.stable.falsification import fault_by
 from mcpn.spaces.stable.representatives import without_one_end

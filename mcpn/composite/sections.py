@@ -9,8 +9,10 @@ from functools import cached_property
 from typing import Literal, TypeVar, get_args
 
 from mcpn._kernel import Zdd
-from mcpn.composite.layout import Layout, Renaming, Toggle, renamed_sections, renamed_statuses
-from mcpn.composite.section_type import ALL, Allowed, Exit, SectionType, explore_local
+from mcpn.composite.explored_section import explore_local
+from mcpn.composite.layout import Layout, Toggle
+from mcpn.composite.renaming import Renaming, renamed_sections, renamed_statuses
+from mcpn.composite.section_type import ALL, Allowed, Exit, SectionType
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.permanent_loss import mortal
 from mcpn.drawing.sections import LocalPart, Used

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Literal, overload
 
 from mcpn.answers.spaces import MissionSubject, spaces_of
-from mcpn.composite.clash import in_mission_words
+from mcpn.composite.clash_sentences import in_mission_words
 from mcpn.composite.composite import CompositeSpace
 from mcpn.composite.section_type import SectionType
 from mcpn.controller.document import document

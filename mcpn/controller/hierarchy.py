@@ -27,7 +27,7 @@ import numpy as np
 
 from mcpn.answers.verdicts.modes import Situation
 from mcpn.composite.composite import CompositeSpace
-from mcpn.composite.layout import Renaming
+from mcpn.composite.renaming import Renaming
 from mcpn.composite.section_type import SectionType
 from mcpn.controller.machine import Machine, PlannedAction, controller, event_at
 from mcpn.controller.sizes import refuse_entries

@@ -5,7 +5,7 @@ happened; a fact has one of its values. Each is a *status*: an element with one 
 true of an element are its *flags*, and a value is the set of those that are true.
 
 A status is declared here, and the rest follows in loops over its flags: the slots of the composite's diagrams
-(:mod:`mcpn.composite.layout`), the entries, guards and changes of controllers, the bits of chains
+(:mod:`mcpn.composite.renaming`), the entries, guards and changes of controllers, the bits of chains
 (:mod:`mcpn.answers.causes`). Facts are all that has values and a start in
 :attr:`mcpn.mission.fact_usage.FactUsage.facts`, whoever declares it: ``done(x)`` is one of them.
 """

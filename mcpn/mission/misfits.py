@@ -15,7 +15,8 @@ from typing import get_args
 from lxml import etree
 
 from mcpn.did_you_mean import did_you_mean
-from mcpn.mission.language.forms import NAMESPACE, ROOTS, Tag, form_of, language, relax_ng
+from mcpn.mission.language.forms import NAMESPACE, ROOTS, Tag, form_of, language
+from mcpn.mission.language.relax_ng import relax_ng
 from mcpn.mission.model import Block, Recursive
 from mcpn.sentences import enumeration, quoted
 from mcpn.xmlio import line_of

@@ -22,7 +22,8 @@ from mcpn.report.pictures.drawing import Drawing
 from mcpn.report.pictures.graph import drawing
 from mcpn.report.pictures.machines import controller_drawing, graph_drawing
 from mcpn.report.pictures.nets import net_drawing, units_drawing
-from mcpn.report.pictures.objectives import mission_drawing, objectives_picture
+from mcpn.report.pictures.objectives import mission_drawing
+from mcpn.report.pictures.objectives_graph import objectives_picture
 from mcpn.report.words import in_words
 from mcpn.sentences import enumeration
 from mcpn.spaces.stable.alternatives import AlternativesGraph

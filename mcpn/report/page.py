@@ -31,7 +31,7 @@ from mcpn.report.pages.tables import tables
 from mcpn.report.pages.token_game import MOST_MARKINGS
 from mcpn.report.pictures.boxes import boxes
 from mcpn.report.pictures.layout import lay_out
-from mcpn.report.pictures.machines import LocalPictures, local_pictures
+from mcpn.report.pictures.local_graphs import LocalPictures, local_pictures
 from mcpn.version import VERSION
 
 if TYPE_CHECKING:

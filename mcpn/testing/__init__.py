@@ -21,8 +21,8 @@ except ImportError as error:
 from mcpn.mission.model import Mission
 from mcpn.testing.blocks import MissionDrawing
 from mcpn.testing.names import awkwardly_named
+from mcpn.testing.printing import register
 from mcpn.testing.shape import Shape as Shape
-from mcpn.testing.shape import register
 
 register()
 

@@ -30,8 +30,9 @@ from mcpn.mission.model import (
 )
 from mcpn.mission.reasons import ReasonChecks, is_whole, reason
 from mcpn.mission.robot import DeclaredEvent, Robot
+from mcpn.testing.drawer import TEXTS
 from mcpn.testing.robots import Island, RobotDrawing
-from mcpn.testing.shape import PARAMETERS, TEXTS, Shape
+from mcpn.testing.shape import PARAMETERS, Shape
 
 Route = TypeVar("Route", str, str | None)
 

@@ -28,7 +28,8 @@ from mcpn.errors import InputError
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.testing import missions
-from mcpn.testing.shape import Shape, as_xml
+from mcpn.testing.printing import as_xml
+from mcpn.testing.shape import Shape
 from mcpn.xmlio import line_of
 
 NAMESPACE = "urn:mcpn:mission:1"

@@ -10,7 +10,8 @@ from mcpn.mission.robot import (
     Fact,
     FactChange,
 )
-from mcpn.testing.shape import MissionDrawer, Shape
+from mcpn.testing.drawer import MissionDrawer
+from mcpn.testing.shape import Shape
 
 
 class WorldDrawing(MissionDrawer):

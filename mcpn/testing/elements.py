@@ -8,7 +8,8 @@ from mcpn.mission.model import Mission
 from mcpn.testing import missions
 from mcpn.testing.data import data_sharing_missions
 from mcpn.testing.ends import nested_ends
-from mcpn.testing.shape import UNCONTENDED, stacked_missions
+from mcpn.testing.shape import UNCONTENDED
+from mcpn.testing.stacked import stacked_missions
 
 ANY = missions(sections=6)
 INTERRUPTED = missions(sections=5, hardware=2, producers=2, events=2)

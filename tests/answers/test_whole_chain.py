@@ -27,9 +27,11 @@ from scipy.linalg import expm
 
 from mcpn.answers.causes import interval_bounds as uniformisation
 from mcpn.answers.causes.chain import decimal
-from mcpn.answers.causes.interval_bounds import bounds, poisson, slopes, slopes_of, within
+from mcpn.answers.causes.ends_by_time import poisson, within
+from mcpn.answers.causes.interval_bounds import bounds
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.causes.risk import risk
+from mcpn.answers.causes.slopes import slopes, slopes_of
 from mcpn.answers.causes.whole_chain import WholeChain, whole_chain
 from mcpn.answers.spaces import spaces_of
 from mcpn.drawing.compose import MissionNet, compose

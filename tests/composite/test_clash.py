@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from mcpn.answers.spaces import spaces_of
 from mcpn.answers.verdicts.mission import check
-from mcpn.composite.clash import Clash, Rival, explained, find_clash, sentence
+from mcpn.composite.clash import Clash, Rival, find_clash
+from mcpn.composite.clash_sentences import explained, sentence
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.errors import ConfluenceError, LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective, Parallel

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 from hypothesis import event, given
 
-from mcpn.composite import section_type as exploring
+from mcpn.composite import explored_section as exploring
 from mcpn.composite.composing import composite_space
-from mcpn.composite.section_type import Explored, explore_and_prove, explore_local
+from mcpn.composite.explored_section import Explored, explore_and_prove, explore_local
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.permanent_loss import mortal
 from mcpn.drawing.sections import SectionParts, many_apart
@@ -22,7 +22,7 @@ from mcpn.nets.petri import PetriNet
 from mcpn.spaces.diagrams.symbolic import reach
 from mcpn.spaces.stable import big_steps
 from mcpn.testing import missions
-from mcpn.testing.shape import stacked_missions
+from mcpn.testing.stacked import stacked_missions
 from tests.draws import composed, fewer
 from tests.small import activity, hw, mission, robot
 

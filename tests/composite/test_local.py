@@ -29,11 +29,12 @@ from mcpn.mission.flatten import Section
 from mcpn.mission.model import Mission, Objective, Recursive
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 from mcpn.spaces.markings.explicit import explore
-from mcpn.spaces.stable.alternatives import AlternativesGraph, by_reduction, direct, written_out
+from mcpn.spaces.stable.alternatives import AlternativesGraph, by_reduction, direct
 from mcpn.spaces.stable.confluence import prove_confluent
+from mcpn.spaces.stable.written_out import written_out
 from mcpn.steps import Doing, WorkStep, heard_by
 from mcpn.testing import missions
-from mcpn.testing.shape import stacked_missions
+from mcpn.testing.stacked import stacked_missions
 from mcpn.workers import using
 from tests.draws import composed, fewer
 from tests.logic.test_properties import play

@@ -21,7 +21,7 @@ from mcpn.mission.robot import Hardware
 from mcpn.robot.runtime import Action
 from mcpn.robot.runtime import Controller as Runtime
 from mcpn.testing import missions
-from mcpn.testing.shape import stacked_missions
+from mcpn.testing.stacked import stacked_missions
 from tests.controller.oracle import NetRobot
 from tests.drawing.promises import check_each_is_one_thing
 from tests.draws import composed, fewer

@@ -20,7 +20,7 @@ from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.robot.targets.json import write_json
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.testing import missions
-from mcpn.testing.shape import stacked_missions
+from mcpn.testing.stacked import stacked_missions
 from tests.draws import composed, fewer
 
 

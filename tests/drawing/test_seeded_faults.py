@@ -16,7 +16,7 @@ from hypothesis import event, given
 from hypothesis import strategies as st
 
 from mcpn.answers.verdicts.mission import check
-from mcpn.composite.section_type import explore_local
+from mcpn.composite.explored_section import explore_local
 from mcpn.drawing.compose import compose
 from mcpn.errors import ConfluenceError, DivergenceError, UnsafeError
 from mcpn.nets.petri import PetriNet

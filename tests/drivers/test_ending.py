@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from mcpn.cli.robot.resuming import _begun
-from mcpn.cli.robot.signals import MOST, ShownLines
+from mcpn.cli.robot.shown_lines import MOST, ShownLines
 from mcpn.errors import InputError
 from mcpn.robot.drivers.topics import StopMessage, tell_to_stop
 from tests.commands import mcpn, output

@@ -25,7 +25,8 @@ from mcpn.spaces.names import WORDS
 from mcpn.testing import missions
 from mcpn.testing.broken import BrokenMission, broken_missions
 from mcpn.testing.names import renamed
-from mcpn.testing.shape import Shape, as_xml
+from mcpn.testing.printing import as_xml
+from mcpn.testing.shape import Shape
 
 pytest.importorskip("pygls", reason="needs mcpn[editor]")
 

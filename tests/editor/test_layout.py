@@ -16,7 +16,7 @@ from mcpn.editor.scan import scan
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.testing import missions
-from mcpn.testing.shape import as_xml
+from mcpn.testing.printing import as_xml
 from tests.conftest import ROOT
 
 FILE = Path("/nowhere/mission.xml")

@@ -19,7 +19,8 @@ from mcpn.events import Event
 from mcpn.robot.runtime import Controller as Runtime
 from mcpn.robot.runtime.restoring import Saved
 from mcpn.spaces.engine_names import Engine
-from mcpn.spaces.stable.alternatives import AlternativesGraph, written_out
+from mcpn.spaces.stable.alternatives import AlternativesGraph
+from mcpn.spaces.stable.written_out import written_out
 from mcpn.testing.judge.interpreter import Happening, Seen
 from mcpn.testing.judge.lockstep import OfGraph as OfStates
 from mcpn.testing.judge.lockstep import Order, Player, happening, seen_of

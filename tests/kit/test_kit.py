@@ -28,6 +28,8 @@ from mcpn.mission.model import Approximation, FactRoute, Mission, Objective, Tra
 from mcpn.mission.requirement import Requirement
 from mcpn.mission.robot import Activity, Described, Fact, Hardware
 from mcpn.mission.xml import read_mission
+from mcpn.testing.by_hand import activity, hw, robot
+from mcpn.testing.by_hand import mission as written_mission
 from mcpn.testing.elements import LATE, LATE_APART
 from mcpn.testing.elements import MISSIONS as MISSIONS_OF_ANY_KIND
 from mcpn.testing.kit.contract import STATES, WORDS, contract_of_arcs, drawer, touches
@@ -45,8 +47,7 @@ from mcpn.testing.kit.running import (
 )
 from mcpn.testing.kit.subject import Subject, Violation
 from mcpn.testing.kit.units import MACHINES, driven
-from mcpn.testing.shape import Shape, activity, hw, robot
-from mcpn.testing.shape import mission as written_mission
+from mcpn.testing.shape import Shape
 from tests.conftest import ROOT, ULYSSE
 from tests.draws import fewer
 from tests.shares import returns_early

@@ -16,7 +16,8 @@ from hypothesis import strategies as st
 
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
-from mcpn.controller.simulator import HARDWARE, Simulation, likelihood
+from mcpn.controller.likelihood import likelihood
+from mcpn.controller.simulator import HARDWARE, Simulation
 from mcpn.drawing.compose import compose
 from mcpn.events import Event, What
 from mcpn.findings import Findings, findings

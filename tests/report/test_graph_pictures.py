@@ -32,7 +32,7 @@ from mcpn.report.pictures import graphviz
 from mcpn.report.pictures.choice import KINDS, drawn
 from mcpn.report.pictures.graph import Arrow, Cluster, Graph, Node, Placed, lay_out
 from mcpn.report.pictures.machines import sections_of
-from mcpn.report.pictures.objectives import MOST_SECTIONS, objectives_picture
+from mcpn.report.pictures.objectives_graph import MOST_SECTIONS, objectives_picture
 from mcpn.report.pictures.place_picture import net_picture
 from mcpn.report.pictures.unit_picture import interface, units_picture
 from mcpn.testing import missions

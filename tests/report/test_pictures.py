@@ -16,7 +16,7 @@ from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.mission.xml import read_mission
 from mcpn.report.pictures.boxes import Box, boxes
 from mcpn.report.pictures.layout import lay_out, text_width
-from mcpn.report.pictures.objectives import objectives_picture
+from mcpn.report.pictures.objectives_graph import objectives_picture
 from mcpn.testing import missions
 from tests import commands
 from tests.conftest import ROOT

@@ -28,7 +28,7 @@ from mcpn.spaces.stable import big_steps
 from mcpn.spaces.stable.big_steps import BigStepSpace, reach_in_big_steps
 from mcpn.spaces.stable.run_to_completion import settled
 from mcpn.testing import missions
-from mcpn.testing.shape import stacked_missions
+from mcpn.testing.stacked import stacked_missions
 from tests.draws import composed, fewer
 from tests.nets.nets import nets
 from tests.small import activity, hw, mission, robot

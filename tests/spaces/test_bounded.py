@@ -27,7 +27,7 @@ from mcpn.spaces.diagrams.order import candidates
 from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
 from mcpn.spaces.diagrams.spaces import DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import closing
-from mcpn.spaces.markings import counted as widths
+from mcpn.spaces.markings import widths
 from mcpn.spaces.markings.counted import count_tokens, explore_tokens
 from mcpn.spaces.sizes import summarise
 from mcpn.turns import finished

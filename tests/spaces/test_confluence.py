@@ -20,7 +20,8 @@ from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsE
 from mcpn.events import Event
 from mcpn.mission.model import Mission
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet
-from mcpn.spaces.diagrams.encoding import Encoding, leading
+from mcpn.spaces.diagrams.encoding import Encoding
+from mcpn.spaces.diagrams.internal_evolution import leading
 from mcpn.spaces.diagrams.symbolic import reach
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.stable.alternatives import AlternativesGraph, by_reduction, direct, direct_with_proof

@@ -40,7 +40,8 @@ from mcpn.spaces.markings.explicit import count, explore
 from mcpn.spaces.projections import ImageStore
 from mcpn.spaces.search.goal import FALSE, AtMost
 from mcpn.spaces.search.searches import Searches
-from mcpn.spaces.stable.alternatives import direct, direct_with_proof, written_out
+from mcpn.spaces.stable.alternatives import direct, direct_with_proof
+from mcpn.spaces.stable.written_out import written_out
 from mcpn.testing import missions
 from tests import small
 from tests.commands import mcpn

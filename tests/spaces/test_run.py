@@ -21,7 +21,7 @@ from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.run import Completion, Run, run_of_fewest_events
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.testing import missions
-from mcpn.testing.shape import stacked_missions
+from mcpn.testing.stacked import stacked_missions
 from tests.draws import composed, fewer
 from tests.nets.nets import nets
 

@@ -185,7 +185,7 @@ def find_causes(
     Examples:
         >>> from mcpn.drawing.compose import compose
         >>> from mcpn.mission.model import Objective
-        >>> from mcpn.testing.shape import activity, hw, mission, robot
+        >>> from mcpn.testing.by_hand import activity, hw, mission, robot
         >>> film = activity("film", ("camera",), ("sonar",))
         >>> small = mission(robot(hw("camera", "sonar"), film), Objective(name="see", activities=("film",)))
         >>> find_causes(compose(small)).objectives["see"].cut_sets

@@ -47,7 +47,7 @@ from mcpn.mission.conditions import all_flags
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.static.warnings import of_objectives
 from mcpn.spaces.arrays import ArraySet, ArraySpace
-from mcpn.spaces.stable.alternatives import written_out
+from mcpn.spaces.stable.written_out import written_out
 from mcpn.steps import Doing, step
 
 MOST_STATES = 50_000

@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import NamedTuple, TypeVar
 
-from mcpn.answers.patterns import catalogue as robots
-from mcpn.answers.patterns.catalogue import after_step, used
+from mcpn.answers.patterns import robot_patterns as robots
+from mcpn.answers.patterns.catalogue import after_step, bounded, used
 from mcpn.answers.patterns.english import clause
 from mcpn.answers.patterns.moments import EVERY_EVENT, LASTING, OF_EVENTS, OF_STATES, At, on_states
 from mcpn.errors import InputError, LimitError, Problem
@@ -174,7 +174,7 @@ class _PatternReader:
         said = {letter: self.clause(attribute) for letter, attribute in letters.items()}
         texts = {letter: self.operand(attribute) for letter, attribute in letters.items()}
         if name == "bounded_existence":
-            formula = robots.bounded(
+            formula = bounded(
                 most, of_events=self.is_event("of"), to_event=self.is_event(letters.get("r", "before"))
             )[scope]
             formula = after_step(formula) if self.is_event("after") else formula

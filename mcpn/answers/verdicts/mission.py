@@ -284,7 +284,7 @@ def check(
     Examples:
         >>> from mcpn.drawing.compose import compose
         >>> from mcpn.mission.model import Objective
-        >>> from mcpn.testing.shape import activity, hw, mission, robot
+        >>> from mcpn.testing.by_hand import activity, hw, mission, robot
         >>> film = activity("film", ("camera",))
         >>> small = mission(robot(hw("camera"), film), Objective(name="see", activities=("film",)))
         >>> found = check(compose(small))
@@ -355,7 +355,7 @@ def _broken(mission_net: MissionNet, error: SemanticsError) -> Verdict:
         name = "confluent"
         step(Doing.EXPLAINING)
         if isinstance(error, ConfluenceError):
-            from mcpn.composite.clash import explained
+            from mcpn.composite.clash_sentences import explained
 
             error = explained(mission_net, error)
     net, index = mission_net.net, mission_net.net.transition_index

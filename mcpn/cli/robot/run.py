@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     from mcpn.robot.runtime.monitors import Monitors
     from mcpn.robot.runtime.tables import Action
     from mcpn.study import Study
-from mcpn.cli.robot.signals import EventLines, WarningLines, caught
+from mcpn.cli.robot.shown_lines import EventLines, WarningLines
+from mcpn.cli.robot.signals import caught
 
 _log = logging.getLogger("mcpn.robot.drivers")
 
@@ -170,7 +171,7 @@ def _begin(study: Study, drivers: Path, question: Question) -> None:
     """Writes a file of drivers to start from; one that is there is not overwritten."""
     from mcpn.controller.document import document
     from mcpn.files import write_atomically
-    from mcpn.robot.drivers.reading import skeleton
+    from mcpn.robot.drivers.skeleton import skeleton
     from mcpn.robot.runtime.tables import Tables
 
     if drivers.exists():

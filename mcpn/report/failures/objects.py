@@ -15,7 +15,7 @@ from mcpn.report.failures.sentences import conditions, kept, losses
 from mcpn.spaces.run import Run
 
 if TYPE_CHECKING:
-    from mcpn.answers.causes.interval_bounds import Within
+    from mcpn.answers.causes.ends_by_time import Within
     from mcpn.answers.causes.risk import Risk
 
 

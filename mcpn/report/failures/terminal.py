@@ -30,7 +30,7 @@ from mcpn.sentences import enumeration
 from mcpn.spaces.run import Run
 
 if TYPE_CHECKING:
-    from mcpn.answers.causes.interval_bounds import Within
+    from mcpn.answers.causes.ends_by_time import Within
     from mcpn.answers.causes.risk import Risk
 
 LAST = "from here on there is no way without a repair, and the mission need not end"

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.causes.cutsets import CutSet
-from mcpn.controller.simulator import likelihood
+from mcpn.controller.likelihood import likelihood
 from mcpn.events import Event
 from mcpn.report.pages.token_game import position, stored
 from mcpn.report.words import folded, what_happens

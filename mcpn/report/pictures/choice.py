@@ -45,7 +45,7 @@ def _run(spaces: MissionSpaces) -> Drawing:
 
 
 def _objectives(spaces: MissionSpaces) -> Drawing:
-    from mcpn.report.pictures.objectives import objectives_drawing
+    from mcpn.report.pictures.objectives_graph import objectives_drawing
 
     return objectives_drawing(spaces.mission)
 
@@ -57,7 +57,7 @@ def _net(spaces: MissionSpaces) -> Drawing:
 
 
 def _alternatives(spaces: MissionSpaces) -> Drawing:
-    from mcpn.composite.clash import in_mission_words
+    from mcpn.composite.clash_sentences import in_mission_words
     from mcpn.report.pictures.machines import alternatives_drawing
 
     with in_mission_words(spaces.mission):

@@ -11,11 +11,11 @@ from types import MappingProxyType
 from typing import Any
 
 from mcpn.events import Event
-from mcpn.robot.drivers.inbox import Turns
 from mcpn.robot.drivers.mapping import FAILURE, DriverSpec, Plan, ended, ending, starts_by_itself, tells
 from mcpn.robot.drivers.processes import Warden
 from mcpn.robot.drivers.starts import Started
 from mcpn.robot.drivers.topics import StopMessage, buses_of, tell_to_stop
+from mcpn.robot.drivers.turns import Turns
 from mcpn.robot.runtime.controller import Controller
 from mcpn.robot.runtime.tables import START, Action, Refused, Tables
 

@@ -1,7 +1,7 @@
 """The markings of any net without priorities as a decision diagram, with as many tokens as there are.
 
 A 1-safe net is reached as such (:func:`mcpn.spaces.diagrams.symbolic.reach`). Any other has counters for
-places (:mod:`mcpn.spaces.diagrams.counters`), of the widths that :mod:`mcpn.spaces.markings.counted` says.
+places (:mod:`mcpn.spaces.diagrams.counters`), of the widths that :mod:`mcpn.spaces.markings.widths` says.
 """
 
 from __future__ import annotations
@@ -99,7 +99,7 @@ def _reaching_tokens(
     net: PetriNet, order: Order | None, seed: int | None, memory_limit: int
 ) -> Work[SymbolicSpace]:
     from mcpn.spaces.diagrams.counters import MOST_BITS, TokenEncoding
-    from mcpn.spaces.markings.counted import Widths
+    from mcpn.spaces.markings.widths import Widths
 
     widths = Widths(net, first=FIRST_BITS, most=MOST_BITS)
     while True:

@@ -9,7 +9,8 @@ from typing import TypeAlias
 
 from mcpn._kernel import Zdd
 from mcpn.nets.petri import PetriNet, Provenance
-from mcpn.spaces.diagrams.encoding import Clock, Encoding, behind, distinct
+from mcpn.spaces.diagrams.encoding import Encoding, distinct
+from mcpn.spaces.diagrams.internal_evolution import Clock, behind
 from mcpn.spaces.diagrams.order import Order
 from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
 

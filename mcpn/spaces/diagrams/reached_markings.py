@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 from mcpn._kernel import MemoryLimit, Zdd
 from mcpn.errors import LimitError
 from mcpn.nets.petri import PetriNet
-from mcpn.spaces.diagrams.encoding import Encoding, leading, passing
+from mcpn.spaces.diagrams.encoding import Encoding
+from mcpn.spaces.diagrams.internal_evolution import leading, passing
 from mcpn.spaces.diagrams.order import Order
 from mcpn.spaces.markings.explicit import Counts
 

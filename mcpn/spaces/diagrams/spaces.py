@@ -16,7 +16,7 @@ from mcpn._kernel import Zdd
 from mcpn.spaces.algebra import Edge, Guards
 from mcpn.spaces.diagrams.base import Diagrams
 from mcpn.spaces.diagrams.closing import chained
-from mcpn.spaces.diagrams.encoding import behind, leading
+from mcpn.spaces.diagrams.internal_evolution import behind, leading
 from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
 from mcpn.spaces.run import Completion
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -19,9 +19,8 @@ from mcpn._kernel import Exploration, stable_ends
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.events import Event
 from mcpn.nets.petri import PetriNet
-from mcpn.spaces.algebra import Space
 from mcpn.spaces.markings.explicit import KernelNet
-from mcpn.spaces.markings.graph import Ints, Mask, StateGraph, pack
+from mcpn.spaces.markings.graph import Ints, Mask, StateGraph
 from mcpn.spaces.stable.falsification import proved
 from mcpn.spaces.stable.run_to_completion import (
     MAX_STABLE_STATES,
@@ -226,37 +225,3 @@ def numbered(
             tell(len(queue), len(targets))
     rows, ends, events = (np.array(values, np.int64) for values in (offsets, targets, labels))
     return queue, (rows, ends, events)
-
-
-# A space of stable states written out: the alternatives graph in arrays, whichever engine made the space.
-
-
-def written_out(space: Space[Any], method: str, max_states: int | None = None) -> AlternativesGraph:
-    """Lists the states of an alternatives graph one by one.
-
-    Args:
-        space: The alternatives graph of a net with priorities.
-        method: What the graph is to say of how it was made.
-        max_states: How many states it may have.
-
-    Returns:
-        The graph, numbered as :func:`mcpn.spaces.stable.alternatives.direct` numbers it.
-
-    Raises:
-        LimitError: It has more states than allowed.
-    """
-    size, limit = space.everything.count(), MAX_STABLE_STATES if max_states is None else max_states
-    if size > limit:
-        raise LimitError(f"{size} states, more than {limit}: the limit on states was hit")
-
-    def edges(state: Any) -> Iterator[tuple[int, Any]]:
-        for edge in sorted(space.edges(state), key=lambda edge: edge.transition):
-            yield edge.transition, _key(edge.target)
-
-    states, arrays = numbered(_key(space.initial.pick()), edges)
-    markings = (sum(1 << p for p, tokens in enumerate(space.marking(state)) if tokens) for state in states)
-    return AlternativesGraph(space.net, pack(markings, len(space.net.places)), *arrays, method, None)
-
-
-def _key(state: Any) -> Any:
-    return tuple(state) if isinstance(state, list) else state

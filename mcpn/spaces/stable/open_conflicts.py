@@ -21,7 +21,8 @@ from itertools import chain
 from mcpn._kernel import Zdd
 from mcpn.nets.petri import PetriNet
 from mcpn.nets.structure import conflicts
-from mcpn.spaces.diagrams.encoding import Encoding, behind, distinct, passing
+from mcpn.spaces.diagrams.encoding import Encoding, distinct
+from mcpn.spaces.diagrams.internal_evolution import behind, passing
 
 Pair = tuple[int, int]
 """Two internal transitions, the first of no higher rank than the second."""

@@ -17,7 +17,7 @@ from mcpn.mission.model import (
     Use,
 )
 from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Fact, FactChange, Fault, Software
-from mcpn.testing.shape import activity, hw, mission, robot
+from mcpn.testing.by_hand import activity, hw, mission, robot
 
 
 def wide(number: int) -> Mission:

@@ -26,7 +26,8 @@ from mcpn.testing.kit.properties import one_safe as one_safe
 from mcpn.testing.kit.smaller_missions import smaller_missions
 from mcpn.testing.kit.subject import MOST_MARKINGS, Subject, Violation
 from mcpn.testing.names import renamed
-from mcpn.testing.shape import UNCONTENDED, as_xml
+from mcpn.testing.printing import as_xml
+from mcpn.testing.shape import UNCONTENDED
 
 MOST_SHRUNK = 200
 """Missions on which properties are asked while hypothesis shrinks one."""

@@ -26,14 +26,15 @@ from hypothesis.stateful import run_state_machine_as_test
 
 from mcpn.drawing.templates import TemplateSet
 from mcpn.mission.model import FactRoute, Handler, Objective, Parallel, Recursive
+from mcpn.testing.by_hand import activity, hw, mission, robot
 from mcpn.testing.kit.activity_machine import ActivityMachine
 from mcpn.testing.kit.alone import TemplateMachine
 from mcpn.testing.kit.control import ControlMachine, FactMachine
 from mcpn.testing.kit.corpus import MISSIONS, objective
-from mcpn.testing.kit.resources import CrashMachine, HardwareMachine, LateMachine, SoftwareMachine
+from mcpn.testing.kit.late_machines import CrashMachine, LateMachine
+from mcpn.testing.kit.resources import HardwareMachine, SoftwareMachine
 from mcpn.testing.kit.running import PROFILES
 from mcpn.testing.kit.subject import Violation
-from mcpn.testing.shape import activity, hw, mission, robot
 
 STEPS = 40
 """Steps of one series at most."""

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 import pytest
 
-from mcpn.answers.patterns.catalogue import (
+from mcpn.answers.patterns.robot_patterns import (
     FUTURE,
     GLOBAL,
     PAST,
