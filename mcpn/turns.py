@@ -49,7 +49,7 @@ def in_turns(
         first: Seconds of a first slice; later ones are longer.
         favoured: Gets :data:`FAVOUR` times as much as every other.
 
-    >>> list(filter(None, in_turns([iter([1, None, 2, None, 3]), iter("ab")], lambda: False, first=inf)))
+    >>> list(filter(None, in_turns([iter([1, None, 2, None, 3]), iter("ab")], lambda: False, first=1e9)))
     [1, 2, 3, 'a', 'b']
     """
     spent = dict.fromkeys(map(iter, ways), 0.0)
