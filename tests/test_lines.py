@@ -156,7 +156,7 @@ def test_what_libxml2_alone_finds_has_its_line(prefix: str, tmp_path: Path) -> N
     path = tmp_path / "m.xml"
     text = Mistake(read_mission, mission + robot + objective, wrong, f"</{prefix}mission>", "").text()
     root = xmlio.parse_bytes(path, text.encode())
-    with patch.object(misfits, "_misfits", lambda among: iter(())):
+    with patch.object(misfits, "_misfits", lambda among, core: iter(())):
         ((line, message),) = misfits.find_misfits(root)
     assert line == LINE
     assert "<hardware> with name and no children does not fit" in message

@@ -25,7 +25,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from mcpn.answers.causes import interval_bounds as uniformisation
+from mcpn.answers.causes import ends_by_time
 from mcpn.answers.causes.chain import decimal
 from mcpn.answers.causes.ends_by_time import poisson, within
 from mcpn.answers.causes.interval_bounds import bounds
@@ -312,7 +312,7 @@ def test_a_mission_that_has_ended_needs_no_more_steps() -> None:
 
 
 def test_a_stiff_mission_has_too_many_steps(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(uniformisation, "MOST_STEPS", 500)
+    monkeypatch.setattr(ends_by_time, "MOST_STEPS", 500)
     there, back = objective(success="y", duration=1e-3), objective(name="y", success="x", duration=1e-3)
     again = floats_of(replace(one_sensor(), blocks=(there, back)))
     with pytest.raises(LimitError, match=r"^5 hours are \d+ steps .* the limit is 500 steps"):

@@ -18,6 +18,7 @@ from mcpn.mission.model import Mission, Objective, Parallel
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 from mcpn.nets.petri import Marking, PetriNet
 from mcpn.spaces.engine_names import Engine
+from mcpn.spaces.engines import Choice
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.run import Completion
 from mcpn.spaces.stable.alternatives import by_reduction, direct
@@ -36,7 +37,7 @@ def errors_of(found: MissionNet) -> list[ConfluenceError]:
     """By reduction and directly; none where the mission is confluent or too large."""
     errors = []
     try:
-        markings = explore(found.net, max_states=20_000)
+        markings = explore(found.net, max_states=10_000)
     except LimitError:
         return []
     for reduced in (True, False):
@@ -166,7 +167,7 @@ def test_a_clash_that_causes_alone_come_to_is_told_as_such(engine: Engine) -> No
 @given(CRASHING, st.sampled_from(["explicit", "symbolic", "local"]))
 def test_clashes_where_hardware_may_die_are_told_in_mission_words(mission: Mission, engine: Engine) -> None:
     try:
-        spaces_of(composed(mission)).space(engine, "alternatives", may_die=True)
+        spaces_of(composed(mission)).space(Choice(engine, max_states=10_000), "alternatives", may_die=True)
         return
     except ConfluenceError as error:
         said = str(error)

@@ -135,7 +135,7 @@ def test_what_check_prints_is_replayed(tmp_path: Path) -> None:
     for command in ("check", "causes"):
         printed = CliRunner().invoke(command_line, [command, str(ULYSSE)]).stdout.splitlines()
         heading = next(
-            i for i, line in enumerate(printed) if "nominal_success" in line or "failure by" in line
+            i for i, line in enumerate(printed) if "nominal_success" in line or "a run with the loss" in line
         )
         run = [printed[heading].split("  ")[0].rstrip(":") + ":"]
         for line in printed[heading + 1 :]:

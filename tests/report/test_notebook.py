@@ -92,7 +92,7 @@ def test_a_mission_that_can_never_succeed() -> None:
     of = robot(hw("H"), activity("use", ("H",)))
     never = mission(of, Objective(name="go", activities=("use",), success="fail"))
     table = etree.fromstring(mcpn.open(never).causes()._repr_html_() or "")
-    assert [row[0].text for row in table.iter("tr")][1] == "There is no way to success without a repair."
+    assert [row[0].text for row in table.iter("tr")][1] == "The mission can never succeed."
 
 
 def test_reprs_are_short() -> None:
