@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from mcpn._kernel import BigSteps, Store, Zdd, choices
 from mcpn.drawing.compose import compose
+from mcpn.errors import LimitError
 from mcpn.events import Event, What
 from mcpn.mission.model import Mission, Objective, Parallel
 from mcpn.mission.robot import Fault
@@ -31,6 +32,7 @@ from mcpn.testing import missions
 from mcpn.testing.stacked import stacked_missions
 from tests.draws import composed, fewer
 from tests.nets.nets import nets
+from tests.shares import returns_early
 from tests.small import activity, hw, mission, robot
 
 MOST = 2_000
@@ -133,7 +135,12 @@ def test_big_steps_of_nets(net: PetriNet, few: int, cases: int) -> None:
 def test_big_steps_of_missions(of: Mission, few: int, cases: int, by_clusters: bool) -> None:
     net = composed(of).net
     if settled(KernelNet(net), orders="one", max_states=50_000).states < 400:
-        agree(net, few, cases, clustered(net) if by_clusters else None)
+        try:
+            agree(net, few, cases, clustered(net) if by_clusters else None)
+        except LimitError as error:
+            if "transient markings" not in str(error):
+                raise  # few are stable, but behind one event too many are not
+            returns_early("too many interleavings to list")
 
 
 @fewer(0.3)
