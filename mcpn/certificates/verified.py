@@ -22,6 +22,8 @@ BUT_OBJECTIVES = (
     "checked by corecheck), and that a formula says what its text says"
 )
 """What no claim of a certificate is free of (docs/certificates.md)."""
+GAVE_UP = (certcheck.Malformed, certcheck.Limit, RecursionError, MemoryError)
+"""What ends a checker without an answer."""
 NONE_CHECKED = "no claim is checked by certcheck: reader, templates, kernel and engines are trusted"
 
 
@@ -76,9 +78,8 @@ def verified(certificate: Certificate, file: Path, seconds: float = SECONDS) -> 
     """
     try:
         report = certcheck.checked(str(file), seconds=seconds)
-    except (certcheck.Malformed, certcheck.Limit, RecursionError, MemoryError) as error:
-        why = str(error) or "there is not enough memory"
-        report = [("not checked", claim["key"], why) for claim in certificate.claims]
+    except GAVE_UP as error:
+        report = [("not checked", claim["key"], _why(error)) for claim in certificate.claims]
     if certificate.core is not None:
         report.append(_played(file, seconds))
     return Verified(certificate, file, {key: (how, why) for how, key, why in report})
@@ -90,6 +91,10 @@ def _played(file: Path, seconds: float) -> tuple[str, str, str]:
         corecheck.checked(str(file), seconds)
     except certcheck.Refuted as error:
         return "refuted", OBJECTIVES, str(error)
-    except (certcheck.Malformed, certcheck.Limit, RecursionError, MemoryError) as error:
-        return "not checked", OBJECTIVES, str(error) or "there is not enough memory"
+    except GAVE_UP as error:
+        return "not checked", OBJECTIVES, _why(error)
     return "proved", OBJECTIVES, ""
+
+
+def _why(error: BaseException) -> str:
+    return str(error) or "there is not enough memory"

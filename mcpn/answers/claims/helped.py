@@ -12,6 +12,7 @@ from mcpn.answers.claims.claim import Assumes, Claim
 from mcpn.answers.claims.found import copies_by_name, plain_names
 from mcpn.answers.claims.kinds import KINDS
 from mcpn.answers.claims.parts import HELP, FormulaParts, some
+from mcpn.answers.claims.reached import WORDS
 from mcpn.events import Event, What
 from mcpn.spaces.algebra import S
 
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
 MOST_WAYS = 500
 """Claims on the alternatives with which objectives run."""
-WORDS = {"success": What.SUCCESS, "failure": What.FAILURE, "timeout": What.TIMEOUT}
 
 
 class Helped(Generic[S]):
@@ -47,18 +47,17 @@ class Helped(Generic[S]):
         parts, prospects, space = self.parts, self.prospects, self.space
         alone = prospects.everything - parts.helping
         unaided = parts.reaches(prospects.mission, parts.quiet)
-        won = self.parts.reaching(prospects.mission, prospects.everything)
-        needs = (won & space.initial) - self.parts.reaching(prospects.mission, alone)
+        needs = (self._hopeful & space.initial) - parts.reaching(prospects.mission, alone)
         yield self._claim("needs_help_to_succeed", needs, prospects.mission, moment="start", unaided=unaided)
         ended = space.marked(self.net.ends.values())
         ends = Goal(self.net.mission.name, space.everything - ended, ended)
-        needs = self.parts.reaching(ends, prospects.everything) - self.parts.reaching(ends, alone)
+        needs = parts.reaching(ends, prospects.everything) - parts.reaching(ends, alone)
         steps = " & ".join(f"!happens({event})" for event in parts.quiet) or "true"
         unaided = f"E(({steps}) U ({parts.ends}))"
         yield self._claim("needs_help_to_end", needs, ends, ends=parts.ends, unaided=unaided)
         if prospects.safety is not None:
             goal = prospects.safety
-            needs = self.parts.reaching(goal, prospects.everything) - self.parts.reaching(goal, alone)
+            needs = parts.reaching(goal, prospects.everything) - parts.reaching(goal, alone)
             aided, unaided = parts.reaches(goal), parts.reaches(goal, parts.quiet)
             yield self._claim("needs_help_to_end_safely", needs, goal, aided=aided, unaided=unaided)
 

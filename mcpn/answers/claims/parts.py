@@ -1,4 +1,4 @@
-"""FormulaParts of formulas that kinds of claims share: safe ends, runs on which nothing fails, what helps."""
+"""Parts of formulas that kinds of claims share: safe ends, runs on which nothing fails, what helps."""
 
 from __future__ import annotations
 
