@@ -77,11 +77,7 @@ class Product {
     const std::uint32_t target = automaton_.edges[pair.state][step.edge].target;
     if (step.transition == kNone) return number({pair.marking, target});
     markings_.get(pair.marking, row_);
-    for (const auto& [place, change] : net_.rules[step.transition].change) {
-      const Tokens tokens = markings_.get(row_, place) + change;
-      if (!markings_.fits(tokens)) throw Limit{Lasso::tokens};
-      markings_.put(row_, place, tokens);
-    }
+    if (!markings_.fire(row_, net_.rules[step.transition])) throw Limit{Lasso::tokens};
     return number({marking(row_), target});
   }
 

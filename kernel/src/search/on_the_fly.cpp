@@ -81,11 +81,7 @@ std::uint32_t Checker::target(std::uint32_t state, std::uint32_t number) {
   Edge& edge = edges_[out_[state].begin + number];
   if (edge.target == kNone) {
     packed_->get(state, row_);
-    for (const auto& [place, change] : net_.rules[edge.transition].change) {
-      const Tokens tokens = packed_->get(row_, place) + change;
-      if (!packed_->fits(tokens)) throw Hit{Local::tokens};
-      packed_->put(row_, place, tokens);
-    }
+    if (!packed_->fire(row_, net_.rules[edge.transition])) throw Hit{Local::tokens};
     const auto [found, fresh] = packed_->add(row_);
     if (found == kNone - 1) throw Hit{Local::bytes};
     edge.target = found;

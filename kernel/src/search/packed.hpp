@@ -30,6 +30,15 @@ class Packed {
     const std::uint32_t shift = p % each_ * bits_;
     row[p / each_] = (row[p / each_] & ~(mask() << shift)) | std::uint64_t(tokens) << shift;
   }
+  // Fires a rule that is enabled in a row; false where tokens do not fit, and the row is then of no use.
+  bool fire(Row& row, const Rule& rule) const {
+    for (const auto& [place, change] : rule.change) {
+      const Tokens tokens = get(row, place) + change;
+      if (!fits(tokens)) return false;
+      put(row, place, tokens);
+    }
+    return true;
+  }
   Row packed(const Marking& marking) const {
     Row row(words_, 0);
     for (Place p = 0; p < marking.size(); ++p) put(row, p, marking[p]);

@@ -234,13 +234,7 @@ Search plan_packed(const TokenNet& net, const Marking& initial, const Goals& goa
     relaxation.want(marking, sums, root, enabled.size());
     for (const Transition t : enabled) {
       after = row;
-      bool fits = true;
-      for (const auto& [place, change] : net.rules[t].change) {
-        const Tokens tokens = marking[place] + change;
-        fits &= markings.fits(tokens);
-        markings.put(after, place, tokens);
-      }
-      if (!fits) return {Outcome::tokens, markings.size(), {}};
+      if (!markings.fire(after, net.rules[t])) return {Outcome::tokens, markings.size(), {}};
       if (!markings.add(after, at, t)) continue;
       const auto number = std::uint32_t(markings.size() - 1);
       std::uint64_t may_fire = 1;

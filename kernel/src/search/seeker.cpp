@@ -143,13 +143,7 @@ Search seek_packed(const TokenNet& net, const Marking& initial, const Goals& goa
     if (stubborn) reduction.reduce(marking, sums, root, enabled);
     for (const Transition t : enabled) {
       after = row;
-      bool fits = true;
-      for (const auto& [place, change] : net.rules[t].change) {
-        const Tokens tokens = marking[place] + change;
-        fits &= markings.fits(tokens);
-        markings.put(after, place, tokens);
-      }
-      if (!fits) return {Outcome::tokens, markings.size(), {}};
+      if (!markings.fire(after, net.rules[t])) return {Outcome::tokens, markings.size(), {}};
       if (markings.add(after, at, t)) {
         const auto number = std::uint32_t(markings.size() - 1);
         std::int64_t far = 0;
