@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 
 from mcpn.answers.causes.find import find_causes
+from mcpn.answers.claims import claims_of_losses
 from mcpn.answers.safety import ASKED, SafetyAnswer, robot_safety
 from mcpn.answers.verdicts.mission import check
 from mcpn.drawing.compose import compose
@@ -208,7 +209,9 @@ def test_they_say_what_check_and_causes_say(mission: Mission) -> None:
     # Asked without declared events as help, and after objectives that failed by themselves.
     if found["no_single_loss_endangers"]:
         assert not [lost for lost in sets if len(lost) < 2]
-    endangering = [lost for lost in sets if len(lost) == 1 and lost[0] in hardware]
+    kind = "loss_defeats" if causes.safety is None else "loss_endangers"
+    alone = {c.subject for c in claims_of_losses(causes.prospects) if c.kind == kind and c.holds}
+    endangering = [lost for lost in {*alone, *sets} if len(lost) == 1 and lost[0] in hardware]
     assert late is (None if not hardware else not (checked.late or endangering))
 
 
