@@ -58,15 +58,18 @@ class LeavingOut:
 
     @cached_property
     def _nearest(self) -> Sequence[int]:
-        """By position, how far some edge leads from before it to where the goal can be reached."""
-        position, hopeful = self.position, self.hopeful
-        last = len(self.space.regions)
+        """By position, how far some edge leads from before it to where the goal can be reached; -1: to it."""
+        space, position, hopeful = self.space, self.position, self.hopeful
+        last = len(space.regions)
         nearest = [last] * last
         for route, sources in self._entered.items():
             for name, states in sources.items():
                 if states & hopeful.of(route):
                     before = position[name] - 1
                     nearest[before] = min(nearest[before], position[route])
+        for name in (self.goal & space.everything).parts:
+            if position[name]:
+                nearest[position[name] - 1] = -1
         for i in range(last - 2, -1, -1):
             nearest[i] = min(nearest[i], nearest[i + 1])
         return nearest

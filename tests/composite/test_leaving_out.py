@@ -67,6 +67,19 @@ def test_some_are_needed_and_others_are_not(back: str) -> None:
     assert {*check_each_set(sites(7, back=back))} == {True, False}
 
 
+def test_success_may_come_before_what_is_left_out() -> None:
+    """It ends as the first fails, before the others are entered."""
+    doing = robot(hw("H"), activity("go", ("H",)))
+    first = Objective(name="first", activities=("go",), failure=SUCCEED)
+    for last in (SUCCEED, "last"):  # success is possible behind it, or not
+        then = Objective(name="last", activities=("go",), success=last, failure=last)
+        net = compose(mission(doing, first, then))
+        check_each_set(net)
+        claims = claims_of(check(net, engine="local"))
+        without = {c.subject[0] for c in claims if c.kind == "succeeds_without" and c.holds}
+        assert without == {"first", "last"}
+
+
 def test_claims_on_what_is_left_out_work_on_few_sections_each(monkeypatch: pytest.MonkeyPatch) -> None:
     """A closure of the whole mission for each objective takes time as the square of the sections."""
     counts, work = list[int](), Glued.leaving
