@@ -131,9 +131,11 @@ class MissionNames(Names):
             return {declared}
         if said.what not in ENDING:
             return {Event.parse(self._element(name, sorted(map(str, known)), "event"))}
-        about = self._copies.meant(said.element, self.within)
-        about = about or self._copies.blocks(said.element, self.within)  # whose time may be over
+        objectives = self._copies.meant(said.element, self.within)
+        about = objectives or self._copies.blocks(said.element, self.within)  # whose time may be over
         found = {said.of(each) for each in about} & known
+        if objectives and said.what in (What.SUCCESS, What.FAILURE) and not said.reason:
+            return found  # none of an objective that never runs
         return found or self._unknown(name, sorted(map(str, known)), "event")
 
     def _fact(self, kind: str, name: str, value: str | None) -> str:

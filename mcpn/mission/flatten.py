@@ -123,6 +123,8 @@ class _Flattening:
         """By placeholder for the target of a pause, the name of the sibling that is run meanwhile."""
         self.copied: set[str] = set()
         """Names of copies of siblings that are run while blocks pause."""
+        self.helping: set[str] = set()
+        """Names of siblings of which such copies are made, or copies by which blocks recover."""
         self.counted = Counted()
 
     def mission(self) -> ObjectivesGraph:
@@ -158,9 +160,9 @@ class _Flattening:
         after, siblings = following(blocks), {block.name: block for block in blocks}
         aside = helping(blocks)
         aside -= entered(blocks, around) if aside else aside
-        for block in blocks:
-            if block.name in aside:
-                continue
+        for block in sorted(blocks, key=lambda block: block.name in aside):
+            if block.name in aside & self.helping:
+                continue  # of one that helps none it is said that it is never entered
             success = block.success or after[block.name]
             inner = self.handling(scope, block.handlers, routes, block.written)
             failure = block.failure or FAIL
@@ -224,6 +226,7 @@ class _Flattening:
     ) -> None:
         """Adds the runs of a block that recovers, and between them copies of the sibling that it names."""
         by, around, routes = recovery
+        self.helping.add(by.name)
         run, again = first_run(block), one_copy(block)
         for number in range(1, block.times + 1):
             helper = copied(by, f"{block.written}{number}")
@@ -259,6 +262,7 @@ class _Flattening:
                     message = f"two copies of {by.written} would be called {copy.name}"
                     raise InputError.at(by.source, f"{message}: rename one of the blocks that pause")
                 self.copied.add(copy.name)
+                self.helping.add(by.name)
                 own = {mark for mark, runner in runs.items() if runner is by}
                 if isinstance(section, ElementarySection):
                     self.helper(copy, scope, routes, (Destination(section.name), failure), sections)

@@ -174,6 +174,20 @@ def test_what_a_formula_says(of: str, formula: str, holds: bool) -> None:
         )
 
 
+def test_a_sibling_whose_pause_never_comes_has_a_name() -> None:
+    """Within the block its own handler answers the event: the pause that names the sibling never comes."""
+    work = one("work", "drive", Handler(event="rain", goto="fail"))
+    of = compose(mission(OUTSIDE, Recursive(name="visit", handlers=(RAIN,), blocks=(work,)), COVER))
+    for formula in ("EF objective(go_in)", "EF block(shelter)", "E(F happens(OBJ_shelter.go_in_EV_OK))"):
+        assert not Questions(spaces_of(of), on="alternatives").answer(formula).holds
+    for no_event in ("OBJ_go_in_EV_TIMEOUT", "OBJ_shelter_EV_OK", "OBJ_visit_EV_OK"):
+        with pytest.raises(InputError, match=f"no event is named {no_event}"):
+            MissionNames(of).word("event", no_event)
+    assert of.graph.copies.meant("shelter.go_in") == ["go_in"]
+    (said,) = (problem.message for problem in check(of).unselectable)
+    assert said == "objective go_in can never be entered: no route reaches it"
+
+
 def test_what_is_entered_twice_by_two_ways_is_entered_twice() -> None:
     never = Requirement(name="r", patterns=(RestrictedAvoidance(objectives=("shelter",), at_most=1),))
     (answer,) = check(compose(replace(LED_TO["failure"], requirements=(never,)))).requirements
