@@ -88,6 +88,24 @@ def test_success_that_leads_only_to_failure_is_told_with_its_cause(tmp_path: Pat
     assert [problem.source.line for problem in found.futile if problem.source] == [13]
 
 
+def test_success_is_no_cause_where_facts_leave_no_other_way_either(tmp_path: Path) -> None:
+    """Routes lead from the failure of driving to success, and no state takes them."""
+    blocks = """
+    <objective name="ask" activities="drive" success="ask" failure="go"/>
+    <objective name="go" activities="drive" success="fail">
+      <route goto="succeed" when="done(rest)" on="failure"/>
+    </objective>
+    <objective name="rest" activities="wait" success="{leads}"/>
+    """
+    found = checked(tmp_path, blocks.format(leads="ask"))
+    assert not found.verdicts["success_reachable"].holds
+    assert not found.futile
+    begins = '<objective name="first" activities="drive" success="ask" failure="rest"/>'
+    assert [problem.message for problem in checked(tmp_path, begins + blocks.format(leads="ask")).futile] == [
+        "objective go leads only to failure by its success: its success leads to fail"
+    ]
+
+
 def test_a_child_that_fails_last_leaves_its_block_to_succeed(tmp_path: Path) -> None:
     """The optional child can never succeed; its failure fails the block unless all others have ended."""
     found = checked(

@@ -2,13 +2,14 @@
 
 A route is *taken* if the outcome or the event that it belongs to happens in some state. Objectives to which
 no route that is taken leads can never be entered, and the routes that would lead there say why. Where no
-route that is taken leads from a success to the success of the mission, it leads only to failure. Both look
-at routes alone, not at the hardware that is out of service along them: the analysis is sound, not complete.
+route that is taken leads from a success to the success of the mission, though some state in which the
+objective runs still reaches that, it leads only to failure. Both look at routes, not at the hardware that is
+out of service along them: the analysis is sound, not complete.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from functools import cached_property
 from typing import NamedTuple
 
@@ -69,16 +70,23 @@ class Routing:
         entered: The objectives that some state runs.
         happens: The events that some state allows.
         mission: The mission.
+        succeeds: Whether the success of the mission is reached from a state that runs one of some objectives.
     """
 
     def __init__(
-        self, graph: ObjectivesGraph, entered: Collection[str], happens: Collection[Event], mission: Mission
+        self,
+        graph: ObjectivesGraph,
+        entered: Collection[str],
+        happens: Collection[Event],
+        mission: Mission,
+        succeeds: Callable[[Collection[str]], bool],
     ) -> None:
         self.graph = graph
         self._mission = mission
         self._copies = graph.copies
         self._entered = entered
         self._happens = happens
+        self._succeeds = succeeds
         self._exits: dict[str, frozenset[str]] = {}
 
     def entered(self, section: Section) -> bool:
@@ -165,7 +173,10 @@ class Routing:
             if section.name not in hopeful or not self.entered(section):
                 continue
             led = section.led("success")
-            if "success" in self.taken(section) and not hopeful.intersection(led):
+            if "success" not in self.taken(section) or hopeful.intersection(led):
+                continue
+            # Where it cannot succeed in any other way either, its success is not the cause.
+            if self._succeeds([objective.name for objective in section.walk()]):
                 causes, ends = self._behind(self.graph, led, hopeful)
                 yield _Futile(section, frozenset(ends), causes)
 

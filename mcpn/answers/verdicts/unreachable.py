@@ -8,7 +8,8 @@ home is not called home. In all other states in which nothing handles it, it is 
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterator, Mapping, Sequence
+from functools import cache
 from typing import NamedTuple
 
 from mcpn.answers.verdicts.routing import Routing
@@ -120,7 +121,7 @@ def never_happens(mission_net: MissionNet, space: Space[S], firings: Mapping[int
             else:
                 why = _held(usage, activity.name, alternative.consumes)
                 problems.append(Problem(alternative.source, f"alternative {name} can never be selected{why}"))
-    routing = Routing(usage.graph, entered, happens, mission)
+    routing = Routing(usage.graph, entered, happens, mission, _succeeding(mission_net, space))
     problems.extend(routing.never_entered())
     for what, verb in ((What.SUCCESS, "succeed"), (What.FAILURE, "fail")):
         never = (s for s in sections if s.name in entered and Event(what, s.name) not in happens)
@@ -128,6 +129,20 @@ def never_happens(mission_net: MissionNet, space: Space[S], firings: Mapping[int
     problems.extend(never_entered(usage))
     problems.extend(never_used(mission, used))
     return Never(tuple(in_order(problems)), tuple(in_order(routing.futile())))
+
+
+def _succeeding(mission_net: MissionNet, space: Space[S]) -> Callable[[Collection[str]], bool]:
+    """Whether the success of a mission is reached from a state that runs one of some objectives."""
+
+    @cache
+    def hopeful() -> S:
+        return space.reaching(space.marked([mission_net.success]))
+
+    def succeeds(objectives: Collection[str]) -> bool:
+        places = [p for name in objectives for p in mission_net.by_role.get(("objective", name), ())]
+        return bool(space.marked(places) & hopeful())
+
+    return succeeds
 
 
 def _held(usage: Usage, activity: str, consumed: Sequence[str]) -> str:
