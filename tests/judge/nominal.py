@@ -63,10 +63,14 @@ def played(of: Mission) -> WhileNothingFails | None:
 
 
 def says(leaf: WrittenBlock, nominal: str) -> bool:
+    return any(node.nominal == nominal for node in with_parents(leaf))
+
+
+def with_parents(leaf: WrittenBlock) -> Iterator[WrittenBlock]:
     node: WrittenBlock | None = leaf
-    while node is not None and node.nominal != nominal:
+    while node is not None:
+        yield node
         node = node.parent
-    return node is not None
 
 
 # --- what the text means to be entered ---
@@ -104,10 +108,15 @@ class Level:
     def interrupted(self, unit: WrittenBlock, aside: list[WrittenBlock]) -> None:
         """Where events lead; one outside of another that always handles its event never counts."""
         node, handled = unit, set[str]()
+        stopped = {around.name for around in with_parents(unit)}
         while True:
             for handler in (h for h in node.handlers if h.event not in handled):
                 if handler.pause is not None:
-                    aside += [entry(by) for key, by in node.pauses.items() if key[0] == handler.pause]
+                    aside += [
+                        entry(by)
+                        for (name, at), by in node.pauses.items()
+                        if name == handler.pause and at in stopped
+                    ]
                 elif node.parent is None and handler.goto in node.children:
                     aside.append(entry(node.children[handler.goto]))
                 else:

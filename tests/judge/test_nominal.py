@@ -139,6 +139,18 @@ MEANT: dict[str, tuple[Mission, str]] = {
         ),
         "succeeds",
     ),
+    "a shelter that leads back to what no route leads to": (
+        of(
+            Recursive(
+                name="rows",
+                handlers=(Handler(event="rain", pause="cover"),),
+                blocks=(one("row", success="succeed"), one("other")),
+                success="succeed",
+            ),
+            one("cover"),
+        ),
+        "left out",
+    ),
     "an event that is always handled inside": (
         of(
             Recursive(
