@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from string import Formatter
 
@@ -10,9 +11,12 @@ from hypothesis import event, given
 from hypothesis import strategies as st
 
 from mcpn.answers.causes.fmeca import fmeca
+from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.claims import KINDS, Claim, claims_of, claims_of_causes, entries, found
+from mcpn.answers.claims.parts import FormulaParts
 from mcpn.errors import ConfluenceError, LimitError, UnsafeError
-from mcpn.mission.model import Mission
+from mcpn.mission.model import Mission, Objective
+from mcpn.mission.requirement import Requirement
 from mcpn.mission.xml import read_mission
 from mcpn.spaces.engine_names import Engine
 from mcpn.spaces.stable.alternatives import direct
@@ -20,6 +24,7 @@ from mcpn.study import Study
 from mcpn.testing import missions
 from tests.conftest import ROOT, ULYSSE
 from tests.draws import fewer
+from tests.judge.nominal import said
 from tests.logic.asked import ENGINES
 from tests.logic.oracle import coming_home, fragile_missions
 from tests.shares import returns_early
@@ -41,9 +46,24 @@ def confirm(mission: Mission, claims: list[Claim], engine: Engine) -> None:
             assert asked.ctl(claim.formula, engine=engine).holds == claim.holds, (claim.key, claim.formula)
 
 
+@st.composite
+def requiring(draw: st.DrawFn, drawn: st.SearchStrategy[Mission]) -> Mission:
+    """Missions that require what one of two words says after the other."""
+    mission = draw(drawn)
+    words = [f"objective({block.name})" for block in mission.blocks if isinstance(block, Objective)]
+    words += [f"oos({h.name})" for h in mission.hardware if h.faulty]
+    words += [f"happens({event.name})" for event in mission.events]
+    word = st.sampled_from(["success", "failure", *words])
+    formula = draw(st.sampled_from(["G ({} -> F {})", "G ({} -> X {})", "F ({} | !{})"]))
+    required = Requirement(name="r", formula=formula.format(draw(word), draw(word)))
+    return replace(mission, requirements=(required,))
+
+
 @fewer(0.15)
 @given(
-    missions(max_hardware=3, max_objectives=2, max_sections=4, events=2, timeouts=2, early=1)
+    said(missions(max_hardware=1, max_objectives=2, max_sections=3, facts=1))
+    | requiring(missions(max_hardware=2, max_objectives=2, max_sections=3, events=2))
+    | missions(max_hardware=3, max_objectives=2, max_sections=4, events=2, timeouts=2, early=1)
     | missions(max_hardware=2, max_objectives=2, max_sections=4, events=3, facts=1)
     | fragile_missions(max_hardware=3, max_objectives=2, max_sections=4, events=2)
     | fragile_missions(max_hardware=2, max_objectives=2, max_sections=4, faults=1)
@@ -87,6 +107,90 @@ def test_formulas_of_told_missions_have_the_answers_that_their_folder_has(faults
     for line in answers:
         mission, found, formula = line.split(" ", 2)
         assert studies[mission].ctl(formula).holds is (found == "holds"), line
+
+
+ALONE = '<activity name="go"/></robot><objective name="dig" activities="go"{}/>'
+NOMINAL = {
+    "succeeds": (ALONE.format(""), ["nominal_success"]),
+    "for ever": (ALONE.format(' success="dig" nominal="endless"'), ["nominal_endless"]),
+    "for ever, and that is not meant": (ALONE.format(' success="dig"'), []),
+    "ends as facts say": (
+        '<fact name="full"/><activity name="pump"/><activity name="leak"/></robot>'
+        '<parallel name="both" success="both" nominal="endless"><route goto="succeed" when="full"/>'
+        '<objective name="fill" activities="pump"><sets fact="full" to="true" on="success"/></objective>'
+        '<objective name="drain" activities="leak"><sets fact="full" to="false" on="success"/></objective>'
+        "</parallel>",
+        ["nominal_either"],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", NOMINAL)
+def test_the_formula_of_one_kind_of_nominal_runs_holds(name: str, tmp_path: Path) -> None:
+    text, expected = NOMINAL[name]
+    (tmp_path / "m.xml").write_text(f"{HEAD}{text}</mission>")
+    study = Study(read_mission(tmp_path / "m.xml"))
+    parts = FormulaParts(
+        Prospects(study.mission_net, study.mission_spaces().space("explicit", "alternatives"))
+    )
+    good, lasts = parts.goes_well()
+    for engine in ENGINES:
+        kinds = (kind for kind in KINDS if kind.startswith("nominal_"))
+        holding = [
+            kind
+            for kind in kinds
+            if study.ctl(
+                KINDS[kind].formula.format(good=good, lasts=lasts, as_meant=parts.as_meant), engine=engine
+            ).holds
+        ]
+        assert holding == expected
+        found = study.verdicts(engine=engine)
+        claims = [c.kind for c in claims_of(found) if c.kind.startswith("nominal_") and c.holds]
+        assert claims == expected
+
+
+BOTH_WAYS = {
+    "met_as_never": (
+        '<event name="storm"/><fact name="wet"/><activity name="go"/></robot>'
+        '<requirement name="hides" formula="G (happens(storm) -&gt; X objective(rest))"/>'
+        '<requirement name="digs" formula="G (happens(storm) -&gt; X objective(dig))"/>'
+        '<objective name="dig" activities="go" success="succeed"><route goto="rest" when="wet"/></objective>'
+        '<objective name="rest" activities="go"/>',
+        {"met_as_never: hides, objective(rest)": True, "met_as_never: digs, objective(dig)": False},
+    ),
+    "event_leaves_repair": (
+        '<hardware name="motor"/><event name="storm"/><event name="fog"/><activity name="drift"/>'
+        '<activity name="climb" consumes="motor"/></robot>'
+        '<objective name="swim" activities="drift" success="succeed"><on event="storm" goto="rise"/>'
+        '<on event="fog" goto="succeed"/></objective>'
+        '<objective name="rise" activities="climb" failure="rise"/>',
+        {"event_leaves_repair: storm": True, "event_leaves_repair: fog": False},
+    ),
+    "loss_unnoticed_later": (
+        '<hardware name="lamp" detected="late"/><hardware name="sonar"/><hardware name="motor"/>'
+        '<activity name="see"><alternative name="hear" consumes="sonar"/>'
+        '<alternative name="look" consumes="lamp"/></activity>'
+        '<activity name="shine" consumes="lamp"/></robot>'
+        '<objective name="search" activities="see"/><objective name="signal" activities="shine"/>',
+        {
+            "loss_unnoticed_later: lamp, search": True,
+            "loss_unnoticed_later: lamp, signal": False,
+        },
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", BOTH_WAYS)
+@pytest.mark.parametrize("engine", ENGINES)
+def test_kinds_that_are_seldom_drawn_hold_and_fail(kind: str, engine: Engine, tmp_path: Path) -> None:
+    text, expected = BOTH_WAYS[kind]
+    (tmp_path / "m.xml").write_text(f"{HEAD}{text}</mission>")
+    mission = read_mission(tmp_path / "m.xml")
+    claims = [claim for claim in made(Study(mission), engine) if claim.kind == kind]
+    assert {claim.key: claim.holds for claim in claims} == expected
+    assert all(claim.formula for claim in claims)
+    for judge in ENGINES:
+        confirm(mission, claims, judge)
 
 
 HEAD = '<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r">'

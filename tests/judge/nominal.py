@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission
+from hypothesis import strategies as st
+
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Each, Mission, Parallel, Recursive
 from mcpn.testing.judge.blocks import TIMED_OUT, WrittenBlock, objectives
 from mcpn.testing.judge.interpreter import REPAIRED, START, SUCCESS, Interpreter, State
 
@@ -60,6 +62,22 @@ def played(of: Mission) -> WhileNothingFails | None:
     optional = {name for name, leaf in interpreter.objectives.items() if says(leaf, "optional")}
     wanted = {leaf.name for leaf in Level(interpreter.root).meant()}
     return WhileNothingFails(frozenset(ends), bool(inside), frozenset(wanted - entered - optional))
+
+
+@st.composite
+def said(draw: st.DrawFn, missions: st.SearchStrategy[Mission]) -> Mission:
+    """Missions of which some blocks say what is meant while nothing fails."""
+    of, words = draw(missions), ("entered", "entered", "endless", "optional")
+
+    def block(each: Block) -> Block:
+        each = replace(each, nominal=draw(st.sampled_from(words)))
+        if isinstance(each, Recursive | Parallel | Each):
+            return replace(each, blocks=tuple(map(block, each.blocks)))
+        return each
+
+    if not draw(st.booleans()):
+        return of
+    return replace(of, blocks=tuple(map(block, of.blocks)))
 
 
 def says(leaf: WrittenBlock, nominal: str) -> bool:

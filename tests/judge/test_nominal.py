@@ -12,32 +12,16 @@ from hypothesis import strategies as st
 from mcpn.answers.verdicts.mission import check
 from mcpn.drawing.compose import compose
 from mcpn.errors import LimitError
-from mcpn.mission.model import Block, Each, FactRoute, Handler, Mission, Objective, Parallel, Recursive
+from mcpn.mission.model import Block, FactRoute, Handler, Mission, Objective, Recursive
 from mcpn.mission.robot import Fact, Hardware
 from mcpn.spaces.engine_names import Engine
 from mcpn.testing import elements as drawn
 from mcpn.testing.judge.interpreter import Undetermined
 from tests.draws import fewer
-from tests.judge.nominal import WhileNothingFails, played
+from tests.judge.nominal import WhileNothingFails, played, said
 from tests.small import activity, mission, robot
 
 ENGINES: tuple[Engine, ...] = ("explicit", "symbolic", "local")
-
-
-@st.composite
-def said(draw: st.DrawFn, missions: st.SearchStrategy[Mission]) -> Mission:
-    """Missions of which some blocks say what is meant while nothing fails."""
-    of, words = draw(missions), ("entered", "entered", "endless", "optional")
-
-    def block(each: Block) -> Block:
-        each = replace(each, nominal=draw(st.sampled_from(words)))
-        if isinstance(each, Recursive | Parallel | Each):
-            return replace(each, blocks=tuple(map(block, each.blocks)))
-        return each
-
-    if not draw(st.booleans()):
-        return of
-    return replace(of, blocks=tuple(map(block, of.blocks)))
 
 
 def judged(of: Mission) -> str:
