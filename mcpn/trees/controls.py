@@ -5,7 +5,6 @@ Reactive nodes ask earlier children again at each tick, while a later one runs.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 from mcpn.errors import Problem
@@ -31,16 +30,25 @@ def fallback(at: Translator, node: TreeNode, context: Context) -> Result:
 def _series(at: Translator, node: TreeNode, context: Context, *, stops: bool) -> Result:
     """Children one after the other, up to the first that returns ``stops``."""
     name = at.names.fresh(called(node))
-    results = [at.piece(child, context) for child in node.children]
-    return _noted(at, node, name, results, context, stops=stops)
-
-
-def _noted(
-    at: Translator, node: TreeNode, name: str, results: list[Result], context: Context, *, stops: bool
-) -> Result:
-    result = series(at, name, results, context, stops=stops)
+    result = series(at, name, [at.piece(child, context) for child in node.children], context, stops=stops)
     at.note(node, became(result), Kind.EXACT)
     return result
+
+
+def async_sequence(at: Translator, node: TreeNode, context: Context) -> Result:
+    """A sequence that returns between its children."""
+    return _returning(at, node, context, stops=False)
+
+
+def async_fallback(at: Translator, node: TreeNode, context: Context) -> Result:
+    """A fallback that returns between its children."""
+    return _returning(at, node, context, stops=True)
+
+
+def _returning(at: Translator, node: TreeNode, context: Context, *, stops: bool) -> Result:
+    name = at.names.fresh(called(node))
+    results = [at.piece(child, context) for child in node.children]
+    return _between(at, node, name, results, context, stops=stops)
 
 
 def series(at: Translator, name: str, results: list[Result], context: Context, *, stops: bool) -> Result:
@@ -99,7 +107,7 @@ def with_memory(at: Translator, node: TreeNode, context: Context) -> Result:
     name = at.names.fresh(called(node))
     results = [at.piece(child, context) for child in node.children]
     if not context.again or len(node.children) == 1:
-        return _memory_unused(at, node, name, results, context)
+        return _between(at, node, name, results, context, stops=False)
     if results[0] is False:
         at.note(node, became(False), Kind.EXACT)
         return False
@@ -110,7 +118,7 @@ def with_memory(at: Translator, node: TreeNode, context: Context) -> Result:
     steps = [piece.block.name for piece in made]
     fact = at.fact(f"{name}_at", steps, f"Where {name} goes on")
     turn = at.turn(f"{name}_turn", context, fact, {step: step for step in steps})
-    kind, why = _seen_between(context, moments)
+    kind, why = seen_between(context, bool(moments))
     beginning: list[Block] = []
     if any(row.rule == "with_memory_unhalted" for row in at.forest.choice.rows(node)):
         # A halt from outside is not told: it may begin anew whenever it is entered again.
@@ -140,20 +148,20 @@ def with_memory(at: Translator, node: TreeNode, context: Context) -> Result:
     return Part(Recursive(name=name, blocks=tidied(blocks)))
 
 
-def _memory_unused(
-    at: Translator, node: TreeNode, name: str, results: list[Result], context: Context
+def _between(
+    at: Translator, node: TreeNode, name: str, results: list[Result], context: Context, *, stops: bool
 ) -> Result:
-    """A sequence with memory that is entered once: a sequence, but for moments between its children."""
-    moments: dict[str, Objective] = {}
-    for place, result in enumerate(results):
-        if place and isinstance(result, bool) and (context.lane or context.halted):
+    """A series that remembers nothing, with moments between its children."""
+    end = next((place for place, result in enumerate(results) if result is stops), len(results))
+    moments = False
+    for place, result in enumerate(results[: end + 1]):
+        if place and isinstance(result, bool):
             # It ends at once, but after a moment in which what runs beside it may end, or time be over.
-            results[place] = made = at.constant(f"{name}_between", context, result, "at the next tick")
-            assert isinstance(made.block, Objective)
-            moments[made.block.name] = made.block
-    result = series(at, name, results, context, stops=False)
-    at.note(node, became(result), *_seen_between(context, moments))
-    return result
+            results[place] = at.later(f"{name}_between", context, result)
+            moments = moments or context.seen
+    made = series(at, name, results[: end + 1], context, stops=stops)
+    at.note(node, became(made), *seen_between(context, moments))
+    return made
 
 
 def _steps(
@@ -166,25 +174,24 @@ def _steps(
         if isinstance(result, Part):
             made.append(result)
             continue
-        seen = bool(context.lane or context.halted)
-        if result and not seen:
+        if result and not context.seen:
             continue
         answer = at.returning(called(child), context, result)
         made.append(answer)
-        if seen and child is not node.children[0]:
-            moment = at.constant(f"{name}_between", context, True, "at the next tick").block
+        if context.seen and child is not node.children[0]:
+            moment = at.constant(f"{name}_between", context, True, "at a later tick").block
             assert isinstance(moment, Objective)
             moments[answer.block.name] = moment
     return made, moments
 
 
-def _seen_between(context: Context, moments: Mapping[str, Objective]) -> tuple[Kind, str]:
-    """How faithful a sequence with memory is that returns between its children.
+def seen_between(context: Context, moments: bool) -> tuple[Kind, str]:
+    """How faithful a node is that returns between its children, or rounds.
 
     It does only behind a child that has answered in its first tick, and then what runs beside has as well.
     """
     if context.lane and moments:
-        return Kind.MORE, "whether it returns between its children, while others run, is free"
+        return Kind.MORE, "how long it returns between its children, while others run, is free"
     return Kind.EXACT, ""
 
 

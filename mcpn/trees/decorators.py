@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Handler, Objective, Recursive
-from mcpn.trees.controls import became, ended
+from mcpn.trees.controls import became, ended, seen_between
 from mcpn.trees.ledger import Kind
 from mcpn.trees.nodes.node import TreeNode
 from mcpn.trees.pieces import Part, Result, bare, handled, placed, tidied, wrapped
@@ -37,10 +37,6 @@ def transparent(at: Translator, node: TreeNode, context: Context) -> Result:
     return result
 
 
-BETWEEN = "that it returns between its rounds is not modelled"
-"""Why a loop whose child answers at once is not what the tree does, where that can be seen."""
-
-
 def retry(at: Translator, node: TreeNode, context: Context) -> Result:
     """The child again, as often as it fails."""
     return _loop(at, node, context, fails=True)
@@ -54,48 +50,50 @@ def repeat(at: Translator, node: TreeNode, context: Context) -> Result:
 def _loop(at: Translator, node: TreeNode, context: Context, *, fails: bool) -> Result:
     count = at.rounds(node)
     result = at.piece(node.children[0], replace(context, again=context.again or count != 1))
-    if isinstance(result, bool) or count == 0:
-        made: Result = result if isinstance(result, bool) and count != 0 else not fails
-        if count not in (0, 1) and result is not fails:
-            at.note(node, became(made), Kind.LEFT_OUT, BETWEEN)
-        else:
-            at.note(node, became(made), Kind.EXACT)
+    over = count == 0 or result is fails
+    if over or (isinstance(result, bool) and count is not None and count > 0):
+        # Its rounds, each of which ends at once, end in different ticks.
+        end = not fails if count == 0 else bool(result)
+        made = end if over or count == 1 else at.later(f"{called(node)}_rounds", context, end)
+        at.note(node, became(made), *seen_between(context, isinstance(made, Part)))
         return made
     if count is None or not 0 < count <= COPIES:
         times = next(iter(node.ports.values()), "")
         return _endless(at, node, context, result, fails, exact=count == -1, why=times)
+    assert isinstance(result, Part)
     # What has rounds or tries already gets an objective around it.
     block = wrapped(result, at.names.fresh(called(node, f"{result.block.name}_again"))).block
     block = replace(block, retries=count - 1) if fails else replace(block, repeat=count)
     kind, why = Kind.EXACT, ""
-    if count > 1 and context.halted and at.at_once(node.children[0]):
-        # An earlier child is asked again then, and nothing runs that it could interrupt.
-        kind, why = Kind.LEFT_OUT, BETWEEN
-    elif count > 1 and result.skips and context.again:
+    if count > 1 and result.skips and context.again:
         kind, why = Kind.LEFT_OUT, "that it goes on counting after its child was skipped is not modelled"
     at.note(node, block.name, kind, why)
     return Part(block if count > 1 else replace(block, repeat=None), skips=result.skips)
 
 
 def _endless(
-    at: Translator, node: TreeNode, context: Context, result: Part, fails: bool, *, exact: bool, why: str
+    at: Translator, node: TreeNode, context: Context, result: Result, fails: bool, *, exact: bool, why: str
 ) -> Part:
     """The child again and again; where its number is not known, up to a moment that is free."""
-    own = result.block.name
+    if isinstance(result, bool) and exact:
+        return at.forever(node, context)
+    own = result.block.name if isinstance(result, Part) else called(node)
     name = at.names.fresh(called(node, f"{own}_loop"))
     blocks: list[Block] = []
-    if exact:
+    if exact and isinstance(result, Part):
         blocks.append(placed(result, SUCCEED if fails else own, own if fails else FAIL))
         at.note(node, name, Kind.EXACT)
         meant = "entered" if fails else "endless"
         return Part(Recursive(name=name, blocks=tidied(blocks), nominal=meant), skips=result.skips)
     asked = at.choice(f"{name}_more", context, f"Whether there is another round of {why or 'them'}")
     again = asked.name
-    blocks.append(placed(result, SUCCEED if fails else again, again if fails else FAIL))
-    blocks.append(replace(asked, success=own, failure=FAIL if fails else SUCCEED))
+    if isinstance(result, Part):
+        blocks.append(placed(result, SUCCEED if fails else again, again if fails else FAIL))
+    blocks.append(replace(asked, success=own if blocks else again, failure=FAIL if fails else SUCCEED))
     at.note(node, name, Kind.MORE, f"how many rounds there are is free ({why or 'no number'})")
     # A choice that may go on for ever is none that the author meant.
-    return Part(Recursive(name=name, blocks=tidied(blocks), nominal="endless"), skips=result.skips)
+    skips = isinstance(result, Part) and result.skips
+    return Part(Recursive(name=name, blocks=tidied(blocks), nominal="endless"), skips=skips)
 
 
 def keep_running(at: Translator, node: TreeNode, context: Context) -> Result:
@@ -105,11 +103,7 @@ def keep_running(at: Translator, node: TreeNode, context: Context) -> Result:
         at.note(node, became(result), Kind.EXACT)
         return result
     if result is True:
-        name = at.names.fresh(called(node))
-        at.note(node, name, Kind.EXACT, "it runs until it is halted")
-        idle = Objective(name=name, activities=(at.activity("idle", context),), success=name, failure=name)
-        at.silent.add(name)
-        return Part(Recursive(name=at.names.fresh(f"{name}_loop"), blocks=(idle,)))
+        return at.forever(node, context)
     if result.skips:
         # A child that is skipped is asked again at the next tick.
         name = at.names.fresh(f"{result.block.name}_round")
@@ -130,23 +124,41 @@ def loop(at: Translator, node: TreeNode, context: Context) -> Result:
         inner = placed(result, SUCCEED, FAIL, SUCCEED)
         name = at.names.fresh(f"{result.block.name}_round")
         result = Part(Recursive(name=name, blocks=(replace(inner, success=None),)))
-    if isinstance(result, bool) and (literal or result):
-        at.note(node, became(result), Kind.EXACT if literal else Kind.MORE)
-        return result
     end = SUCCEED if empty == "SUCCESS" else FAIL if empty == "FAILURE" else ABORT
-    if not isinstance(result, Part):
-        result = Part(at.choice(f"{node.id}_fails", context, "Its child fails at once"), good=False)
-    if count is not None and end == SUCCEED and count <= COPIES:
-        block = wrapped(result, at.names.fresh(called(node, f"{result.block.name}_rounds"))).block
-        at.note(node, block.name, Kind.EXACT, "values of the queue are not modelled")
-        return Part(replace(block, repeat=count) if count > 1 else block, skips=result.skips)
+    if count is not None and (result is False or count <= COPIES):
+        return _each(at, node, context, result, count, end)
     name = at.names.fresh(called(node))
     asked = at.choice(f"{name}_more", context, f"Whether the queue {queue} has another value")
-    asked = replace(asked, success=result.block.name, failure=end)
+    again = result.block.name if isinstance(result, Part) else asked.name if result else FAIL
+    blocks: list[Block] = [replace(asked, success=again, failure=end)]
+    blocks += [placed(result, asked.name, FAIL)] if isinstance(result, Part) else []
     at.note(node, name, Kind.MORE, "how many values the queue has is free")
-    blocks: list[Block] = [asked, placed(result, asked.name, FAIL)]
-    made = Recursive(name=name, blocks=tuple(blocks), nominal="endless")
-    return Part(made, skips=result.skips or end == ABORT)
+    return Part(Recursive(name=name, blocks=tuple(blocks), nominal="endless"), skips=end == ABORT)
+
+
+def _each(at: Translator, node: TreeNode, context: Context, result: Result, count: int, end: str) -> Result:
+    """The child so often as a queue has values; that it is empty is found at the tick after the last."""
+    good = end == SUCCEED
+    if result is False or (result is True and not context.seen and end != ABORT):
+        at.note(node, became(result and good), Kind.EXACT)
+        return result and good
+    kind, why = seen_between(context, context.seen)
+    why = why or "values of the queue are not modelled"
+    name = at.names.fresh(called(node))
+    if context.seen or result is True:
+        last: Block = at.constant(f"{name}_empty", context, True, "at a later tick").block
+        blocks = [replace(last, success=end, failure=end)]
+    else:
+        blocks = []
+    if isinstance(result, Part):
+        rounds = wrapped(result, at.names.fresh(f"{result.block.name}_rounds"))
+        block = replace(rounds.block, repeat=count) if count > 1 else rounds.block
+        if not blocks and good:
+            at.note(node, block.name, kind, why)
+            return Part(block)
+        blocks.insert(0, placed(replace(rounds, block=block), blocks[0].name if blocks else end, FAIL))
+    at.note(node, name, kind, why)
+    return Part(Recursive(name=name, blocks=tidied(blocks)), skips=end == ABORT)
 
 
 def timeout(at: Translator, node: TreeNode, context: Context) -> Result:

@@ -12,6 +12,8 @@ from dataclasses import replace
 from mcpn.mission.model import FAIL, SUCCEED, Block, Handler, Recursive
 from mcpn.mission.robot import FactChange
 from mcpn.trees.controls import (
+    async_fallback,
+    async_sequence,
     became,
     branching,
     ended,
@@ -56,7 +58,7 @@ def _reactive(at: Translator, node: TreeNode, context: Context, *, stops: bool) 
         again = context.again or place < last or (guarded and sum(slow) > 1)
         told = at.forest.rule(child) in TURNS and not context.halted
         halted = context.halted or (guarded and not told)
-        result = at.piece(child, replace(context, again=again, halted=halted))
+        result = at.piece(child, replace(context, again=again, halted=halted, asked=guarded))
         if guarded and isinstance(result, Part):
             result, resets = _guarded(at, context, results, slow, stops, result)
             behind += resets
@@ -146,8 +148,8 @@ def while_do_else(at: Translator, node: TreeNode, context: Context) -> Result:
 CONTROLS: dict[str, Rule] = {
     "sequence": sequence,
     "fallback": fallback,
-    "async_sequence": sequence,
-    "async_fallback": fallback,
+    "async_sequence": async_sequence,
+    "async_fallback": async_fallback,
     "with_memory": with_memory,
     "with_memory_unhalted": with_memory,
     "if_then_else": if_then_else,

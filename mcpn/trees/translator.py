@@ -60,13 +60,20 @@ class Context:
         lane: The branches of parallel blocks around it.
         again: Whether it may be entered again after it has ended or was halted.
         halted: Whether it may be halted while it runs, by something that does not say so.
+        asked: Whether it may be halted while it runs, by something that says so.
         piped: Whether it is in a pipeline whose stages run, and are ticked again beside later ones.
     """
 
     lane: Lane = ()
     again: bool = False
     halted: bool = False
+    asked: bool = False
     piped: bool = False
+
+    @property
+    def seen(self) -> bool:
+        """Whether it is seen that it returns once more before it ends: something may come first."""
+        return bool(self.lane) or self.halted or self.asked
 
     def branch(self, block: int, number: int) -> Context:
         """That of a branch of a parallel block."""
@@ -216,6 +223,18 @@ class Translator:
         self.silent.add(made.name)
         return Part(made, good=ends, bad=ends)
 
+    def later(self, wish: str, context: Context, ends: bool) -> Result:
+        """What always ends the same way, but not in the tick in which it is begun."""
+        return self.constant(wish, context, ends, "at a later tick") if context.seen else ends
+
+    def forever(self, node: TreeNode, context: Context) -> Part:
+        """What runs until it is halted."""
+        name = self.names.fresh(called(node))
+        self.note(node, name, Kind.EXACT, "it runs until it is halted")
+        idle = Objective(name=name, activities=(self.activity("idle", context),), success=name, failure=name)
+        self.silent.add(name)
+        return Part(Recursive(name=self.names.fresh(f"{name}_loop"), blocks=(idle,)))
+
     def activity(self, what: str, context: Context, *, leaf: bool = False) -> str:
         """The activity for a leaf, or for an objective that is none."""
         name = self.names.activity(what if leaf else f"bt_{what}", context.lane)
@@ -276,7 +295,7 @@ class Translator:
     def subtree(self, node: TreeNode, tree: Tree, context: Context) -> Result:
         """A subtree: a use of a protocol, or what it holds, where branches or memories must not be shared."""
         stateful = any(self.forest.rule(n) in STATEFUL for t in self.below(tree) for n in t.root.walk())
-        if context.lane or stateful or context.halted:
+        if context.seen or stateful:
             result = self.inside(tree, (*self.chain, node), context)
             self.note(node, f"tree {tree.id}, written out", Kind.EXACT)
             return result

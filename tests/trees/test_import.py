@@ -151,19 +151,43 @@ def test_nodes_with_more_runs(name: str, tmp_path: Path) -> None:
             compare(sides(made, tree), exact=True)
 
 
+RETURNING = {
+    "repeat": node("Repeat", WELL, num_cycles=2),
+    "retry": node("RetryUntilSuccessful", BADLY, num_attempts=3),
+    "repeat for ever": node("Repeat", WELL, num_cycles=-1),
+    "retry for ever": node("RetryUntilSuccessful", BADLY, num_attempts=-1),
+    "keep running": node("KeepRunningUntilFailure", WELL),
+    "async sequence": node("AsyncSequence", WELL, BADLY, A),
+    "async fallback": node("AsyncFallback", BADLY, BADLY),
+    "memory": node("SequenceWithMemory", WELL, WELL),
+    "loop": node("LoopInt", WELL, queue="1;2"),
+    "loop of one": node("LoopInt", WELL, queue="1", if_empty="FAILURE"),
+    "loop of a leaf": node("LoopInt", A, queue="1;2", if_empty="FAILURE"),
+    "turns": node("RoundRobin", node("Repeat", WELL, num_cycles=2), BADLY),
+    "inverted": node("Inverter", node("Sequence", node("Repeat", WELL, num_cycles=2), BADLY)),
+}
+"""Nodes that return though no leaf runs, and answer at a later tick."""
+
+
+@pytest.mark.parametrize("name", RETURNING)
 @pytest.mark.parametrize(
-    "tree",
-    [
-        node("Repeat", "<AlwaysSuccess/>", num_cycles=2),
-        node("RetryUntilSuccessful", "<AlwaysFailure/>", num_attempts=-1),
-    ],
+    "around", ["ReactiveFallback", "ReactiveSequence", "WhileDoElse", "Parallel", "Inverter"]
 )
-def test_rounds_that_end_at_once_take_ticks_in_the_tree(tree: str, tmp_path: Path) -> None:
-    """Beside one of them a leaf of a parallel node may answer, and one without a number never ends."""
-    made, _ = imported(tmp_path, node("Parallel", tree, A, success_count=1))
-    assert made.ledger.kind is Kind.LEFT_OUT
-    made, _ = imported(tmp_path, tree.replace("2", "1").replace("-1", "1"))
+def test_what_returns_though_no_leaf_runs(name: str, around: str, tmp_path: Path) -> None:
+    """What is around it may halt it then; and one without a number of rounds never ends."""
+    first = X if around == "WhileDoElse" else C
+    ports = {"success_count": 1} if around == "Parallel" else {}
+    children = [RETURNING[name]] if around == "Inverter" else [first, RETURNING[name]]
+    made, ticked = imported(tmp_path, node(around, *children, **ports))
+    assert made.ledger.kind in (Kind.EXACT, Kind.MORE)
+    compare(sides(made, ticked), exact=made.ledger.kind is Kind.EXACT)
+
+
+def test_a_queue_that_is_empty_says_how_its_loop_ends(tmp_path: Path) -> None:
+    tree = node("Sequence", node("LoopInt", WELL, queue="1;2", if_empty="FAILURE"), A)
+    made, ticked = imported(tmp_path, tree)
     assert made.ledger.kind is Kind.EXACT
+    compare(sides(made, ticked), exact=True)
 
 
 @pytest.mark.parametrize("first", [node("Fallback", Y, C), Y])
@@ -214,6 +238,8 @@ def trees(
 _ARITY = {
     **dict.fromkeys(("Sequence", "Fallback", "ReactiveSequence", "ReactiveFallback"), (1, 3)),
     **dict.fromkeys(("SequenceWithMemory", "PipelineSequence", "RoundRobin", "ParallelAll"), (2, 3)),
+    **dict.fromkeys(("AsyncSequence", "AsyncFallback"), (1, 3)),
+    "LoopInt": (1, 1),
     **dict.fromkeys(("Parallel", "TryCatch", "IfThenElse", "WhileDoElse"), (2, 3)),
     "RecoveryNode": (2, 2),
     **dict.fromkeys(("Inverter", "ForceSuccess", "ForceFailure", "RetryUntilSuccessful", "Repeat"), (1, 1)),
@@ -222,6 +248,7 @@ _ARITY = {
 _PORTS: dict[str, dict[str, list[object]]] = {
     "RetryUntilSuccessful": {"num_attempts": [1, 2, -1]},
     "Repeat": {"num_cycles": [1, 2]},
+    "LoopInt": {"queue": ["1", "1;2"], "if_empty": ["SUCCESS", "FAILURE"]},
     "RecoveryNode": {"number_of_retries": [0, 1, 2]},
     "Timeout": {"msec": [0, 1000]},
     "Delay": {"delay_msec": [10]},

@@ -135,6 +135,26 @@ class Tree:
     def tick_fallback(self, node: TreeNode, at: str, again: bool) -> str:
         return self._series(node, at, again, SUCCESS)
 
+    def _async_series(self, node: TreeNode, at: str, again: bool, stops: str) -> str:
+        while (index := self.count(at, "index")) < len(node.children):
+            began = not self.runs(at, index)
+            status = self.child(node, at, index, again)
+            if status == RUNNING:
+                return RUNNING
+            self.set(at, "index", index + 1)
+            if status == stops or index + 1 == len(node.children):
+                self.halt(node, at)
+                return status
+            if began:
+                return RUNNING  # the library returns between children, that it may be interrupted
+        raise AssertionError(at)
+
+    def tick_async_sequence(self, node: TreeNode, at: str, again: bool) -> str:
+        return self._async_series(node, at, again, FAILURE)
+
+    def tick_async_fallback(self, node: TreeNode, at: str, again: bool) -> str:
+        return self._async_series(node, at, again, SUCCESS)
+
     def tick_sequence_with_memory(self, node: TreeNode, at: str, again: bool) -> str:
         while (index := self.count(at, "index")) < len(node.children):
             began = not self.runs(at, index)
@@ -314,6 +334,19 @@ class Tree:
 
     def tick_keep_running_until_failure(self, node: TreeNode, at: str, again: bool) -> str:
         return self._turned(node, at, again, {SUCCESS: RUNNING})
+
+    def tick_loop_int(self, node: TreeNode, at: str, again: bool) -> str:
+        if not self.runs(at, 0):
+            if self.count(at, "tries") == len(node.ports["queue"].split(";")):
+                self.set(at, "tries", 0)
+                return node.ports.get("if_empty", "SUCCESS").lower()
+            self.set(at, "tries", self.count(at, "tries") + 1)
+        status = self.child(node, at, 0, again)
+        if status != RUNNING:
+            self.halt_child(node, at, 0)
+        if status == FAILURE:
+            self.set(at, "tries", 0)
+        return FAILURE if status == FAILURE else RUNNING
 
     def tick_timeout(self, node: TreeNode, at: str, again: bool) -> str:
         timed = node.ports.get("msec", "").strip() != "0"  # which sets no timer
