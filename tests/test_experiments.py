@@ -65,6 +65,14 @@ def test_help_shows_the_time() -> None:
     assert "minutes" in found.stdout
 
 
+def test_a_mission_seldom_comes_back_to_a_file_that_it_has_left() -> None:
+    """Of Ulysse: what one file has found out of a mission is handed on, and not found out again."""
+    found = python(FOLDER / "faults" / "returns.py")
+    returns = {name: int(number) for name, number in re.findall(r"(\w+): .* (\d+) returns", found.stdout)}
+    assert {*returns} == {"check", "causes", "controller"}, found.stderr
+    assert max(returns.values()) <= 25
+
+
 SMALL = {
     "sizes": r".*",
     "times": r".*",

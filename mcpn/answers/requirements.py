@@ -16,7 +16,6 @@ from mcpn.logic.syntax import parse
 from mcpn.logic.vacuity import idle_parts
 from mcpn.logic.witness import Witness, explain
 from mcpn.logic.writing import show
-from mcpn.mission.flatten import requirements_of
 from mcpn.mission.requirement import BoundedExistence, Requirement
 from mcpn.sentences import enumeration, ordinal
 from mcpn.spaces.algebra import Space
@@ -131,7 +130,7 @@ def asked_of(mission_net: MissionNet) -> list[AskedRequirement]:
         InputError: Formulas cannot be read, or name what is not there; each with its requirement's line.
     """
     asked, problems = list[AskedRequirement](), dict[Problem, None]()
-    for name, (within, each) in requirements_of(mission_net.mission).items():
+    for name, (within, each) in mission_net.usage.graph.requirements.items():
         names = MissionNames(mission_net, within)
         try:
             asked.append(_asked(name, each, names))

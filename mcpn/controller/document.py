@@ -95,7 +95,6 @@ from mcpn.events import Event, What
 from mcpn.mission.conditions import flags
 from mcpn.mission.expansion.faults import noticed
 from mcpn.mission.fact_usage import FactUsage
-from mcpn.mission.flatten import requirements_of
 from mcpn.mission.graph import ElementarySection, ObjectivesGraph
 from mcpn.mission.robot import Parameter
 from mcpn.robot.runtime.documents import FORMAT, VERSION
@@ -174,7 +173,7 @@ def _world(world: FactUsage) -> dict[str, Any]:
 
 
 def _requirements(mission_net: MissionNet) -> list[dict[str, Any]]:
-    if not requirements_of(mission_net.mission):
+    if not mission_net.usage.graph.requirements:
         return []
     from mcpn.answers.requirements import asked_of  # which loads temporal logic
 

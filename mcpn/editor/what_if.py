@@ -11,7 +11,6 @@ from mcpn.answers.claims import all_claims
 from mcpn.did_you_mean import did_you_mean
 from mcpn.errors import InputError, Problem
 from mcpn.findings import Findings
-from mcpn.mission.flatten import requirements_of
 from mcpn.mission.language.forms import form_of
 from mcpn.mission.validate import valid
 from mcpn.report.pages.story import StoryLine, headline, story
@@ -138,7 +137,7 @@ def compared(
     """
     mission = study.mission_net.mission
     other = Study(supposed(mission, lost, ways))
-    required, still = requirements_of(mission), requirements_of(other.mission_net.mission)
+    required, still = (each.mission_net.graph.requirements for each in (study, other))
     left_out = study.mission_net.graph.copies.told((name for name in required if name not in still), required)
     asked: dict[str, list[tuple[str, str]]] = {}
     for number, one in enumerate((study, other)):

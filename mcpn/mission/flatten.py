@@ -54,7 +54,6 @@ from mcpn.mission.passes import core
 from mcpn.mission.passes.copying import copied, one_copy
 from mcpn.mission.passes.limits import MAX_NESTING, MAX_OBJECTIVES, MAX_PARAMETERS, Counted
 from mcpn.mission.reasons import probabilities, reasons_of
-from mcpn.mission.requirement import Requirement
 from mcpn.mission.robot import BOOLEAN_VALUES
 from mcpn.mission.validate import valid
 
@@ -88,33 +87,12 @@ def flatten(mission: Mission) -> ObjectivesGraph:
     """
     flattening = _Flattening(valid(mission))
     graph = flattening.mission()
-    return replace(graph, copies=flattening.positions)
-
-
-def requirements_of(mission: Mission) -> dict[str, tuple[str, Requirement]]:
-    """The requirements of a mission, those of a protocol for each of its uses.
-
-    Args:
-        mission: A mission; as of :func:`flatten`.
-
-    Returns:
-        By qualified name what stands before the names of the text that holds it, and the requirement.
-
-    Raises:
-        InputError: As :func:`flatten`.
-        LimitError: As :func:`flatten`.
-    """
-    found = {each.name: ("", each) for each in mission.requirements}
-    if mission.core or any(protocol.requirements for protocol in mission.protocols):
-        flattening = _Flattening(valid(mission))
-        flattening.mission()
-        found |= flattening.requirements
-    return found
+    return replace(graph, copies=flattening.positions, requirements=flattening.requirements)
 
 
 class _Flattening:
     def __init__(self, mission: Mission) -> None:
-        self.requirements: dict[str, tuple[str, Requirement]] = {}
+        self.requirements = {each.name: ("", each) for each in mission.requirements}
         self.written_out = core(mission)
         self.positions = Copies()
         self.activities = {activity.name: activity for activity in mission.activities}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
@@ -19,6 +19,7 @@ from mcpn.mission.expansion.routes import (
     Setting,
 )
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.mission.requirement import Requirement
 from mcpn.mission.robot import Parameter
 from mcpn.notebook import Drawn
 from mcpn.records import ValueRecord
@@ -289,12 +290,15 @@ class ObjectivesGraph(Drawn, ValueRecord):
         entry: The first one's name.
         unreached: Those that no route reaches, in document order; they are part of nothing that follows.
         copies: Of a whole mission: what its objectives and blocks are copies of.
+        requirements: Of a whole mission: its requirements by name, those of a protocol for each of its uses,
+            qualified, each with what stands before the names of the text that holds it.
     """
 
     sections: tuple[Section, ...]
     entry: str
     unreached: tuple[Section, ...] = ()
     copies: Copies = field(default_factory=Copies, compare=False)
+    requirements: Mapping[str, tuple[str, Requirement]] = field(default_factory=dict, compare=False)
 
     def __repr__(self) -> str:
         return f"<objectives graph of {len(self.sections)} sections, from {self.entry}>"

@@ -11,7 +11,7 @@ from hypothesis import given
 
 from mcpn.errors import InputError
 from mcpn.mission.expansion.copies import Copies
-from mcpn.mission.flatten import flatten, requirements_of
+from mcpn.mission.flatten import flatten
 from mcpn.mission.model import Each, Mission, Objective, Recursive, Use, walk
 from mcpn.mission.passes import PASSES, core
 from mcpn.mission.writer import write_mission
@@ -33,7 +33,7 @@ def placed(copies: Copies) -> dict[str, list[object]]:
 def meaning(mission: Mission) -> tuple[Any, ...]:
     """All that follows from a mission: its objectives graph, what names mean in it, its requirements."""
     graph = flatten(mission)
-    return graph, graph.unreached, placed(graph.copies), requirements_of(mission)
+    return graph, graph.unreached, placed(graph.copies), graph.requirements
 
 
 @fewer(0.7)
