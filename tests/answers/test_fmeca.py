@@ -11,7 +11,7 @@ import pytest
 from hypothesis import event, given
 from hypothesis import strategies as st
 
-from mcpn.answers.causes.effects import Severity, changes
+from mcpn.answers.causes.effects import Severity, changes, in_words
 from mcpn.answers.causes.fmeca import Others, Row, fmeca
 from mcpn.answers.verdicts.modes import Situation
 from mcpn.drawing.compose import MissionNet, compose
@@ -408,7 +408,7 @@ class Words:
         }
         told["mission_effect"] = self.mission_effect(before, after)
         if self.lost(after):
-            told["objective_effect"] = "cannot succeed any more"
+            told["objective_effect"] = f"cannot succeed any more{', as before it' * self.lost(before)}"
             told["compensation"] = self.leads()
             told["recovery"] = "none before the objective has failed"
             if not self.lost(back):
@@ -588,11 +588,12 @@ def test_a_failure_fails_a_block_unless_it_is_the_last(tmp_path: Path, ends: str
 def test_of_a_mode_only_what_changes_is_told() -> None:
     before = Situation(mode={"b": "b1", "c": "c1"}, waiting={"a": "a1"}, refused=("r",))
     after = Situation(mode={"b": "b2", "e": "e1"}, waiting={"a": "a1", "d": "d1"}, refused=("r", "s"))
-    assert changes(before, after) == "b: b1 -> b2, s has no possible alternative, d waits"
-    assert changes(after, after) == ""
+    assert in_words((changes(before, after),)) == "b: b1 -> b2, s has no possible alternative, d waits"
+    assert changes(after, after) == ()
     # That something stops or runs is told where nothing else is.
-    assert changes(Situation(mode={"b": "b1", "c": "c1"}), Situation(mode={"b": "b1"})) == "c stops"
-    assert changes(Situation(), Situation(mode={"b": "b1"})) == "b runs"
+    stopped = changes(Situation(mode={"b": "b1", "c": "c1"}), Situation(mode={"b": "b1"}))
+    assert in_words((stopped,)) == "c stops"
+    assert in_words((changes(Situation(), Situation(mode={"b": "b1"})),)) == "b runs"
 
 
 def rows_of(text: str, tmp_path: Path, engine: Engine = "explicit") -> dict[tuple[str, str], Row]:

@@ -1,4 +1,4 @@
-"""What the failure of one resource does to an objective and to the mission, and the words that say so."""
+"""What the failure of one resource does to an objective and to the mission, as claims in cells of a row."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import NamedTuple, TypeAlias
 
+from mcpn.answers.kinds.of_cells import OF_CELLS
 from mcpn.answers.verdicts.modes import Situation
 from mcpn.mission.expansion.faults import Crash
 from mcpn.mission.flatten import Branch, ElementarySection, ParallelSection
@@ -43,6 +44,53 @@ class Severity(IntEnum):
         return self.name.lower().replace("_", " ")
 
 
+CELLS = {kind.name: kind.cell for kind in OF_CELLS}
+"""What a cell says, by the name of a kind of claim."""
+
+
+class Cell(NamedTuple):
+    """A claim in a cell of the table, but for the hardware and the objective of its row.
+
+    Args:
+        kind: The name of its kind.
+        names: What it names besides.
+        given: Under which condition, in words.
+        ways: Alternatives of which its formula speaks, each with its activity.
+    """
+
+    kind: str
+    names: tuple[str, ...] = ()
+    given: str = ""
+    ways: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def words(self) -> str:
+        """What the cell says."""
+        return CELLS[self.kind].format("", "", *self.names, given=self.given)
+
+
+Told: TypeAlias = tuple[Cell, ...]
+"""What a cell says of one case."""
+Column: TypeAlias = tuple[Told, ...]
+"""What a cell says, case by case."""
+
+
+def in_words(column: Column) -> str:
+    """A cell of the table.
+
+    Examples:
+        >>> in_words(((Cell("comes_to_stop", ("film",)),), (Cell("comes_to_stop", ("dive",)),)))
+        'film stops; or dive stops'
+    """
+    cases = ((_SEPARATE if told[0].kind == _HERE else ", ").join(c.words for c in told) for told in column)
+    return "; or ".join(dict.fromkeys(cases))
+
+
+_HERE, _SEPARATE = "changes_nothing_here", "; "
+NOT_HERE = f"{CELLS[_HERE]}{_SEPARATE}"
+"""Begins what is said of a loss that changes nothing but in other branches, or later."""
+
+
 class Loss(NamedTuple):
     """What can no longer be reached.
 
@@ -60,19 +108,19 @@ class Loss(NamedTuple):
     unsafe_for_ever: bool | None = None
 
     @property
-    def words(self) -> str:
-        """What it means for the mission."""
+    def kind(self) -> str:
+        """The kind of claim that says what it means for the mission."""
         if self.unsafe_unrepaired is None:
             if self.for_ever:
-                return "cannot succeed any more"
-            return "can succeed only if repaired" if self.unrepaired else "can still succeed"
+                return "mission_lost"
+            return "by_repair" if self.unrepaired else "spared"
         if self.unsafe_for_ever:
-            return "can no longer end safely"
+            return "robot_lost"
         if self.unsafe_unrepaired:
-            return f"can end safely only if repaired{', and no longer succeed' * self.for_ever}"
+            return "safe_by_repair_alone" if self.for_ever else "safe_by_repair"
         if self.for_ever:
-            return "can end safely, but no longer succeed"
-        return "can succeed only if repaired, or end safely" if self.unrepaired else "can still succeed"
+            return "safe_alone"
+        return "by_repair_or_safe" if self.unrepaired else "spared"
 
 
 @dataclass(frozen=True)
@@ -90,7 +138,7 @@ class Case:
         objective_regained: Whether the objective can succeed again when the resource is ready again.
         mission_regained: Whether the mission can.
         safety_regained: Whether the mission can end safely again.
-        elsewhere: By objective in other branches of the same block, what it does there, in words.
+        elsewhere: By objective in other branches of the same block, what it changes there.
         found: Where the failure is detected late: whether its detection may be the next event.
         repaired: Whether its repair may be the next event: not of what is never repaired, and not before a
             late loss is noticed.
@@ -106,152 +154,141 @@ class Case:
     objective_regained: bool = False
     mission_regained: bool = False
     safety_regained: bool = False
-    elsewhere: tuple[tuple[str, str], ...] = ()
+    elsewhere: tuple[tuple[str, Told], ...] = ()
     found: bool = False
     repaired: bool = True
 
-    def objective_effect(self) -> str:
+    def objective_effect(self) -> Told:
         """What it means for the objective."""
         if self.objective_lost:
-            return "cannot succeed any more"
-        return "goes on in another mode" if self.before != self.after else "none"
+            return (Cell(f"objective_lost{'_before' * self.already_lost}"),)
+        return (Cell("goes_on_otherwise" if self.before != self.after else "objective_unchanged"),)
 
-    def mission_effect(self) -> str:
+    def mission_effect(self) -> Told:
         """What it means for the mission, of which a failure of little severity takes nothing."""
         lost_before = self.loss.unrepaired and self.severity <= Severity.OBJECTIVE_LOST
-        return self.loss.words + ", as before it" * lost_before
+        return (Cell(self.loss.kind + "_before" * lost_before),)
 
-    def detection(self, usage: Usage, hardware: str) -> str:
+    def detection(self, usage: Usage, hardware: str) -> Told:
         """How the failure of some hardware is noticed."""
         resource = usage.hardware[hardware]
         if isinstance(resource, Crash):
-            return f"at once: {resource.activity} has crashed"
+            return (Cell("seen_as_crash", (resource.activity,)),)
         if resource.detected == "late":
             finding = [a.name for a in usage.activities.values() if hardware in a.detects]
             if self.found:
-                return f"by {finding[0]}, which runs"
-            later = f"late, by {finding[0]} when it runs" if finding else "late"
-            return f"{later}, or as an objective fails that uses it"
-        users = [
-            activity
+                return (Cell("found_next", (finding[0],)),)
+            return (Cell("found_by", (finding[0],)) if finding else Cell("found_late"),)
+        users = {
+            activity: chosen
             for activity, chosen in self.before.mode.items()
             for alternative in usage.activities[activity].alternatives
             if alternative.name == chosen and hardware in alternative.consumes
-        ]
+        }
         if users:
-            return f"at once, by the error to {' and '.join(users)}"
-        return "by its event alone: not in use here"
+            return (Cell("seen_by_error", (" and ".join(users),), ways=tuple(users.items())),)
+        return (Cell("seen_by_event"),)
 
-    def compensation(self, section: ElementarySection, around: Ancestors) -> str:
+    def compensation(self, section: ElementarySection, around: Ancestors) -> Told:
         """What replaces the resource, or where the objective's failure leads."""
         if self.objective_lost:
             return route(section, around)
         after = self.after.mode
-        taken = [after[a] for a, was in self.before.mode.items() if after.get(a, was) != was]
+        taken = {a: after[a] for a, was in self.before.mode.items() if after.get(a, was) != was}
         if taken:
-            return f"{', '.join(taken)} instead"
-        return "none" if self.loss.unrepaired else "none needed"
+            return (Cell("replaced", (", ".join(taken.values()),), ways=tuple(taken.items())),)
+        return (Cell("not_replaced" if self.loss.unrepaired else "no_need_to_replace"),)
 
-    def recovery(self, usage: Usage, hardware: str) -> str:
+    def recovery(self, usage: Usage, hardware: str) -> Told:
         """What happens when the resource is ready again while the objective still runs."""
         if not self.repaired:
             resource = usage.hardware[hardware]
             unnoticed = (
                 not isinstance(resource, Crash) and resource.detected == "late" and resource.repairable
             )
-            return "none before its loss is noticed" if unnoticed else "none: it is not repaired"
+            return (Cell("repaired_once_found" if unnoticed else "never_repaired"),)
         if self.objective_lost:
-            regained = self._regained()
-            again = f", then the mission can {regained}" if regained else ""
-            if self.objective_regained:
-                return f"the objective can succeed again{again}"
-            return f"none before the objective has failed{again}"
+            objective = Cell("objective_regained" if self.objective_regained else "objective_not_regained")
+            return (objective, *self._regained("_then"))
         if self.loss.unrepaired and self.before == self.after:
-            regained = self._regained()
-            return f"the mission can {regained} again" if regained else "none"
+            return self._regained() or (Cell("nothing_regained"),)
         if self.back.mode == self.after.mode:
-            return (
-                "none needed" if self.back.mode == self.before.mode else "at the next start of the activity"
-            )
-        return "the former mode" if self.back.mode == self.before.mode else "another mode"
+            same = self.back.mode == self.before.mode
+            return (Cell("no_return_needed" if same else "returns_at_next_start"),)
+        if self.back.mode != self.before.mode:
+            return (Cell("other_mode"),)
+        after = self.after.mode
+        ways = tuple((a, was) for a, was in self.before.mode.items() if after.get(a, was) != was)
+        return (Cell("former_mode", ways=ways),)
 
-    def _regained(self) -> str:
+    def _regained(self, then: str = "") -> Told:
         """What the mission can do again when the resource is ready again."""
         if self.mission_regained:
-            return "succeed"
-        return "end safely" if self.safety_regained else ""
+            return (Cell(f"success_regained{then}"),)
+        return (Cell(f"safety_regained{then}"),) if self.safety_regained else ()
 
 
 Ancestors: TypeAlias = Sequence[tuple[ParallelSection, Branch]]
 """The parallel blocks around an objective, each with the branch that it stands in, the outermost first."""
 
 
-def route(section: ElementarySection, around: Ancestors) -> str:
+def route(section: ElementarySection, around: Ancestors) -> Told:
     """Where the failure of an objective leads, and where that for a reason leads elsewhere."""
-    ways: dict[str, list[str]] = {}
+    ways: dict[Told, list[str]] = {}
     for reason, target in section.reasons:
-        elsewhere = _route(replace(section, failure=target), around)
-        ways.setdefault(elsewhere, []).append(reason)
+        ways.setdefault(_route(replace(section, failure=target), around), []).append(reason)
     plain = _route(section, around)
-    named = (f"{way} for {' or '.join(reasons)}" for way, reasons in ways.items() if way != plain)
-    return ", ".join((plain, *named))
+    named = (
+        cell._replace(given=f" for {' or '.join(reasons)}")
+        for way, reasons in ways.items()
+        if way != plain
+        for cell in way
+    )
+    return (*plain, *named)
 
 
-def _route(section: ElementarySection, around: Ancestors) -> str:
+def _route(section: ElementarySection, around: Ancestors) -> Told:
     """Where the failure of an objective leads."""
     if section.failure not in _ENDS:
         again = _TRY.search(section.name) and _TRY.sub("", section.name) == _TRY.sub("", section.failure)
-        return f"the objective's failure leads to {'its next try' if again else section.failure}"
+        return (Cell("failure_tries_again") if again else Cell("failure_leads", (section.failure,)),)
     if not around:
-        return f"the objective's failure ends the mission in {_ENDS[section.failure]}"
+        return (Cell("failure_ends", (_ENDS[section.failure],)),)
     block, branch = around[-1]
     if section.failure == ABORT:
-        return f"the objective's failure aborts {block.name}"
+        return (Cell("failure_aborts", (block.name,)),)
     if section.failure == SUCCEED:
-        return f"the objective's failure is a success of {branch.name}"
+        return (Cell("failure_counts_as_success", (branch.name,)),)
     if block.failing == 1 and block.needed is None and not branch.mandatory:
         # As the last child ends, the mandatory ones decide.
-        return f"the objective's failure fails {block.name} while another child runs"
+        return (Cell("failure_fails_early", (block.name,)),)
     if block.failing == 1 or (branch.mandatory and (block.needed is None or block.hasty)):
-        return f"the objective's failure fails {block.name}"
-    counts = []
+        return (Cell("failure_fails", (block.name,)),)
+    counts = list[Cell]()
     if block.needed is not None:
-        counts.append(f"{block.name} needs {block.needed} of {len(block.branches)}")
+        counts.append(Cell("block_needs", (block.name, str(block.needed), str(len(block.branches)))))
     if block.failing is not None and block.failing <= len(block.branches) - (block.needed or 0):
         # Success that is decided at the same moment counts first, as the last child ends.
-        last = " while another child runs" if block.needed is None else ""
-        counts.append(f"{block.failing} failures fail {block.name}{last}")
-    return ", ".join(counts) or f"{block.name} does not need it"
+        early = "_early" if block.needed is None else ""
+        counts.append(Cell(f"block_allows{early}", (block.name, str(block.failing))))
+    return tuple(counts) or (Cell("block_does_without", (block.name,)),)
 
 
 _ENDS = {SUCCEED: "success", FAIL: "failure", ABORT: "abort"}
 _TRY = re.compile(r"_try[0-9]+")
-NOT_HERE = "none here; "
-"""Begins what is said of a loss that changes nothing but in other branches, or later."""
 
 
-def joined(texts: Iterable[str]) -> str:
-    """The different texts, each once.
-
-    Examples:
-        >>> joined(["film stops", "dive stops"])
-        'film stops; or dive stops'
-    """
-    return "; or ".join(dict.fromkeys(texts))
-
-
-def changes(before: Situation, after: Situation) -> str:
-    """What changes in a mode; empty where nothing does."""
+def changes(before: Situation, after: Situation) -> Told:
+    """What changes in a mode; nothing where nothing does."""
     found = [
-        f"{activity}: {was} -> {after.mode[activity]}"
-        for activity, was in before.mode.items()
-        if after.mode.get(activity, was) != was
+        Cell("changes_alternative", (a, was, after.mode[a]))
+        for a, was in before.mode.items()
+        if after.mode.get(a, was) != was
     ]
-    found += [f"{a} has no possible alternative" for a in after.refused if a not in before.refused]
-    found += [f"{a} waits" for a in after.waiting if a not in before.waiting]
-    found = found or [f"{a} stops" for a in before.mode if a not in after.mode]
-    found = found or [f"{a} runs" for a in after.mode if a not in before.mode]
-    return ", ".join(found)
+    found += [Cell("has_no_alternative", (a,)) for a in after.refused if a not in before.refused]
+    found += [Cell("comes_to_wait", (a,)) for a in after.waiting if a not in before.waiting]
+    found = found or [Cell("comes_to_stop", (a,)) for a in before.mode if a not in after.mode]
+    return tuple(found or [Cell("comes_to_run", (a,)) for a in after.mode if a not in before.mode])
 
 
 def worth_telling(cases: Sequence[Case]) -> list[Case]:
@@ -266,16 +303,23 @@ def worth_telling(cases: Sequence[Case]) -> list[Case]:
     return [case for case in kept if case.severity] or kept
 
 
-def local_effect(cases: Sequence[Case]) -> str:
+def local_effect(cases: Sequence[Case]) -> Column:
     """How the mode of an objective changes; if it does not, the changes in other branches, or later."""
     found = [changed for case in cases if (changed := changes(case.before, case.after))]
     if found or not any(case.severity for case in cases):
-        return joined(found) or "none"
+        return each_once(found) or ((Cell("changes_nothing"),),)
     if any(case.objective_lost and not case.already_lost for case in cases):
-        return "none at once; the objective cannot succeed any more"
+        return ((Cell("lost_unseen"),),)
     elsewhere = dict.fromkeys(
-        words
+        Cell(f"{cell.kind}_elsewhere", (*cell.names, name))
         for case in cases
-        for words in ([f"in {name}, {changed}" for name, changed in case.elsewhere] or ["needed later"])
+        for name, changed in case.elsewhere
+        for cell in changed
     )
-    return f"{NOT_HERE}{'; '.join(sorted(elsewhere, key='needed later'.__eq__))}"
+    later = [Cell("needed_later")] * any(not case.elsewhere for case in cases)
+    return ((Cell("changes_nothing_here"), *sorted(elsewhere, key=lambda cell: cell.words), *later),)
+
+
+def each_once(told: Iterable[Told]) -> Column:
+    """What is told of the cases, each once."""
+    return tuple(dict.fromkeys(told))

@@ -15,7 +15,19 @@ from dataclasses import dataclass, replace
 from itertools import compress, islice
 from typing import Generic, NamedTuple, TypeAlias
 
-from mcpn.answers.causes.effects import Case, Loss, Severity, changes, joined, local_effect, worth_telling
+from mcpn.answers.causes.effects import (
+    Case,
+    Cell,
+    Column,
+    Loss,
+    Severity,
+    Told,
+    changes,
+    each_once,
+    in_words,
+    local_effect,
+    worth_telling,
+)
 from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.answers.verdicts.modes import Situation, said_by
 from mcpn.drawing.templates import Role
@@ -38,12 +50,7 @@ class Row:
         hardware: What fails.
         objective: The elementary objective that runs.
         section: The section of the mission's graph that it belongs to: itself, or its parallel block.
-        local_effect: What changes in the functioning mode.
-        objective_effect: What it means for the objective.
-        mission_effect: What it means for the mission.
-        detection: Where the failure is seen.
-        compensation: What replaces it, or where the objective's failure leads.
-        recovery: What happens when the resource is ready again while the objective still runs.
+        columns: By column the claims in its cell.
         severity: The worst with all other hardware in service, however the mission has come there.
         with_others: Worse severities, each with the minimal sets of other hardware that must be out already.
     """
@@ -51,14 +58,45 @@ class Row:
     hardware: str
     objective: str
     section: str
-    local_effect: str
-    objective_effect: str
-    mission_effect: str
-    detection: str
-    compensation: str
-    recovery: str
+    columns: Mapping[str, Column]
     severity: Severity
     with_others: tuple[tuple[Severity, tuple[Others, ...]], ...]
+
+    @property
+    def cells(self) -> Iterator[Cell]:
+        """The claims in all cells, each once."""
+        columns = self.columns.values()
+        return iter(dict.fromkeys(cell for column in columns for told in column for cell in told))
+
+    @property
+    def local_effect(self) -> str:
+        """What changes in the functioning mode."""
+        return in_words(self.columns["local_effect"])
+
+    @property
+    def objective_effect(self) -> str:
+        """What it means for the objective."""
+        return in_words(self.columns["objective_effect"])
+
+    @property
+    def mission_effect(self) -> str:
+        """What it means for the mission."""
+        return in_words(self.columns["mission_effect"])
+
+    @property
+    def detection(self) -> str:
+        """Where the failure is seen."""
+        return in_words(self.columns["detection"])
+
+    @property
+    def compensation(self) -> str:
+        """What replaces it, or where the objective's failure leads."""
+        return in_words(self.columns["compensation"])
+
+    @property
+    def recovery(self) -> str:
+        """What happens when the resource is ready again while the objective still runs."""
+        return in_words(self.columns["recovery"])
 
     @property
     def worst(self) -> Severity:
@@ -179,12 +217,14 @@ class _Table(Generic[S]):
             hardware,
             goal.name,
             around[0][0].name if around else goal.name,
-            local_effect(cases),
-            joined(case.objective_effect() for case in cases),
-            joined(case.mission_effect() for case in cases),
-            joined(case.detection(self.net.usage, hardware) for case in cases),
-            joined(case.compensation(section, around) for case in cases),
-            joined(case.recovery(self.net.usage, hardware) for case in cases),
+            {
+                "local_effect": local_effect(cases),
+                "objective_effect": each_once(case.objective_effect() for case in cases),
+                "mission_effect": each_once(case.mission_effect() for case in cases),
+                "detection": each_once(case.detection(self.net.usage, hardware) for case in cases),
+                "compensation": each_once(case.compensation(section, around) for case in cases),
+                "recovery": each_once(case.recovery(self.net.usage, hardware) for case in cases),
+            },
             facts.severity,
             facts.with_others,
         )
@@ -296,6 +336,8 @@ class _Table(Generic[S]):
         """That nothing changes, as seen in the states with the best prospects."""
         idle, hopeful = Situation(), states - self.prospects.losing(goal, repairs=False)
         best = hopeful or states
+        for region in self.lost:
+            best = best - region or best
         loss = Loss(*(not best - region for region in self.lost))
         return Case(Severity.NO_EFFECT, idle, idle, idle, not hopeful, not hopeful, loss)
 
@@ -332,9 +374,9 @@ class _Table(Generic[S]):
             prospects = already, gone, loss, objective, mission, safe
             yield Case(severity, before, after, back, *prospects, elsewhere, found, comes_back)
 
-    def elsewhere(self, states: S, transition: int, name: str) -> tuple[tuple[str, str], ...]:
-        """By objective in another branch of the blocks around, what a failure does to its mode, in words."""
-        found = list[tuple[str, str]]()
+    def elsewhere(self, states: S, transition: int, name: str) -> tuple[tuple[str, Told], ...]:
+        """By objective in another branch of the blocks around, what a failure changes in its mode."""
+        found = dict[tuple[str, Told], None]()
         branches = (b for block, branch in self.around[name] for b in block.branches if b != branch)
         for other in (inner.name for branch in branches for inner in branch.graph.walk()):
             goal = self.prospects.objectives[other]
@@ -343,15 +385,10 @@ class _Table(Generic[S]):
             changed = [p for p, marked in modes.items() if self.changing(marked, transition, there)]
             asked = [modes[p] for p in changed]
             asked += [self.leading(modes[p], [transition]) for p in changed]
-            texts = dict.fromkeys(
-                changes(
-                    said_by(self.net, compress(changed, answers)), said_by(self.net, compress(changed, after))
-                )
-                for answers, _ in _atoms(there, asked)
-                if changed and (after := answers[len(changed) :]) != answers[: len(changed)]
-            )
-            if texts:
-                found.append((other, " or ".join(texts)))
+            for answers, _ in _atoms(there, asked):
+                if changed and (after := answers[len(changed) :]) != answers[: len(changed)]:
+                    was, now = compress(changed, answers), compress(changed, after)
+                    found[other, changes(said_by(self.net, was), said_by(self.net, now))] = None
         return tuple(found)
 
 

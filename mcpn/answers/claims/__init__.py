@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from mcpn.answers.claims.claim import Assumes as Assumes
 from mcpn.answers.claims.claim import Claim as Claim
-from mcpn.answers.claims.kind import ClaimKind as ClaimKind
 from mcpn.answers.claims.kinds import KINDS as KINDS
 from mcpn.answers.claims.made import claims_of as claims_of
 from mcpn.answers.claims.made import claims_of_losses as claims_of_losses
 from mcpn.answers.claims.sets import all_claims as all_claims
 from mcpn.answers.claims.sets import claims_of_causes as claims_of_causes
+from mcpn.answers.kinds.kind import ClaimKind as ClaimKind

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from mcpn.answers.claims.kind import EVERYWHERE, JSON, PAGE, SAFE_ENDS, ClaimKind
-from mcpn.answers.claims.kinds_of_causes import OF_CAUSES
-from mcpn.answers.claims.kinds_of_help import OF_HELP
-from mcpn.answers.claims.kinds_of_reach import OF_REACH
+from mcpn.answers.kinds.kind import EVERYWHERE, JSON, PAGE, SAFE_ENDS, ClaimKind
+from mcpn.answers.kinds.of_causes import OF_CAUSES
+from mcpn.answers.kinds.of_cells import OF_CELLS
+from mcpn.answers.kinds.of_help import OF_HELP
+from mcpn.answers.kinds.of_reach import OF_REACH
 
 _UNSEEN = "where an event begins an objective again that runs: no word of formulas tells its runs apart"
 _NOMINAL = "of missions with hardware that is out at first, of more than 40 objectives, of copies of one name"
@@ -494,6 +495,7 @@ KINDS: Mapping[str, ClaimKind] = {
         *OF_REACH,
         *OF_CAUSES,
         *OF_HELP,
+        *OF_CELLS,
     )
 }
 """By name, in the order in which they are shown."""

@@ -31,19 +31,13 @@ def late_losses(claims: Iterable[Claim], parts: FormulaParts[Any]) -> Iterator[C
 
 def _unnoticed(parts: FormulaParts[Any], hardware: str, name: str) -> tuple[str, str]:
     """That nothing notices a loss: while nothing else has failed; and only once something has."""
-    prospects, space = parts.prospects, parts.space
-    goal = prospects.objectives.get(name)
-    if goal is None or not parts.mean_one([name]) or not goal.won or goal.ends_from:
-        return "", ""
-    # Where an event ends a run and begins the next one, no word tells the two apart.
-    if space.after(goal.running, goal.ends) & goal.running:
+    prospects, space, open_ = parts.prospects, parts.space, open_run(parts, name)
+    if not open_:
         return "", ""
     events = {t: str(space.net.transitions[t].event) for t in prospects.failing}
     own = prospects.carrying(What.OUT_OF_SERVICE, hardware)
     beside = sorted({event for t, event in events.items() if t not in own})
-    runs, ends = f"objective({name})", f"event({Event(What.SUCCESS, name)})"
-    steps = " & ".join([runs, *(f"!happens({event})" for event in parts.repairs)])
-    open_ = f"E(({steps}) U ({runs} & {ends}))"
+    runs = f"objective({name})"
     found = Event(What.DETECTED, hardware)
     finding = f" & !event({found})" if prospects.carrying(What.DETECTED, hardware) else ""
     lost = f"happens({hardware}_EV_OOS) & X ({runs} & !{open_}{finding})"
@@ -51,3 +45,16 @@ def _unnoticed(parts: FormulaParts[Any], hardware: str, name: str) -> tuple[str,
     said = {"alone": alone, "sound": parts.sound, "open": open_, "lost": lost}
     first, later = (KINDS[kind].formula.format(hardware, name, **said) for kind in LATE)
     return first, later
+
+
+def open_run(parts: FormulaParts[Any], name: str) -> str:
+    """That the present run of an objective can still succeed without a repair, where a formula says it."""
+    space, goal = parts.space, parts.prospects.objectives.get(name)
+    if goal is None or not parts.mean_one([name]) or not goal.won or goal.ends_from:
+        return ""
+    # Where an event ends a run and begins the next one, no word tells the two apart.
+    if space.after(goal.running, goal.ends) & goal.running:
+        return ""
+    runs, ends = f"objective({name})", f"event({Event(What.SUCCESS, name)})"
+    steps = " & ".join([runs, *(f"!happens({event})" for event in parts.repairs)])
+    return f"E(({steps}) U ({runs} & {ends}))"

@@ -13,6 +13,7 @@ from mcpn.answers.claims.entries import GOALS, claims_of_entries, together
 from mcpn.answers.claims.helped import Helped
 from mcpn.answers.claims.kinds import KINDS
 from mcpn.answers.claims.made import claims_of, claims_of_losses, in_order
+from mcpn.answers.claims.of_cells import claims_of_cells
 from mcpn.answers.claims.of_objectives import claims_of_objectives
 from mcpn.answers.claims.parts import FormulaParts
 from mcpn.answers.claims.reached import Reached
@@ -45,6 +46,7 @@ def claims_of_causes(causes: Causes, rows: Sequence[Row] = ()) -> list[Claim]:
     found += claims_of_objectives(causes)
     found += Reached(causes.prospects).hardware()
     found += Helped(FormulaParts(causes.prospects)).needs_help()
+    found += claims_of_cells(rows, FormulaParts(causes.prospects))
     if causes.safety is not None and () in causes.safety.cut_sets:
         found.append(Claim("can_end_safely", (), False))
     if () in causes.mission.cut_sets:

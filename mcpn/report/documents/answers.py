@@ -457,6 +457,10 @@ FMECA = Document(
                 "recovery": String("What the return of the resource does."),
                 "severity": String("The class of severity."),
                 "with_others": String("The smallest company in which it is worse."),
+                "claims": MapOf(
+                    "By column the keys of the claims in its cell, which causes --json lists.",
+                    ListOf("Of one cell.", String()),
+                ),
             },
         ),
     ),

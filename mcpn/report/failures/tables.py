@@ -7,9 +7,11 @@ import io
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from mcpn.answers.causes.effects import Severity
 from mcpn.answers.causes.fmeca import Row
+from mcpn.answers.claims.of_cells import keys_of_column
 from mcpn.errors import InputError, Source
 from mcpn.files import write_atomically
 from mcpn.sentences import enumeration
@@ -82,7 +84,7 @@ def save_fmeca(rows: Sequence[Row], path: Path, classes: Classes = STANDARD) -> 
         InputError: Another suffix, or the file cannot be written.
     """
     check_table_name(path)
-    told = fmeca_rows(rows, classes)
+    told: list[dict[str, Any]] = [*fmeca_rows(rows, classes)]
     if path.suffix.lower() == ".csv":
         text = io.StringIO(newline="")
         writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
@@ -90,4 +92,6 @@ def save_fmeca(rows: Sequence[Row], path: Path, classes: Classes = STANDARD) -> 
         writer.writerows(told)
         write_atomically(path, text.getvalue())
     else:
+        for row, each in zip(rows, told, strict=True):
+            each["claims"] = {name: keys_of_column(row, column) for name, column in row.columns.items()}
         write_atomically(path, json.dumps(told, ensure_ascii=False, indent=1) + "\n")

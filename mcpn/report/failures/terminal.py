@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.causes.cutsets import CutSet
 from mcpn.answers.causes.effects import Severity
+from mcpn.answers.causes.effects import in_words as cell_words
 from mcpn.answers.causes.find import Causes
 from mcpn.answers.causes.fmeca import Row
 from mcpn.answers.claims.claim import Claim, sentences
@@ -125,7 +126,8 @@ def print_fmeca(rows: Sequence[Row], mission_net: MissionNet, classes: Classes =
     terminal = Terminal()
     shared: dict[str, dict[tuple[str, str, str], list[str]]] = {}
     for row, told in zip(rows, fmeca_rows(rows, classes), strict=True):
-        leads = [t for t in row.compensation.split("; or ") if t.startswith("the objective's failure")]
+        routes = (told for told in row.columns["compensation"] if told[0].kind.startswith("failure_"))
+        leads = [cell_words((told,)) for told in routes]
         effects = [t for t in (row.local_effect, *leads) if t != "none"]
         effect = of_all_copies(mission_net, "; ".join(effects))
         key = told["severity"], told["with_others"], effect

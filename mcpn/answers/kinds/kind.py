@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-TERMINAL, PAGE, JSON = "terminal", "page", "JSON"
+TERMINAL, PAGE, FMECA, JSON = "terminal", "page", "FMECA", "JSON"
 EVERYWHERE = (TERMINAL, PAGE, JSON)
 SAFE_ENDS = "where what should make safe, and fails, has copies of one name"
 """Why there is no formula on safe ends."""
@@ -27,6 +27,7 @@ class ClaimKind(NamedTuple):
         verdict: The verdict that it is, if it is one.
         several: How several names stand in the place of one.
         joint: What stands between them.
+        cell: What a cell of the FMECA table says of it, whose row names the hardware and the objective.
     """
 
     name: str
@@ -41,6 +42,7 @@ class ClaimKind(NamedTuple):
     verdict: str = ""
     several: str = "any one of {}"
     joint: str = ", "
+    cell: str = ""
 
     @property
     def needs_states(self) -> bool:

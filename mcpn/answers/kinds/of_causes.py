@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from mcpn.answers.claims.kind import EVERYWHERE, JSON, TERMINAL, ClaimKind
+from mcpn.answers.kinds.kind import EVERYWHERE, JSON, TERMINAL, ClaimKind
 
 _ENTRY = "no word of formulas names the moment at which a section is entered"
 _SETS = "it counts sets of hardware, which no formula does"

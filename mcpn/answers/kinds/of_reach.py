@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mcpn.answers.claims.kind import EVERYWHERE, JSON, TERMINAL, ClaimKind
+from mcpn.answers.kinds.kind import EVERYWHERE, JSON, TERMINAL, ClaimKind
 
 _ENTRY = "no word of formulas names the moment at which a section is entered"
 

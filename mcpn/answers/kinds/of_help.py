@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mcpn.answers.claims.kind import EVERYWHERE, JSON, SAFE_ENDS, ClaimKind
+from mcpn.answers.kinds.kind import EVERYWHERE, JSON, SAFE_ENDS, ClaimKind
 
 _BEGUN = "!event(MISSION_EV_START)"
 
