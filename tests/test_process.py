@@ -266,6 +266,7 @@ def test_too_little_memory_is_told_in_a_sentence(arguments: list[str]) -> None:
             ConnectionRefusedError(111, "Connection refused"),
             "the operating system refuses what this command needs: Connection",
         ),
+        (OSError(12, "Cannot allocate memory", "networkx"), "out of memory: Cannot allocate memory"),
     ],
 )
 def test_what_the_system_refuses_is_told(

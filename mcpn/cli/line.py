@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import sys
@@ -223,6 +224,8 @@ def _where(error: BaseException) -> str:
 def _refusal(error: OSError) -> str:
     """What the system has refused: to write the output, or something else that the error names."""
     reason = error.strerror or str(error) or type(error).__name__
+    if error.errno == errno.ENOMEM:  # whatever file or folder it was about to read
+        return f"out of memory: {reason}"
     if error.filename is not None:
         return f"{error.filename}: {reason}"
     raised = error.__traceback__
