@@ -242,7 +242,7 @@ SHAPES = {
 def test_long_files_are_read_in_time_linear_in_their_lines(shape: tuple[str, str, str]) -> None:
     """Each takes some 3 µs a line, so that twice as many lines get twice the time."""
     before, line, after = shape
-    for count in (100_000, 200_000, 400_000):
+    for count in (70_000, 140_000):
         data = (before + line * count + after).encode()
         with at_most(count / 40_000):
             xmlio.parse_bytes(Path("long.xml"), data)
@@ -259,7 +259,7 @@ def test_elements_that_were_let_go_are_not_held(tmp_path: Path) -> None:
             parent = element.getparent()
             while parent is not None and element.getprevious() is not None:
                 del parent[0]
-        if not number % 500:
+        if not number % 2_000:
             most = max(most, sum(isinstance(each, xmlio._Numbered) for each in gc.get_objects()))
     assert number > 10_000
     assert 0 < most < 5000

@@ -277,6 +277,11 @@ class _Answers:
             FEWEST_STEPS, steps * PACED // max(len(self.net.places) + len(self.net.transitions), PACED)
         )
 
+    def affordable(self, rounds: Sequence[int]) -> list[int]:
+        """Rounds of steps of which none lists more states than may be listed."""
+        most = self.questions.max_states
+        return list(rounds) if most is None else sorted({min(steps, most) for steps in rounds})
+
     def parts(self) -> list[Formula]:
         """The parts whose initial values are asked for, cheap ones first."""
         formulas = (asked for asked in self.waiting.values() if isinstance(asked, Formula))
@@ -509,7 +514,7 @@ class _Answers:
         """
         if self.net.priorities or not self.searches.fits:  # whose atoms are no conditions on tokens alone
             return
-        for steps in rounds:
+        for steps in self.affordable(rounds):
             searched = steps > LOCAL_STEPS[0 if not self.typed else 1]
             asked = [part for part in (*self.parts(), *self.nested) if not says_paths(part)]
             parts = [part for part in asked if searched or self.known.goal(part) is None]
@@ -541,7 +546,7 @@ class _Answers:
         """
         if self.net.priorities:
             return
-        for steps in rounds:
+        for steps in self.affordable(rounds):
             yield from self.bounded()
             enrich = enrich or steps > rounds[0]
             # Others are asked marking by marking as well, and the space is quicker, once it is there.

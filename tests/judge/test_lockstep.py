@@ -20,7 +20,7 @@ from tests.judge.lockstep import Judge
 from tests.judge.players import MODULAR, OfGraph
 from tests.small import activity, hw, mission, robot
 
-MOST_STATES = 400
+MOST_STATES = 200
 """A few larger missions took most of the time; ``experiments/judges/judge.py`` draws up to 3,000."""
 
 
@@ -77,6 +77,7 @@ def test_blocks_that_are_left_as_facts_become_so(of: Mission) -> None:
     check(of)
 
 
+@fewer(0.5)
 @given(drawn.LEFT_BY_FACTS_APART)
 def test_blocks_left_by_facts_where_nothing_contends(of: Mission) -> None:
     check(of)
@@ -88,6 +89,7 @@ def test_branches_that_end_at_the_same_moment(of: Mission) -> None:
     assert check(of) != "undetermined"
 
 
+@fewer(0.5)
 @given(drawn.WORLD_APART)
 def test_facts_where_nothing_contends(of: Mission) -> None:
     assert check(of) != "undetermined"

@@ -45,9 +45,12 @@ def test_every_answer_is_that_of_the_judge(tapaal: Path, most: int) -> None:
     assert counts["answers"] > counts["models"]
 
 
-def test_every_model_is_read_or_refused_for_an_inhibitor_arc(tapaal: Path) -> None:
+@pytest.mark.parametrize("one_in", [6, pytest.param(1, marks=pytest.mark.slow)])
+def test_every_model_is_read_or_refused_for_an_inhibitor_arc(
+    tapaal: Path, fresh_seed: int, one_in: int
+) -> None:
     read = refused = 0
-    for folder in sorted((tapaal / "test_models").iterdir()):
+    for folder in sorted((tapaal / "test_models").iterdir())[fresh_seed % one_in :: one_in]:
         if not any(
             arc.get("type") == "inhibitor" for arc in etree.parse(folder / "model.pnml").iter("{*}arc")
         ):
@@ -64,4 +67,4 @@ def test_every_model_is_read_or_refused_for_an_inhibitor_arc(tapaal: Path) -> No
                 continue
         assert read_properties(folder / "query.xml", questions.names)
         read += 1
-    assert read > 60 * refused
+    assert read > 20 * refused
