@@ -18,7 +18,6 @@ Pausing: TypeAlias = Generator[None, None, Made]
 
 FIRST_SLICE, SHARE = 0.2, 0.5
 """Seconds of a first slice, and the share of what work has had so far that its later slices have."""
-FAVOUR = 3
 
 
 def finished(work: Generator[object, None, Made]) -> Made:
@@ -36,18 +35,18 @@ def in_turns(
     over: Callable[[], bool],
     *,
     first: float = FIRST_SLICE,
-    favoured: Iterator[Told | None] | None = None,
+    share: Callable[[Iterator[Told | None]], float] = lambda way: 1,
 ) -> Iterator[Told | None]:
     """What several kinds of work tell and when they pause, until all have ended.
 
     Whoever has had the least CPU time so far is next: each gets as much as every other, however coarse its
-    pauses are.
+    pauses are. What is told ends no slice, since more may follow from it at once.
 
     Args:
         ways: Kinds of work, in the order of their first turns. ``None`` is a pause: something else may go on.
         over: Whether nothing is left to do.
         first: Seconds of a first slice; later ones are longer.
-        favoured: Gets :data:`FAVOUR` times as much as every other.
+        share: How many times as much as others a way gets.
 
     >>> list(filter(None, in_turns([iter([1, None, 2, None, 3]), iter("ab")], lambda: False, first=1e9)))
     [1, 2, 3, 'a', 'b']
@@ -59,8 +58,8 @@ def in_turns(
         until = begun + max(first, SHARE * spent[way])
         for told in way:
             yield told
-            if over() or time.process_time() >= until:
-                spent[way] += (time.process_time() - begun) / (FAVOUR if way is favoured else 1)
+            if over() or (told is None and time.process_time() >= until):
+                spent[way] += (time.process_time() - begun) / share(way)
                 break
         else:
             del spent[way]

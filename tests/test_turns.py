@@ -7,7 +7,7 @@ from math import inf
 
 import pytest
 
-from mcpn.turns import FAVOUR, Pausing, finished, in_turns
+from mcpn.turns import Pausing, finished, in_turns
 
 
 class Clock:
@@ -45,9 +45,20 @@ def test_each_way_has_as_much_time_as_every_other(clock: Clock) -> None:
 
 def test_a_favoured_way_has_more_time(clock: Clock) -> None:
     ways = [clock.work("a", 0.01, 100_000), clock.work("b", 0.01, 100_000)]
-    for _ in in_turns(ways, lambda: clock.now > 60, favoured=ways[1]):
+    for _ in in_turns(ways, lambda: clock.now > 60, share=lambda way: 3 if way is ways[1] else 1):
         pass
-    assert clock.spent["b"] == pytest.approx(FAVOUR * clock.spent["a"], rel=0.5)
+    assert clock.spent["b"] == pytest.approx(3 * clock.spent["a"], rel=0.5)
+
+
+def test_what_is_told_ends_no_slice(clock: Clock) -> None:
+    def telling() -> Iterator[str | None]:
+        for _ in range(3):
+            clock.now += 1
+            yield "a"
+        yield None
+        yield "last"
+
+    assert [told for told in in_turns([telling(), iter("b")], lambda: False) if told] == [*"aaab", "last"]
 
 
 def test_without_slices_one_way_ends_before_the_next(clock: Clock) -> None:

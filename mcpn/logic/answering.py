@@ -12,16 +12,17 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
 from math import inf
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from mcpn.errors import InputError, LimitError, McpnError
 from mcpn.logic.evaluate import largest
 from mcpn.logic.formulas import EG, EU, EX, OPERATORS, on_one_path, says_paths
+from mcpn.logic.implications import LIVE, ONE_SAFE, Meaning, implied
 from mcpn.logic.session import Answer, Session
 from mcpn.logic.simplify import at_first, bounds_of, conditions, parts_at_first
 from mcpn.logic.without_space import SOME_DEADLOCK, Known
@@ -33,14 +34,16 @@ from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.spaces.engine_names import Asked
 from mcpn.spaces.engines import Choice, NoSpace
 from mcpn.spaces.search import EXPLICIT, HOME, INITIAL_STATE, RANDOM_WALK, STATE_EQUATION
-from mcpn.spaces.search.goal import FALSE, TRUE, And, AtMost, Fires, Formula
+from mcpn.spaces.search.goal import FALSE, TRUE, And, AtMost, Formula
 from mcpn.steps import Doing, step
 from mcpn.turns import FIRST_SLICE, in_turns
 
 if TYPE_CHECKING:
+    from mcpn._kernel import Store
     from mcpn.logic.contest import Property
     from mcpn.logic.ltl.parts import PathParts
     from mcpn.logic.on_the_fly import LocalChecks
+    from mcpn.spaces.algebra import Space
     from mcpn.spaces.search.facts import Facts
     from mcpn.spaces.search.portfolio import Round
     from mcpn.spaces.search.searches import Searches
@@ -50,23 +53,10 @@ if TYPE_CHECKING:
 DIAGRAMS, REWRITING, COMPOSITION = "DECISION_DIAGRAMS", "QUERY_REDUCTION", "COMPOSITION"
 FIRST_STEPS, STEPS_FACTOR, MOST_STEPS = 600_000, 2, 2**60
 """Of the race for the space, how many times as many each turn has, and when it goes on to its end."""
+SHARE, SHARE_OF_SMALL, SHORT_SLICE = 0.75, 8, 0.05
+"""The space's time beside all other ways, if small; seconds of first turns where a search comes first."""
 FIRST_SLICE_OF_QUESTION, FIRST_ROUND, SLICE_FACTOR = 0.4, 1.0, 3.0
 WALK_STEPS = 50_000
-Meaning: TypeAlias = Formula | tuple[int, ...] | str
-"""A formula; places, where the most tokens that they hold together is asked; or an examination's name."""
-
-ONE_SAFE, QUASI_LIVE, LIVE = "OneSafe", "QuasiLiveness", "Liveness"
-_FOLLOWS: tuple[tuple[Meaning, bool, Meaning, bool], ...] = (
-    (SOME_DEADLOCK, True, LIVE, False),
-    ("ReachabilityDeadlock", True, LIVE, False),
-    (LIVE, True, QUASI_LIVE, True),
-)
-IMPLICATIONS: tuple[tuple[tuple[Meaning, bool], tuple[Meaning, bool]], ...] = tuple(
-    pair
-    for what, holds, then, follows in _FOLLOWS
-    for pair in (((what, holds), (then, follows)), ((then, not follows), (what, not holds)))
-)
-"""What an answer implies, of nets that have transitions; each stands here with its contraposition."""
 EFFORT_OF_LIVENESS = 30
 """The number of operators of a formula that takes about as long: closures forward and backward."""
 LOCAL_STEPS = (20_000, 200_000, 1_000_000, 5_000_000, 25_000_000, 125_000_000)
@@ -182,14 +172,17 @@ class _Answers:
         self.rounds = self.path_rounds = 0
         self.failed: McpnError | None = None
         """Why there is no space."""
+        self.share: float = SHARE
 
     def all(self) -> Iterator[ContestAnswer]:
         """Asks all ways by turns; of typed formulas, whose runs are to be the same each time, one by one."""
-        first = inf if self.typed else FIRST_SLICE
         self.tell_open()
         space = self.by_space()
         ways = self.ways_to_go([] if self.questions.engine == "search" else [space])
-        for told in in_turns(ways, lambda: not self.waiting, first=first, favoured=space):
+        first = inf if self.typed else SHORT_SLICE if self.searched else FIRST_SLICE
+        for told in in_turns(
+            ways, lambda: not self.waiting, first=first, share=lambda way: self.share if way is space else 1
+        ):
             if told is not None:
                 yield told
                 self.tell_open()
@@ -207,11 +200,10 @@ class _Answers:
             return [self.one_safe_at_sight(), *space]
         if not self.typed:
             at_sight = chain(self.one_safe_at_sight(), self.rewritten(), self.by_structure())
-            ways = [*space, self.by_equation(), self.by_need(), self.by_paths()]
-            goals = all(self.known.goal(part) is not None for part in self.parts())
-            searched = goals and all(isinstance(asked, Formula) for asked in self.waiting.values())
-            ways.insert(0 if searched else len(ways), self.by_search())
-            return [at_sight, *ways]
+            beside = [self.by_equation(), self.by_need(), self.by_paths()]
+            beside.insert(0 if self.searched else len(beside), self.by_search())
+            others = in_turns(beside, lambda: not self.waiting)
+            return [at_sight, others, *space] if self.searched else [at_sight, *space, others]
         # The space of a mission is not far, once a search has found nothing; in a small one it has the
         # shortest runs.
         ways = [self.one_safe_at_sight(), self.rewritten(), self.by_need(LOCAL_STEPS[:1])]
@@ -248,6 +240,12 @@ class _Answers:
 
         return Searches(self.net)
 
+    @cached_property
+    def searched(self) -> bool:
+        """Whether a search may answer all that is asked, so that it begins: often it is over at once."""
+        goals = (self.known.goal(part) is not None for part in self.parts())
+        return all(isinstance(asked, Formula) for asked in self.waiting.values()) and all(goals)
+
     # --- what waits ---
 
     def answer(self, name: str, value: float, *ways: str) -> Iterator[ContestAnswer]:
@@ -255,27 +253,13 @@ class _Answers:
         del self.waiting[name]
         told = tuple({**self.ways[name], **dict.fromkeys(ways)})
         yield ContestAnswer(name, str(value).upper(), told)
-        for other, follows in self.implied(self.asked[name], value):
+        for other, follows in implied(self.asked[name], value, self.net, self.parts):
             yield from self.learn(other, follows, *told)
-
-    def implied(self, asked: Meaning, value: float) -> list[tuple[Meaning, bool]]:
-        """What an answer says of examinations, and of formulas that ask whether a transition fires."""
-        if isinstance(asked, tuple):
-            return [(ONE_SAFE, False)] if value > len(asked) else []
-        if not self.net.transitions or self.net.priorities:
-            return []
-        then = [follows for (what, holds), follows in IMPLICATIONS if (what, holds) == (asked, bool(value))]
-        if not value and _asks_firing(asked):
-            then += [(QUASI_LIVE, False), (LIVE, False)]
-        elif value and asked in (QUASI_LIVE, LIVE):
-            then += [(part, True) for part in self.parts() if _asks_firing(part)]
-        return then
 
     def paced(self, steps: int) -> int:
         """Fewer steps where each takes longer, since the net is large."""
-        return max(
-            FEWEST_STEPS, steps * PACED // max(len(self.net.places) + len(self.net.transitions), PACED)
-        )
+        size = len(self.net.places) + len(self.net.transitions)
+        return max(FEWEST_STEPS, steps * PACED // max(size, PACED))
 
     def affordable(self, rounds: Sequence[int]) -> list[int]:
         """Rounds of steps of which none lists more states than may be listed."""
@@ -291,7 +275,7 @@ class _Answers:
         """Puts a value where it is asked for, and yields what that answers."""
         if isinstance(part, Formula):
             self.known.values[part] = bool(value)
-            for other, follows in self.implied(part, value):
+            for other, follows in implied(part, value, self.net, self.parts):
                 yield from self.learn(other, follows, *ways)
             for bounded, when in self.bounding.pop(part, ()):
                 if value == when and bounded not in self.known.values:
@@ -365,7 +349,7 @@ class _Answers:
         yield from self.rewritten()
 
     def by_space(self) -> Iterator[ContestAnswer | None]:
-        """Asks the space, once the race for it is over: cheap questions first, each with a slice of time."""
+        """Asks the space, once the race for it is over."""
         questions, steps = self.questions, FIRST_STEPS
         try:
             if questions.searchable and not (self.typed or self.net.priorities):
@@ -378,19 +362,39 @@ class _Answers:
         except McpnError as error:
             self.failed = error
             return
+        until = time.process_time() + FIRST_ROUND
+        for told in self.asking(space, at_once=steps == FIRST_STEPS):
+            if told is not None or time.process_time() > until:  # a space that is there answers soon
+                yield told
+
+    def asking(self, space: Space[Any] | None, *, at_once: bool) -> Iterator[ContestAnswer | None]:
+        """Asks a space; of a small one, that is there at once, few markings decide much before it."""
         store = space.encoding.store if isinstance(space, DiagramMarkings | DiagramAlternatives) else None
         tried: Counter[str] = Counter()
-        until = time.process_time() + FIRST_ROUND
+        if at_once and self.questions.searchable and not self.typed:
+            self.share = SHARE_OF_SMALL
+            yield from self.asked_of(store, tried, lambda asked: not isinstance(asked, Formula))
+            yield from self.by_need(LOCAL_STEPS[:1])
+            yield from self.by_paths(LOCAL_STEPS[:1])
         while self.waiting:
-            name = min(self.waiting, key=lambda name: (tried[name], _effort(self.waiting[name])))
+            yield from self.asked_of(store, tried, lambda asked: True)
+
+    def asked_of(
+        self, store: Store | None, tried: Counter[str], which: Callable[[Meaning], bool]
+    ) -> Iterator[ContestAnswer | None]:
+        """Asks the space each question once that has been tried least often."""
+        least = min(map(tried.__getitem__, self.waiting), default=0)
+        names = [name for name, asked in self.waiting.items() if tried[name] == least and which(asked)]
+        for name in sorted(names, key=lambda name: _effort(self.waiting[name])):
+            if name not in self.waiting:  # what was answered before it has implied its answer
+                continue
             value = None
-            with within_seconds(store, FIRST_SLICE_OF_QUESTION * SLICE_FACTOR ** tried[name]):
+            with within_seconds(store, FIRST_SLICE_OF_QUESTION * SLICE_FACTOR**least):
                 value = self.value(name)
             tried[name] += 1
             if value is not None:
-                yield from self.answer(name, value, _technique(questions.choice.engine))
-            if time.process_time() > until:  # a space that is there answers soon
-                yield None
+                yield from self.answer(name, value, _technique(self.questions.choice.engine))
+            yield None
 
     def bounded(self) -> Iterator[ContestAnswer]:
         """Finds weaker and stronger parts that speak of one operator: what is not so weakly is not so."""
@@ -584,14 +588,6 @@ class _Answers:
 
             return EXAMINATIONS[meaning](Behaviour(questions.space))
         return questions.evaluation.holds(meaning)
-
-
-def _asks_firing(asked: Meaning) -> bool:
-    """Whether it is asked if some of one or more transitions ever fire."""
-    match asked:
-        case EU((And(()), Fires(transitions))):
-            return bool(transitions)
-    return False
 
 
 def _technique(engine: Asked) -> str:

@@ -311,6 +311,21 @@ def test_a_property_needs_a_name_and_a_formula(tmp_path: Path, missing: str) -> 
         read_properties(path, Names(growing()))
 
 
+def test_a_small_space_is_asked_before_anything_else(monkeypatch: pytest.MonkeyPatch) -> None:
+    net = FAMILIES["component_ring"].net(4)
+    often = read(("AG", ("EF", ("place", net.places[0].name))), net)
+    asked = [Property("most", (0, 1), Source("ring")), Property("often", often, Source("ring"))]
+    monkeypatch.setattr("mcpn.logic.answering.FIRST_SLICE", 0.0)  # however slow the machine is
+    monkeypatch.setattr("mcpn.logic.answering.FIRST_ROUND", 1e9)
+    with patch("mcpn.spaces.search.facts.Facts", side_effect=AssertionError):
+        told = list(answer_all(Questions(net), asked, ["Liveness"]))
+    assert {answer.name.removeprefix("ring-4-"): answer.techniques[-1] for answer in told} == {
+        "most": "DECISION_DIAGRAMS",
+        "often": "EXPLICIT",
+        "Liveness": "DECISION_DIAGRAMS",
+    }
+
+
 def test_what_a_search_leaves_open_is_named_and_no_space_is_built() -> None:
     net = FAMILIES["component_ring"].net(12)
     asked = [
