@@ -226,8 +226,8 @@ class _RulePlayer:
                 )
             if answer.leaf.rounds:
                 raise _Unplayable(
-                    f"{answer.leaf.node.title} is in a loop that is ticked again while something behind it "
-                    "runs, and the library halts that between two rounds"
+                    f"{answer.leaf.node.title} is in a node that returns between its rounds or children; it "
+                    "is ticked again while something behind it runs, and the library halts that then"
                 )
             if answer.leaf.kept and answer.leaf.place in given:
                 raise _Unplayable(f"{answer.leaf.node.title} changes its answer, which a replaced leaf keeps")

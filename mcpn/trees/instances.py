@@ -16,6 +16,7 @@ from mcpn.errors import InputError
 from mcpn.trees.nodes.forest import Forest, tree_of
 from mcpn.trees.nodes.node import TreeNode
 from mcpn.trees.reading import MAX_NODES
+from mcpn.trees.translator import RUNNING_ON
 
 Place = tuple[int, ...]
 """A node by what leads to it: the nodes that use trees around it, the outermost first, and itself."""
@@ -37,7 +38,7 @@ class Instance:
         path: Its path in the library.
         asked: Whether it is ticked again after it has answered, while something behind it runs.
         kept: Whether the library keeps its answer then: a node that is not reset is not asked anew.
-        rounds: Whether a loop around it returns between its rounds, and is ticked again then.
+        rounds: Whether a node around it returns between its rounds or children, and is ticked again then.
         beside: Whether something may run at the same time as it does.
     """
 
@@ -93,7 +94,7 @@ class _Expansion:
         elif not node.children and rule not in ("succeeds", "fails"):
             yield Instance(node, place, path, *at)
         beside = at.beside or rule in TOGETHER
-        turns = at.rounds or (at.asked and rule in ("retry", "repeat", "keep_running", "loop"))
+        turns = at.rounds or (at.asked and rule in RUNNING_ON)
         for number, child in enumerate(node.children):
             earlier = number + 1 < len(node.children) if rule != "while_do_else" else number == 0
             again = rule in ASKING and earlier

@@ -36,6 +36,9 @@ from mcpn.trees.translator import TURNS, Context, Rule, Translator, called
 BETWEEN_CONDITIONS = "when conditions answer, of a child that returns between them, is free"
 """Why a node that halts its children has more runs: a condition that it asks answers before."""
 
+ONE_TICK = "behind a child that runs on whenever it is asked again, a later one has no more than a tick"
+"""Why such a node has more runs: in the mission later children go on."""
+
 
 def reactive_sequence(at: Translator, node: TreeNode, context: Context) -> Result:
     """Later children run only as long as earlier ones succeed."""
@@ -53,12 +56,14 @@ def _reactive(at: Translator, node: TreeNode, context: Context, *, stops: bool) 
     last = max((place for place, runs in enumerate(slow) if runs), default=-1)
     results: list[Result] = []
     behind: list[Block] = []
+    lingering = [place < last and at.lingers(child) for place, child in enumerate(node.children)]
     for place, child in enumerate(node.children):
         guarded = place > 0 and slow[place]
         again = context.again or place < last or (guarded and sum(slow) > 1)
         told = at.forest.rule(child) in TURNS and not context.halted
         halted = context.halted or (guarded and not told)
-        result = at.piece(child, replace(context, again=again, halted=halted, asked=guarded))
+        inside = replace(context, again=again, halted=halted, asked=guarded or lingering[place])
+        result = at.piece(child, inside)
         if guarded and isinstance(result, Part):
             result, resets = _guarded(at, context, results, slow, stops, result)
             behind += resets
@@ -71,6 +76,8 @@ def _reactive(at: Translator, node: TreeNode, context: Context, *, stops: bool) 
     kind, why = Kind.EXACT, "an earlier child that runs again halts a later one" if sum(slow) > 1 else ""
     if sum(slow) > 1 and any(map(at.returns_between, node.children[1:])):
         kind, why = Kind.MORE, BETWEEN_CONDITIONS
+    if any(lingering) and not all(map(at.prompt, node.children[lingering.index(True) + 1 :])):
+        kind, why = Kind.MORE, ONE_TICK
     earlier = (child for place, child in enumerate(node.children) if slow[place] and place < last)
     if any(at.remembers(child) for child in earlier):
         kind = Kind.LEFT_OUT

@@ -46,6 +46,10 @@ RETURNING = MEMORIES | {"async_sequence", "async_fallback"}
 """Rules of nodes that return between their children, so that they may be interrupted."""
 LOOPS = frozenset({"retry", "repeat"})
 """Rules of nodes that run their child so often as their port says."""
+RUNNING_ON = RETURNING | LOOPS | {"keep_running", "loop"}
+"""Rules of nodes that return between their children or rounds."""
+PROMPT = frozenset({"sequence", "fallback", "inverter", "force_success", "force_failure"})
+"""Rules of nodes that tick no child a second time before they end."""
 LOOKS_LIKE_CONDITION = re.compile(
     r"(Is|Are|Check|Has|Have|Would|Can|Was|is_|are_|has_|check_|can_)(?![a-z])|(is|has|are)[A-Z]"
 )
@@ -404,12 +408,31 @@ class Translator:
             return self.at_once(tree.root, rounds=rounds)
         rule = self.forest.rule(node)
         if node.children:
-            slow = rounds and rule in ("keep_running", "loop")
-            slow |= rounds and rule in RETURNING and len(node.children) > 1
-            slow |= rounds and rule in LOOPS and self.rounds(node) not in (0, 1)
-            slow |= rule == "delay"
+            slow = rule == "delay" or (rounds and self._returns(node))
             return not slow and all(self.at_once(child, rounds=rounds) for child in node.children)
         return rule == "asked" or rule in CONSTANT or self.condition(node)
+
+    def _returns(self, node: TreeNode) -> bool:
+        """Whether a node itself returns between its rounds or children."""
+        rule = self.forest.rule(node)
+        if rule in LOOPS:
+            return self.rounds(node) not in (0, 1)
+        return rule in RUNNING_ON and (rule not in RETURNING or len(node.children) > 1)
+
+    def lingers(self, node: TreeNode) -> bool:
+        """Whether a node may run on though none of its leaves does."""
+        if (tree := tree_of(self.forest, node)) is not None:
+            return self.lingers(tree.root)
+        if self.forest.rule(node) in ("delay", "sleep") or (node.children and self._returns(node)):
+            return True
+        return any(self.lingers(child) for child in node.children)
+
+    def prompt(self, node: TreeNode) -> bool:
+        """Whether all that a node may do happens in one tick, if each of its leaves answers in its first."""
+        if (tree := tree_of(self.forest, node)) is not None:
+            return self.prompt(tree.root)
+        rule = self.forest.rule(node)
+        return all(map(self.prompt, node.children)) and (rule in PROMPT if node.children else rule != "sleep")
 
     def returns_between(self, node: TreeNode) -> bool:
         """Whether a node runs on only because it returns between leaves that answer at once."""

@@ -58,6 +58,9 @@ EXACT = {
     "reactive fallback": node("Fallback", node("ReactiveFallback", X, A), B),
     "reactive, two run": node("ReactiveSequence", A, B),
     "reactive, three run": node("ReactiveFallback", A, B, C),
+    "reactive, rounds before a leaf": node(
+        "ReactiveFallback", node("RetryUntilSuccessful", A, num_attempts=2), node("Sequence", A, B)
+    ),
     "reactive, asked behind one that runs": node("ReactiveSequence", A, X, B, C),
     "reactive, behind a series that asks": node("ReactiveSequence", node("Sequence", X, A), B, Y, C),
     "timeout of no time": node("Fallback", node("Timeout", A, msec=0), B),
@@ -110,6 +113,15 @@ MORE = {
         "WhileDoElse", X, node("TryCatch", A, B), node("SequenceWithMemory", Y, WELL)
     ),
     "an unknown decorator": node("Strange", node("Sequence", A, B)),
+    "reactive, rounds behind rounds": node(
+        "ReactiveSequence", node("Repeat", A, num_cycles=2), node("Repeat", B, num_cycles=2)
+    ),
+    "reactive, rounds behind rounds of what answers at once": node(
+        "ReactiveSequence", node("Repeat", WELL, num_cycles=2), node("Repeat", WELL, num_cycles=2)
+    ),
+    "reactive, a moment behind a moment": node(
+        "ReactiveFallback", node("AsyncFallback", A, BADLY), node("AsyncFallback", B, BADLY)
+    ),
     "round robin, halted from afar": node(
         "KeepRunningUntilFailure", node("ReactiveFallback", X, node("Sequence", C, node("RoundRobin", A, B)))
     ),

@@ -145,8 +145,9 @@ def test_what_is_written(tmp_path: Path) -> None:
         (node("Strange", A), "has runs that the tree has not"),
         (
             node("ReactiveFallback", node("RetryUntilSuccessful", A, num_attempts=2), B),
-            "in a loop that is ticked",
+            "returns between its rounds",
         ),
+        (node("ReactiveFallback", node("AsyncFallback", A, B), A), "returns between its rounds"),
         (node("Parallel", '<a name="x"/>', '<a name="x"/>'), "no path of its own"),
     ],
 )

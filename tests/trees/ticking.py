@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 from mcpn.trees.nodes.forest import Forest, tree_of
 from mcpn.trees.nodes.node import TreeNode
+from mcpn.trees.nodes.versions import BTCPP
 
 IDLE, RUNNING, SUCCESS, FAILURE = "idle", "running", "success", "failure"
 State = tuple[tuple[str, object], ...]
@@ -71,6 +72,11 @@ class Tree:
         trees = [node if tree is None else tree.root for tree in (tree_of(self.forest, node),)]
         inner = [n for root in trees for n in root.walk() if not n.children]
         return all(n.id in (*self.quick, "Script", "AlwaysSuccess", "AlwaysFailure") for n in inner)
+
+    def returns(self) -> bool:
+        """Whether a node returns between its children or rounds: it may be interrupted then, since 4.0."""
+        since_4 = all(version.startswith("4.") for version in self.forest.choice.allowed[BTCPP])
+        return since_4 or self.choose((RUNNING, "on")) == RUNNING
 
     def get(self, at: str, what: str, default: object) -> object:
         return self.state.get(f"{at}:{what}", default)
@@ -146,7 +152,7 @@ class Tree:
                 self.halt(node, at)
                 return status
             if began:
-                return RUNNING  # the library returns between children, that it may be interrupted
+                return RUNNING
         raise AssertionError(at)
 
     def tick_async_sequence(self, node: TreeNode, at: str, again: bool) -> str:
@@ -166,8 +172,8 @@ class Tree:
                     self.halt_child(node, at, number)
                 return FAILURE
             self.set(at, "index", index + 1)
-            if began and index + 1 < len(node.children) and self.choose(("on", RUNNING)) == RUNNING:
-                return RUNNING  # the library returns between children, that it may be interrupted
+            if began and index + 1 < len(node.children) and self.returns():
+                return RUNNING
         self.reset_children(node, at)
         self.set(at, "index", 0)
         return SUCCESS
@@ -317,9 +323,8 @@ class Tree:
             if times != -1:
                 self.set(at, "tries", self.count(at, "tries") + 1)
             ends = times != -1 and self.count(at, "tries") >= times
-            # The library returns between rounds, that it may be interrupted. Where it need not, two rounds in
-            # one tick show all that more of them would.
-            if not ends and began and (rounds > 0 or self.choose((RUNNING, "on")) == RUNNING):
+            # Where it need not return, two rounds in one tick show all that more of them would.
+            if not ends and began and (rounds > 0 or self.returns()):
                 return RUNNING
         else:
             return RUNNING
