@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from mcpn.answers.kinds.kind import EVERYWHERE, JSON, PAGE, SAFE_ENDS, ClaimKind
+from mcpn.answers.kinds.kind import EVERYWHERE, JSON, NOT_PLAIN, PAGE, SAFE_ENDS, ClaimKind
 from mcpn.answers.kinds.of_causes import OF_CAUSES
 from mcpn.answers.kinds.of_cells import OF_CELLS
 from mcpn.answers.kinds.of_help import OF_HELP
 from mcpn.answers.kinds.of_reach import OF_REACH
 
 _UNSEEN = "where an event begins an objective again that runs: no word of formulas tells its runs apart"
+_WORST = f"{NOT_PLAIN}, and where an event ends an objective and begins it again"
 _NOMINAL = "of missions with hardware that is out at first, of more than 40 objectives, of copies of one name"
 _KNOWN = "no word of formulas says that the robot knows of a loss"
 _MISSING = "what crashes does so as it runs, and what is out at first need not fail: no event takes it"
@@ -248,13 +249,13 @@ KINDS: Mapping[str, ClaimKind] = {
         ),
         ClaimKind(
             "losses_defeat",
-            "",
+            "E(({steps}) U ({out} & !({ended}) & !{reaches}))",
             "the losses of {0}, at their worst moments, leave no way to success",
             "the losses of {0}, whenever they come, leave a way to success",
             "whether the losses of {0} leave a way to success is not known",
             "all states, and the losses in each",
             EVERYWHERE,
-            "several losses come at several moments, which a formula would have to order",
+            _WORST,
             joint=", or of ",
             several="{}",
             good=False,
@@ -309,13 +310,13 @@ KINDS: Mapping[str, ClaimKind] = {
         ),
         ClaimKind(
             "losses_endanger",
-            "",
+            "E(({steps}) U ({out} & !({ended}) & !{reaches}))",
             "the losses of {0}, at their worst moments, leave no way to a safe end",
             "the losses of {0}, whenever they come, leave a way to a safe end",
             "whether the losses of {0} leave a way to a safe end is not known",
             "all states, and the losses in each",
             EVERYWHERE,
-            "several losses come at several moments, which a formula would have to order",
+            _WORST,
             joint=", or of ",
             several="{}",
             good=False,

@@ -44,14 +44,15 @@ class FormulaParts(Generic[S]):
     @cached_property
     def quiet(self) -> list[str]:
         """The events of these."""
-        return self._events(self.helping)
+        return self.events(self.helping)
 
     @cached_property
     def repairs(self) -> list[str]:
         """The events with which hardware comes back."""
-        return self._events(self.prospects.everything - self.prospects.unrepaired)
+        return self.events(self.prospects.everything - self.prospects.unrepaired)
 
-    def _events(self, transitions: Iterable[int]) -> list[str]:
+    def events(self, transitions: Iterable[int]) -> list[str]:
+        """The events of some transitions."""
         return sorted({str(self.space.net.transitions[t].event) for t in transitions})
 
     @cached_property
@@ -101,7 +102,7 @@ class FormulaParts(Generic[S]):
         """That an objective fails now: by itself, or as the time of it or of a block around it is over."""
         transitions = self.space.net.transitions
         for what in (What.FAILURE, What.TIMEOUT):
-            for event in self._events(self.prospects.carrying(what, name)):
+            for event in self.events(self.prospects.carrying(what, name)):
                 yield f"happens({event})"
         for block in self.net.graph.timed_blocks():
             if name in block.held:

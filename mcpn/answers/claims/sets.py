@@ -13,6 +13,7 @@ from mcpn.answers.claims.entries import GOALS, claims_of_entries, together
 from mcpn.answers.claims.helped import Helped
 from mcpn.answers.claims.kinds import KINDS
 from mcpn.answers.claims.made import claims_of, claims_of_losses, in_order
+from mcpn.answers.claims.moments import Moments
 from mcpn.answers.claims.of_cells import claims_of_cells
 from mcpn.answers.claims.of_objectives import claims_of_objectives
 from mcpn.answers.claims.parts import FormulaParts
@@ -106,7 +107,8 @@ def _of_goal(causes: Causes, goal: GoalCauses, verb: str, words: str) -> Iterato
     for lost in (lost for lost in goal.cut_sets if not {*lost} <= known):
         yield Claim(f"missing_{verb}s", (enumeration(lost),), True, BEFORE)
     for lost in (lost for lost in goal.only_at_worst if len(lost) > 1):
-        yield Claim(at_worst, (together(lost),), True, Assumes(repairs="others"))
+        said = Moments(parts).lost_at_worst(at_worst, lost)
+        yield Claim(at_worst, (together(lost),), True, Assumes(repairs="others"), said)
     if goal.nonmonotone is not None:
         less, more = enumeration(goal.nonmonotone.lost) or "nothing", enumeration(goal.nonmonotone.larger)
         yield Claim(f"more_losses_spare_{dict(GOALS)[verb]}", (less, more), True, Assumes(repairs="none"))

@@ -8,6 +8,10 @@ TERMINAL, PAGE, FMECA, JSON = "terminal", "page", "FMECA", "JSON"
 EVERYWHERE = (TERMINAL, PAGE, JSON)
 SAFE_ENDS = "where what should make safe, and fails, has copies of one name"
 """Why there is no formula on safe ends."""
+NOT_PLAIN = "where hardware fails by common causes, or activities crash"
+"""Why there is no formula on some losses at one moment."""
+AT_ENTRY = f"{NOT_PLAIN}, where an event ends a section and begins it again, and of blocks that pause"
+"""Why there is no formula on some entries of sections."""
 
 
 class ClaimKind(NamedTuple):

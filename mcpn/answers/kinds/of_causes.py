@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from mcpn.answers.kinds.kind import EVERYWHERE, JSON, TERMINAL, ClaimKind
+from mcpn.answers.kinds.kind import AT_ENTRY, EVERYWHERE, JSON, TERMINAL, ClaimKind
 
 _ENTRY = "no word of formulas names the moment at which a section is entered"
 _SETS = "it counts sets of hardware, which no formula does"
@@ -46,13 +46,13 @@ def _of_goal(verb: str, goal: str, noun: str) -> Iterator[ClaimKind]:
     )
     yield ClaimKind(
         f"no_way_from_entry_to_{noun}",
-        "",
+        "!E(F (({before}) & X (({inside}) & {then})))",
         f"from the entry of {{0}} on {goal} is out of reach, whatever is repaired",
         f"from the entry of {{0}} on {goal} is possible",
         f"whether {goal} is out of reach from the entry of {{0}} on is not known",
         "all states at the entry",
         _COMMANDS,
-        _ENTRY,
+        AT_ENTRY,
         several="{}",
         good=False,
     )

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from mcpn.answers.kinds.kind import EVERYWHERE, JSON, TERMINAL, ClaimKind
+from mcpn.answers.kinds.kind import AT_ENTRY, EVERYWHERE, JSON, TERMINAL, ClaimKind
 
-_ENTRY = "no word of formulas names the moment at which a section is entered"
+_ENTRIES = "it speaks of all sections of which no other claim does"
 
 OF_REACH = (
     ClaimKind(
@@ -91,13 +91,13 @@ OF_REACH = (
     ),
     ClaimKind(
         "loss_at_entry_defeats",
-        "",
+        "!E(F (({before}) & X (({inside}) & {then})))",
         "the loss of {0}, not repaired, leaves no way to success from the entry of {1} on",
         "from the entry of {1} on the loss of {0}, not repaired, leaves a way to success",
         "whether the loss of {0} at the entry of {1} leaves a way to success is not known",
         "all states at the entry",
         (TERMINAL, JSON),
-        _ENTRY,
+        AT_ENTRY,
         joint=", or of ",
         several="{}",
         good=False,
@@ -111,7 +111,7 @@ OF_REACH = (
         "nothing is said",
         "whether the loss of {0} at other entries leaves a way to success is not known",
         "all states at the entries",
-        why=_ENTRY,
+        why=_ENTRIES,
         several="{}",
         good=True,
     ),
@@ -124,19 +124,19 @@ OF_REACH = (
         "nothing is said",
         "whether the loss of {0} at other entries leaves a way to a safe end is not known",
         "all states at the entries",
-        why=_ENTRY,
+        why=_ENTRIES,
         several="{}",
         good=True,
     ),
     ClaimKind(
         "loss_at_entry_endangers",
-        "",
+        "!E(F (({before}) & X (({inside}) & {then})))",
         "the loss of {0}, not repaired, leaves no way to a safe end from the entry of {1} on",
         "from the entry of {1} on the loss of {0}, not repaired, leaves a way to a safe end",
         "whether the loss of {0} at the entry of {1} leaves a way to a safe end is not known",
         "all states at the entry",
         (TERMINAL, JSON),
-        _ENTRY,
+        AT_ENTRY,
         joint=", or of ",
         several="{}",
         good=False,
