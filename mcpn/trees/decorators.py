@@ -104,12 +104,15 @@ def keep_running(at: Translator, node: TreeNode, context: Context) -> Result:
         return result
     if result is True:
         return at.forever(node, context)
-    if result.skips:
-        # A child that is skipped is asked again at the next tick.
-        name = at.names.fresh(f"{result.block.name}_round")
-        inner = placed(result, SUCCEED, FAIL, SUCCEED)
-        result = Part(Recursive(name=name, blocks=(replace(inner, success=None),)))
-    return _endless(at, node, context, result, False, exact=True, why="")
+    return _endless(at, node, context, _skipping_on(at, result), False, exact=True, why="")
+
+
+def _skipping_on(at: Translator, piece: Part) -> Part:
+    """A child after which the next round begins, be it that it is skipped."""
+    if not piece.skips:
+        return piece
+    inner = placed(piece, SUCCEED, FAIL, SUCCEED)
+    return Part(Recursive(name=at.names.fresh(f"{piece.block.name}_round"), blocks=tidied([inner])))
 
 
 def loop(at: Translator, node: TreeNode, context: Context) -> Result:
@@ -119,11 +122,7 @@ def loop(at: Translator, node: TreeNode, context: Context) -> Result:
     empty = at.forest.choice.value(node, "if_empty").upper()
     count = len(queue.split(";")) if literal else None
     result = at.piece(node.children[0], replace(context, again=True))
-    if isinstance(result, Part) and result.skips:
-        # After a child that is skipped the next value is taken.
-        inner = placed(result, SUCCEED, FAIL, SUCCEED)
-        name = at.names.fresh(f"{result.block.name}_round")
-        result = Part(Recursive(name=name, blocks=(replace(inner, success=None),)))
+    result = _skipping_on(at, result) if isinstance(result, Part) else result
     end = SUCCEED if empty == "SUCCESS" else FAIL if empty == "FAILURE" else ABORT
     if count is not None and (result is False or count <= COPIES):
         return _each(at, node, context, result, count, end)
@@ -304,8 +303,13 @@ def on_approach(at: Translator, node: TreeNode, context: Context) -> Result:
 
 def updated(at: Translator, node: TreeNode, context: Context) -> Result:
     """SkipUnlessUpdated, WaitValueUpdate: the child once an entry of the blackboard has changed."""
+    kind, why = Kind.MORE, ""
+    if (context.halted or context.asked) and not at.at_once(node.children[0]):
+        kind, why = Kind.LEFT_OUT, "halted, it does not halt its child, which runs on: not modelled"
     if at.forest.rule(node) == "wait_value_update":
         wait = at.waiting(node, context, "a change of the blackboard", Kind.MORE)
+        if why:
+            at.note(node, wait.block.name, kind, why)  # the weaker one counts
         result = at.piece(node.children[0], context)
         if isinstance(result, bool):
             return replace(wait, good=result, bad=result)
@@ -314,7 +318,7 @@ def updated(at: Translator, node: TreeNode, context: Context) -> Result:
     name = at.names.fresh(called(node))
     result = at.piece(node.children[0], context)
     asked = at.choice(f"{name}_holds", context, "Whether the entry has changed")
-    at.note(node, name, Kind.MORE, "whether the entry has changed is free")
+    at.note(node, name, kind, why or "whether the entry has changed is free")
     return _if(name, asked, result, ABORT)
 
 

@@ -159,6 +159,24 @@ def test_each_node_with_children_that_are_skipped(around: str, skipped: str, tmp
     agree(tmp_path, EACH[around].replace(A, skipped, 1), range(12))
 
 
+@pytest.mark.parametrize("around", ["KeepRunningUntilFailure", "LoopInt"])
+def test_rounds_of_an_inverted_child_that_may_be_skipped(around: str, tmp_path: Path) -> None:
+    """Its success ends the rounds, though it goes on where it is skipped."""
+    library()
+    ports = {"queue": "1;2", "value": "{v}"} if around == "LoopInt" else {}
+    assert agree(tmp_path, node(around, node("Inverter", '<a _skipIf="s1"/>'), **ports), range(12)) == 12
+
+
+@pytest.mark.parametrize("name", ["SkipUnlessUpdated", "WaitValueUpdate"])
+def test_what_does_not_halt_its_child(name: str, tmp_path: Path) -> None:
+    """In 4.8 two children of a WhileDoElse run at once then, which the mission does not do."""
+    library()
+    tree = node("WhileDoElse", X, node(name, A, entry="{s1}"), C)
+    assert imported(tmp_path, tree)[0].ledger.kind is Kind.LEFT_OUT
+    ticks = [tick for seed in range(40) for tick in played(tmp_path / "tree.xml", seed)]
+    assert any(tick.running == ("a", "c") for tick in ticks)
+
+
 NOT_THERE = frozenset({"RecoveryNode", "PipelineSequence", "RoundRobin", "RateController", "TryCatch"})
 """Nodes of Nav2, and of a later version."""
 TIMED = frozenset({"Timeout", "Delay"})
