@@ -7,7 +7,7 @@ from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from mcpn.answers.causes.find import Causes, find_causes
 from mcpn.answers.causes.fmeca import Row, fmeca
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from mcpn.controller.generate import Form
     from mcpn.drawing.compose import MissionNet
     from mcpn.mission.model import Mission
-    from mcpn.spaces.engine_names import Asked
+    from mcpn.spaces.engine_names import Asking
     from mcpn.spaces.stable.alternatives import AlternativesGraph
 
 MOST_ROWS = 50
@@ -102,21 +102,19 @@ class Findings:
 
 def findings(
     subject: MissionSubject,
-    engine: Asked = "auto",
-    max_states: int | None = None,
+    **asked: Unpack[Asking],
 ) -> Findings:
     """All that a report says of a mission.
 
     Args:
         subject: The mission's spaces, or its net.
-        engine: ``explicit``, ``symbolic``, ``local``, or ``auto``: the first of them that answers.
-        max_states: Limit on states that are listed.
+        **asked: Who is asked, and within what limit.
 
     Raises:
         SemanticsError: A section hands on more than the state of its hardware.
         LimitError: A limit was hit.
     """
-    spaces = spaces_of(subject)
+    spaces = spaces_of(subject, **asked)
     mission_net = spaces.mission
     seconds: dict[str, float] = {}
     notes: list[str] = []
@@ -137,7 +135,7 @@ def findings(
             return None
 
     with timed("verdicts"):
-        checked = check(spaces, engine=engine, max_states=max_states)
+        checked = check(spaces)
     chosen = checked.choice.engine
     warnings = list(map(str, checked.warnings))
     if not (checked.verdicts["safe"].holds and checked.verdicts["confluent"].holds):
@@ -146,10 +144,10 @@ def findings(
         return Findings(
             checked, notes=notes, warnings=warnings, engine=chosen, seconds=seconds, claims=claims
         )
-    causes, rows = tried("causes", lambda: _causes(checked, max_states)) or (None, None)
+    causes, rows = tried("causes", lambda: _causes(checked)) or (None, None)
     if causes is not None and rows is None:
         notes.append(f"No FMECA table of more than {MOST_ROWS} objectives: mcpn causes --fmeca writes it.")
-    controller = tried("controller", lambda: _controller(checked, max_states))
+    controller = tried("controller", lambda: _controller(checked))
     with timed("local graphs"):
         local, unlisted = _local_graphs(spaces)
     risk = None
@@ -195,16 +193,16 @@ def _has_rates(mission: Mission) -> bool:
     return any(h.failure_rate for h in mission.hardware) or any(event.rate for event in mission.events)
 
 
-def _causes(checked: MissionCheck, max_states: int | None) -> tuple[Any, Any]:
+def _causes(checked: MissionCheck) -> tuple[Any, Any]:
     """Causes and, of missions that are not long, the FMECA table."""
-    causes = find_causes(checked.spaces, engine=checked.choice.engine, max_states=max_states)
+    causes = find_causes(checked.spaces, engine=checked.choice.engine)
     if len(causes.objectives) > MOST_ROWS:
         return causes, None
     step(Doing.PREPARING, question="the FMECA table")
     return causes, fmeca(causes.prospects)
 
 
-def _controller(checked: MissionCheck, max_states: int | None) -> dict[str, Any]:
+def _controller(checked: MissionCheck) -> dict[str, Any]:
     """The controller as rules: its size is a sum over activities, so that a page can hold it.
 
     Where a section has no rules the controller is one of tables; where a small mission cannot be divided into
@@ -217,7 +215,7 @@ def _controller(checked: MissionCheck, max_states: int | None) -> dict[str, Any]
         if form == "flat":
             step(Doing.PREPARING, question="the controller in one piece")
         try:
-            made = generate(checked.spaces, form, max_states=max_states)
+            made = generate(checked.spaces, form)
         except McpnError:
             if number == len(forms):
                 raise

@@ -18,10 +18,11 @@ Each space is built once (:mod:`mcpn.spaces.registry`): these questions share a 
 
 from __future__ import annotations
 
+import copy
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Unpack
+from typing import TYPE_CHECKING, Any, Literal, Self, Unpack
 
 from mcpn.errors import InputError, Source
 from mcpn.nets.petri import PetriNet
@@ -46,7 +47,7 @@ if TYPE_CHECKING:
     from mcpn.mission.model import Mission
     from mcpn.report.pictures.drawing import Drawing
     from mcpn.spaces.algebra import Space
-    from mcpn.spaces.engine_names import Asked, Counting, On
+    from mcpn.spaces.engine_names import Asking, Counting, Limited, On
     from mcpn.spaces.engines import Choice
     from mcpn.spaces.markings.graph import StateGraph
     from mcpn.spaces.registry import Spaces
@@ -91,7 +92,22 @@ class Study:
         self._templates = templates
         self.file = file
         self.ledger = ledger
+        self._asked: Asking = {}
         self._questions: dict[object, Questions] = {}
+
+    def bound(self, **asked: Unpack[Asking]) -> Self:
+        """The same study, whose questions are asked of an engine, or within a limit, unless they say another.
+
+        Examples:
+            >>> import mcpn
+            >>> study = mcpn.open("experiments/ulysse/mission.xml").bound(engine="local")
+            >>> study.check().choice.engine, study.causes().choice.engine
+            ('local', 'local')
+        """
+        other = copy.copy(self)
+        other._asked = {**self._asked, **asked}
+        vars(other).pop("spaces", None)
+        return other
 
     def __repr__(self) -> str:
         subject = self._subject
@@ -120,7 +136,12 @@ class Study:
 
     @cached_property
     def spaces(self) -> Spaces:
-        """Its spaces, built or not; here the net of a mission is composed."""
+        """Its spaces, built or not, bound to who is asked."""
+        return self._spaces.bound(**self._asked)
+
+    @cached_property
+    def _spaces(self) -> Spaces:
+        """The same, bound to nobody; here the net of a mission is composed."""
         if isinstance(self._subject, PetriNet):
             from mcpn.spaces.registry import Spaces
 
@@ -166,15 +187,12 @@ class Study:
 
     def check(
         self,
-        *,
-        engine: Asked = "auto",
-        max_states: int | None = None,
+        **asked: Unpack[Asking],
     ) -> MissionCheck | NetCheck:
         """Decides the verdicts of a mission, or the behaviour of a net.
 
         Args:
-            engine: Who answers for a mission; a net is reached as a diagram.
-            max_states: Limit on states that are listed.
+            **asked: Who answers for a mission, and within what limit; a net is reached as a diagram.
 
         Raises:
             LimitError: A limit was hit.
@@ -186,22 +204,19 @@ class Study:
             (True, False, False)
         """
         if self.is_net:
-            return self.behaviour(max_states=max_states)
-        return self.verdicts(engine=engine, max_states=max_states)
+            return self.bound(**asked).behaviour()
+        return self.verdicts(**asked)
 
     def verdicts(
         self,
-        *,
-        engine: Asked = "auto",
-        max_states: int | None = None,
+        **asked: Unpack[Asking],
     ) -> MissionCheck:
         """What :meth:`check` gives of a mission: verdicts with their runs, sizes, functioning modes."""
         from mcpn.answers.verdicts.mission import check
 
-        spaces = self.mission_spaces("whether a mission can succeed")
-        return check(spaces, engine=engine, max_states=max_states)
+        return check(self.mission_spaces("whether a mission can succeed"), **asked)
 
-    def behaviour(self, *, max_states: int | None = None) -> NetCheck:
+    def behaviour(self, **within: Unpack[Limited]) -> NetCheck:
         """What :meth:`check` gives of a net: bounds, deadlocks, liveness; of a mission, those of its net.
 
         Examples:
@@ -211,7 +226,8 @@ class Study:
         """
         from mcpn.logic.behaviour import MOST_LISTED, check_net
 
-        return check_net(self.spaces, max_states=MOST_LISTED if max_states is None else max_states)
+        spaces = self.spaces.bound(**within)
+        return check_net(spaces, max_states=MOST_LISTED if spaces.max_states is None else spaces.max_states)
 
     def structure(self) -> Structure:
         """What the arcs of the net prove without its markings.
@@ -226,15 +242,16 @@ class Study:
         return Structure(self.net)
 
     def states(
-        self, *, engine: Counting = "auto", on: On | None = None, max_states: int | None = None
+        self, *, engine: Counting | None = None, on: On | None = None, **within: Unpack[Limited]
     ) -> SpaceSummary:
         """Counts the reachable states, exactly.
 
         Args:
-            engine: ``symbolic``, ``explicit``, ``local`` or ``pyeda``; ``auto``: the first that answers.
+            engine: ``symbolic``, ``explicit``, ``local`` or ``pyeda``; ``auto``, the default: the first that
+                answers.
             on: ``markings`` for all markings, ``alternatives`` for the stable states of a mission alone. By
                 default all markings of a net and of a small mission, and the stable states of a larger one.
-            max_states: Limit on states that are listed.
+            **within: Limit on states that are listed.
 
         Raises:
             SemanticsError: The net is not 1-safe, or of stable states, internal evolution is not confluent.
@@ -245,27 +262,26 @@ class Study:
             >>> Study(kanban(2)).states().states
             4600
         """
-        return self.sizes(engine=engine, on=on, max_states=max_states)[0]
+        return self.sizes(engine=engine, on=on, **within)[0]
 
     def sizes(
         self,
         *,
-        engine: Counting = "auto",
+        engine: Counting | None = None,
         on: On | None = None,
-        max_states: int | None = None,
+        **within: Unpack[Limited],
     ) -> tuple[SpaceSummary, Choice | None]:
         """The sizes of the states, and the engine that was chosen; see :func:`mcpn.spaces.sizes.sizes`."""
         from mcpn.spaces.sizes import sizes
 
-        return sizes(self.spaces, engine=engine, on=on, max_states=max_states)
+        return sizes(self.spaces, engine=engine, on=on, **within)
 
     def questions(
         self,
         *,
         on: On | None = None,
         fair: Sequence[str] = (),
-        engine: Asked = "auto",
-        max_states: int | None = None,
+        **asked: Unpack[Asking],
     ) -> Questions:
         """What answers formulas; those that are asked alike share what has been found out.
 
@@ -277,11 +293,10 @@ class Study:
         """
         from mcpn.logic.asking import Questions
 
-        key = on, tuple(fair), engine, max_states
+        spaces = self.spaces.bound(**asked)
+        key = on, tuple(fair), spaces.engine, spaces.max_states
         if key not in self._questions:
-            self._questions[key] = Questions(
-                self.spaces, on=on, fair=fair, engine=engine, max_states=max_states
-            )
+            self._questions[key] = Questions(spaces, on=on, fair=fair)
         return self._questions[key]
 
     def ctl(
@@ -290,8 +305,7 @@ class Study:
         *,
         on: On | None = None,
         fair: Sequence[str] = (),
-        engine: Asked = "auto",
-        max_states: int | None = None,
+        **asked: Unpack[Asking],
     ) -> Answer:
         """Answers a formula of temporal logic, with a run that shows why.
 
@@ -300,8 +314,7 @@ class Study:
             on: Whether it speaks of all ``markings``, or of ``alternatives``: stable states and events. By
                 default the latter of a mission, the former of a net.
             fair: ``progress``, or formulas that hold again and again on the paths that count.
-            engine: Who answers.
-            max_states: Limit on states that are listed.
+            **asked: Who answers, and within what limit.
 
         Raises:
             InputError: The formula is none, or does not fit the net.
@@ -314,7 +327,7 @@ class Study:
             >>> study.ctl("EF deadlock").holds, study.ctl("AG EF think1").holds
             (True, False)
         """
-        return self.questions(on=on, fair=fair, engine=engine, max_states=max_states).answer(formula)
+        return self.questions(on=on, fair=fair, **asked).answer(formula)
 
     def satisfying(
         self,
@@ -322,8 +335,7 @@ class Study:
         *,
         on: On | None = None,
         fair: Sequence[str] = (),
-        engine: Asked = "auto",
-        max_states: int | None = None,
+        **asked: Unpack[Asking],
     ) -> FoundStates:
         """The states that satisfy a formula, to be counted, sampled, walked, or handed to other libraries.
 
@@ -331,8 +343,7 @@ class Study:
             formula: As of :meth:`ctl`; by default all states.
             on: As of :meth:`ctl`.
             fair: As of :meth:`ctl`.
-            engine: Who holds the states.
-            max_states: Limit on states that are listed.
+            **asked: Who holds the states, and within what limit.
 
         Raises:
             InputError: The formula is none, or does not fit the net.
@@ -348,16 +359,14 @@ class Study:
         """
         from mcpn.answers.state_sets import FoundStates
 
-        questions = self.questions(on=on, fair=fair, engine=engine, max_states=max_states)
+        questions = self.questions(on=on, fair=fair, **asked)
         states = questions.evaluation.states(questions.formula(formula))
         mission_net = None if self.is_net else self.mission_net
         return FoundStates(formula, questions.space, states, questions.choice.engine, mission_net)
 
     def causes(
         self,
-        *,
-        engine: Asked = "auto",
-        max_states: int | None = None,
+        **asked: Unpack[Asking],
     ) -> Causes:
         """Finds what makes the mission and its objectives fail: critical events and minimal cut sets.
 
@@ -376,27 +385,22 @@ class Study:
         """
         from mcpn.answers.causes.find import find_causes
 
-        return find_causes(
-            self.mission_spaces("what makes it fail"),
-            engine=engine,
-            max_states=max_states,
-        )
+        return find_causes(self.mission_spaces("what makes it fail"), **asked)
 
     def robot_safety(
         self,
         *,
         dangerous: Sequence[str] = (),
         stops: Sequence[str] = (),
-        engine: Asked = "auto",
-        max_states: int | None = None,
+        **asked: Unpack[Asking],
     ) -> list[SafetyAnswer]:
         """Asks the questions of a safety engineer; see :func:`mcpn.answers.safety.robot_safety`."""
         from mcpn.answers.safety import robot_safety
 
         spaces = self.mission_spaces("whether the robot is safe")
-        return robot_safety(spaces, dangerous=dangerous, stops=stops, engine=engine, max_states=max_states)
+        return robot_safety(spaces, dangerous=dangerous, stops=stops, **asked)
 
-    def alternatives(self, *, engine: Asked = "auto", max_states: int | None = None) -> Space[Any]:
+    def alternatives(self, **asked: Unpack[Asking]) -> Space[Any]:
         """The alternatives graph of the mission: its stable states, and an edge for each event.
 
         Raises:
@@ -405,19 +409,19 @@ class Study:
         """
         from mcpn.spaces.engines import answered
 
-        spaces = self.mission_spaces("the alternatives graph")
+        spaces = self.mission_spaces("the alternatives graph").bound(**asked)
 
         def ask(choice: Choice) -> Space[Any]:
             return spaces.space(choice, "alternatives")
 
-        return answered(ask, spaces.choices(engine, "alternatives", max_states))[0]
+        return answered(ask, spaces.choices("alternatives"))[0]
 
-    def graph(self, on: On = "alternatives", *, max_states: int | None = None) -> StateGraph:
+    def graph(self, on: On = "alternatives", **within: Unpack[Limited]) -> StateGraph:
         """Lists the states one by one, with the edges between them.
 
         Args:
             on: ``alternatives`` for stable states and events, of a mission; ``markings`` for all markings.
-            max_states: The most states that it may have.
+            **within: The most states that it may have.
 
         Returns:
             The graph in arrays, which goes to networkx; of a mission with what each state says of it.
@@ -440,10 +444,11 @@ class Study:
         from mcpn.spaces.stable.written_out import written_out
 
         refuse_unknown(on=on)
+        max_states = self.spaces.bound(**within).max_states
         if on == "markings":
             space = self.spaces.space(Choice(EXPLICIT, max_states=max_states), "markings")
         else:
-            space = self.alternatives(max_states=max_states)
+            space = self.alternatives(**within)
         graph = space.graph if isinstance(space, ArraySpace) else written_out(space, "listed", max_states)
         if self.is_net:
             return graph
@@ -456,8 +461,8 @@ class Study:
         self,
         form: Form | Literal["auto"] = "hierarchical",
         *,
-        max_states: int | None = None,
         told: Callable[[str], object] | None = None,
+        **within: Unpack[Limited],
     ) -> AnyController:
         """Generates the controller of the mission; see :func:`mcpn.controller.generate.generate`.
 
@@ -467,12 +472,7 @@ class Study:
         """
         from mcpn.controller.generate import generate
 
-        return generate(
-            self.mission_spaces("a controller"),
-            form,
-            max_states=max_states,
-            told=told,
-        )
+        return generate(self.mission_spaces("a controller"), form, told=told, **within)
 
     # --- what people read ---
 
@@ -497,11 +497,11 @@ class Study:
         kind = kind or ("mission" if section is None else "alternatives")
         return drawn(self.mission_spaces("this picture"), kind, section)
 
-    def findings(self, *, engine: Asked = "auto", max_states: int | None = None) -> Findings:
+    def findings(self, **asked: Unpack[Asking]) -> Findings:
         """What a report says of the mission; see :func:`mcpn.findings.findings`."""
         from mcpn.findings import findings
 
-        return findings(self.mission_spaces("a report"), engine, max_states)
+        return findings(self.mission_spaces("a report"), **asked)
 
     def report(self, path: str | Path) -> None:
         """Writes a report of the mission as one HTML page, as ``mcpn report`` does.

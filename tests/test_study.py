@@ -125,12 +125,12 @@ def test_what_was_listed_within_a_limit_serves_every_higher_one(built: Counter[s
     for limit in (259, 259, 260, 1000):
         if limit == 259:
             with pytest.raises(LimitError, match="259"):
-                spaces.listed(limit)
+                spaces.bound(max_states=limit).listed()
         else:
-            assert spaces.listed(limit).states == 260
+            assert spaces.bound(max_states=limit).listed().states == 260
     assert built == {"listing": 2}
     with pytest.raises(LimitError, match="100"):  # and no lower one
-        spaces.listed(100)
+        spaces.bound(max_states=100).listed()
 
 
 @pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Unpack
 
 from mcpn.answers.claims.claim import sentences
 from mcpn.answers.claims.found import claims_found, of_verdict
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mcpn.answers.claims.claim import Claim
     from mcpn.answers.spaces import MissionSpaces, MissionSubject
     from mcpn.answers.verdicts.mission import MissionCheck
-    from mcpn.spaces.engine_names import Asked
+    from mcpn.spaces.engine_names import Asking
     from mcpn.spaces.run import Run
 
 ASKED = {
@@ -75,8 +75,7 @@ def robot_safety(
     *,
     dangerous: Sequence[str] = (),
     stops: Sequence[str] = (),
-    engine: Asked = "auto",
-    max_states: int | None = None,
+    **asked: Unpack[Asking],
 ) -> list[SafetyAnswer]:
     """Asks the questions of safety of a mission.
 
@@ -84,8 +83,7 @@ def robot_safety(
         subject: The mission's spaces, or its net.
         dangerous: Activities that must not run after a stop.
         stops: Events that stop the robot, by their names.
-        engine: Who answers; see :func:`mcpn.answers.verdicts.mission.check`.
-        max_states: Limit on states that are listed.
+        **asked: Who is asked, and within what limit.
 
     Returns:
         The answers, in the order of :data:`ASKED`.
@@ -101,7 +99,7 @@ def robot_safety(
     from mcpn.logic.syntax import parse
     from mcpn.logic.witness import explain
 
-    spaces = spaces_of(subject)
+    spaces = spaces_of(subject, **asked)
     names = MissionNames(spaces.mission)
     formulas = {
         (stop, activity): f"G (happens({stop}) -> X G !activity({activity}))"
@@ -111,7 +109,7 @@ def robot_safety(
     meant = {pair: parse(text, names) for pair, text in formulas.items()}
     for alone in (*(f"happens({stop})" for stop in stops), *(f"activity({each})" for each in dangerous)):
         parse(alone, names)
-    checked = check(spaces, engine=engine, max_states=max_states)
+    checked = check(spaces)
     claims = [*claims_found(checked)]
 
     def after_stop() -> SafetyAnswer:
@@ -137,7 +135,7 @@ def robot_safety(
         return SafetyAnswer("dark_after_stop", not why, tuple(why), run)
 
     cannot_abort = ("that it ends, in success or failure, is all that is proved: it cannot be aborted",)
-    lost_alone, single = _single_losses(spaces, engine, max_states)
+    lost_alone, single = _single_losses(spaces)
     return [
         _by_verdict("ends_safely", checked, ENDS_SAFELY, "can_always_finish")._with(
             () if spaces.mission.abort is not None else cannot_abort
@@ -158,16 +156,14 @@ def single_losses(goal: GoalCauses) -> list[str]:
     return sorted(dict.fromkeys(alone))
 
 
-def _single_losses(
-    spaces: MissionSpaces, engine: Asked, max_states: int | None
-) -> tuple[list[str] | None, SafetyAnswer]:
+def _single_losses(spaces: MissionSpaces) -> tuple[list[str] | None, SafetyAnswer]:
     """Hardware whose loss alone leaves no safe end, where that is known, and the answer on it."""
     from mcpn.answers.causes.find import find_causes
     from mcpn.answers.claims import claims_of_losses
 
     name = "no_single_loss_endangers"
     try:
-        causes = find_causes(spaces, engine=engine, max_states=max_states)
+        causes = find_causes(spaces)
     except SemanticsError as error:
         return None, SafetyAnswer(name, None, (f"not known: {error}",))
     goal, notes = causes.safety, list[str]()

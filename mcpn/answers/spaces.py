@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from math import inf
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, Unpack
 
 from mcpn.composite.clash_sentences import in_mission_words
 from mcpn.drawing.compose import MissionNet
@@ -18,7 +18,7 @@ from mcpn.drawing.permanent_loss import mortal
 from mcpn.drawing.sections import SectionParts, part_of, refuse_wide
 from mcpn.errors import InputError, LimitError
 from mcpn.spaces.algebra import Space
-from mcpn.spaces.engine_names import EXPLICIT, LOCAL, SYMBOLIC, Asked, Engine, On
+from mcpn.spaces.engine_names import EXPLICIT, LOCAL, SYMBOLIC, Asking, Engine, On
 from mcpn.spaces.engines import Choice, choices_of_net, refuse_unknown
 from mcpn.spaces.registry import Spaces, kept
 from mcpn.spaces.stable.run_to_completion import MAX_STABLE_STATES
@@ -83,11 +83,12 @@ class MissionSpaces(Spaces):
 
         return [(constraint.states, constraint.transitions) for constraint in progress(self.mission)]
 
-    def choices(self, engine: Asked, on: On, max_states: int | None = None) -> Iterator[Choice]:
+    def choices(self, on: On) -> Iterator[Choice]:
         """The engines to ask, the one that promises most first."""
-        refuse_unknown(engine, on)
-        if engine != "auto" or on == "markings":
-            yield from choices_of_net(engine, max_states)
+        refuse_unknown(on=on)
+        max_states = self.max_states
+        if self.engine != "auto" or on == "markings":
+            yield from choices_of_net(self.engine, max_states)
             return
         sections = len(self.mission.graph.sections)
         limit = FEW // max(sections, 1)
@@ -100,9 +101,9 @@ class MissionSpaces(Spaces):
         yield Choice(LOCAL, f"{many}, so {own} explored on its own", max_states)
         yield Choice(SYMBOLIC, max_states=max_states)
 
-    def few(self, max_states: int | None = None) -> bool:
+    def few(self) -> bool:
         """Whether the stable states are listed before anything else is tried."""
-        return next(self.choices("auto", "alternatives", max_states)).brief
+        return next(self.bound(engine="auto").choices("alternatives")).brief
 
     # --- by engine and graph ---
 
@@ -196,17 +197,17 @@ class MissionSpaces(Spaces):
         return local_graph(self.mission, name, max_states, self.templates)
 
 
-def spaces_of(subject: MissionSubject) -> MissionSpaces:
-    """The spaces of a mission's net; those that are given, if they are.
+def spaces_of(subject: MissionSubject, **asked: Unpack[Asking]) -> MissionSpaces:
+    """The spaces of a mission's net, bound to who is asked; those that are given, if they are.
 
     Raises:
         InputError: These are the spaces of a net of no mission.
     """
     if isinstance(subject, MissionSpaces):
-        return subject
+        return subject.bound(**asked)
     if isinstance(subject, Spaces):
         raise InputError.at(None, f"{subject.net.name} is a net of no mission: expected a mission")
-    return MissionSpaces(subject)
+    return MissionSpaces(subject).bound(**asked)
 
 
 def too_much_hardware(mission_net: MissionNet, limit: int) -> str | None:

@@ -137,7 +137,7 @@ def likeness_of(
 
 def _listed(spaces: MissionSpaces, max_states: int | None) -> AlternativesGraph | SemanticsError:
     try:
-        return spaces.listed(max_states)
+        return spaces.bound(max_states=max_states).listed()
     except SemanticsError as error:
         return error
 

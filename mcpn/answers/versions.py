@@ -81,20 +81,19 @@ class _Version(NamedTuple):
     note: str
 
 
-def compared(first: MissionSpaces, second: MissionSpaces, max_states: int | None = None) -> VersionDifference:
+def compared(first: MissionSpaces, second: MissionSpaces) -> VersionDifference:
     """What the second mission loses or gains.
 
     Args:
         first: A mission.
         second: Another one, with some objectives or hardware of the same names.
-        max_states: Limit on states that are listed.
 
     Raises:
         InputError: They have no objective and no hardware in common.
         LimitError: A limit was hit.
     """
     _match(first, second)
-    before, after = _known(first, max_states), _known(second, max_states)
+    before, after = _known(first), _known(second)
     changed = _changed(before.claims, after.claims)
     both = changed.pop(True), changed.pop(False), changed.pop(None)
     cut_sets = dict(_cut_sets(before.causes, after.causes)) if before.causes and after.causes else {}
@@ -126,11 +125,11 @@ def _match(first: MissionSpaces, second: MissionSpaces) -> None:
         )
 
 
-def _known(spaces: MissionSpaces, max_states: int | None) -> _Version:
-    checked, mission = check(spaces, max_states=max_states), spaces.mission.mission
+def _known(spaces: MissionSpaces) -> _Version:
+    checked, mission = check(spaces), spaces.mission.mission
     name, claims = (mission.source and mission.source.file) or mission.name, claims_of(checked)
     try:
-        causes = find_causes(spaces, max_states=max_states)
+        causes = find_causes(spaces)
     except SemanticsError as error:
         return _Version(checked, _by_key(claims), None, f"{name}: losses are not compared: {error}")
     rows, note = [], ""

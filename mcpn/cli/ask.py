@@ -85,12 +85,10 @@ def ask(
     from mcpn.logic.answering import answer_typed
 
     with question.progress():
-        study = question.study(file)
+        study = question.study(file, engine)
     if robot_safety:
         with question.work():
-            found = study.robot_safety(
-                dangerous=dangerous, stops=stops, engine=engine, max_states=question.max_states
-            )
+            found = study.robot_safety(dangerous=dangerous, stops=stops)
         _tell_safety(found, study.mission_net, question.as_json)
         return
     if not (formulas or properties or examinations):
@@ -100,7 +98,7 @@ def ask(
         return
     answers: Sequence[Answer] = ()
     with question.workers():
-        questions = study.questions(on=graph, fair=fair, engine=engine, max_states=question.max_states)
+        questions = study.questions(on=graph, fair=fair)
         # Everything asked is understood before anything is answered.
         questions.formulas(formulas)
         if hoa:

@@ -92,12 +92,12 @@ def causes(
     hours = None if within is None else _hours(within, rates)
     if fmeca is not None:
         tables.check_table_name(fmeca)
-    study = question.study(mission)
+    study = question.study(mission, engine)
     if not question.as_json:
         tell_warnings(study.mission_net)
     with question.progress():
         with question.workers():
-            every = study.causes(engine=engine, max_states=question.max_states)
+            every = study.causes()
         found = every.of(objectives) if objectives else every
         short = len(found.objectives) <= MOST_TOLD
         wanted = None if fmeca is not None else list(found.objectives)

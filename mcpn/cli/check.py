@@ -67,7 +67,7 @@ def check(
     if form != "text":
         _annotate(question, file, structure, engine, strict, form)
     with question.progress():
-        study = question.study(file)
+        study = question.study(file, engine)
     if certificate is not None:
         study.mission_spaces("a certificate")
     if structure or study.is_net:
@@ -78,13 +78,13 @@ def check(
             emit_json(structure_object(arcs)) if question.as_json else print_structure(arcs)
         else:
             with question.progress():
-                does = study.behaviour(max_states=question.max_states)
+                does = study.behaviour()
             emit_json(net_object(does)) if question.as_json else print_net(does)
         return
 
     warned = [] if question.as_json else tell_warnings(study.mission_net)
     with question.work():
-        found = study.verdicts(engine=engine, max_states=question.max_states)
+        found = study.verdicts()
         seconds = time.perf_counter() - started
         written = None if certificate is None else certified(found, certificate, question.max_states)
     if question.as_json:
@@ -122,13 +122,13 @@ def _annotate(
     whole, code = Source(str(file), 1), 0
     try:
         with question.work():
-            study = question.study(file)
+            study = question.study(file, engine)
             if study.is_net:
                 raise InputError.at(
                     whole,
                     f"expected a mission or a tree: --format {form} names places in it",
                 )
-            found = study.verdicts(engine=engine, max_states=question.max_states)
+            found = study.verdicts()
         said = [*annotated(found, str(file))]
         if study.ledger is not None:
             said += of_ledger(found, study.ledger, whole)

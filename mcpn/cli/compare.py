@@ -173,7 +173,7 @@ def _compare_missions(file: Path, other: Path, question: Question, as_json: bool
         return study.mission_spaces()
 
     with question.work():
-        found = compared(mission(file), mission(other), question.max_states)
+        found = compared(mission(file), mission(other))
     if as_json:
         emit_json(difference_object(found, str(file), str(other)))
     else:

@@ -105,7 +105,7 @@ def controller(
         from mcpn.files import write_atomically
 
         with question.work():
-            written = certificate_of(study.verdicts(max_states=question.max_states), question.max_states)
+            written = certificate_of(study.verdicts(), question.max_states)
         write_atomically(certificate, written.to_bytes())
     bytes_ = sum(len(text.encode()) for text in texts.values())
     if bytes_ > MANY_BYTES and found.form != "modular" and target in OF_RULES:
@@ -248,7 +248,7 @@ def _write_chain(source: Path, target: Path, question: Question) -> None:
     from mcpn.report.failures.drn import drn
 
     study = question.study(source)
-    space = study.alternatives(max_states=question.max_states)
+    space = study.alternatives()
     chain = whole_chain(Prospects(study.mission_net, space), question.max_states, decimal)
     write_atomically(target, drn(chain))
     if question.as_json:

@@ -14,7 +14,7 @@ from mcpn.report.progress import progress_on_terminal
 from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
-    from mcpn.spaces.engine_names import Asked
+    from mcpn.spaces.engine_names import Asked, Asking
 
 
 @click.command()
@@ -47,9 +47,9 @@ def report(
     if output.suffix.lower() not in (".html", ".htm"):
         source = Source(str(output))
         raise InputError.at(source, f"found the suffix {output.suffix!r}, expected .html")
-    study = question.study(mission)
+    study = question.study(mission, engine)
     with progress_on_terminal(), question.workers():
-        found = study.findings(engine=engine, max_states=question.max_states)
+        found = study.findings()
         step(Doing.PREPARING, question="the page")
         local = local_pictures(found.local)
         verified = None if certificate is None else certified(found.check, certificate, question.max_states)
@@ -89,9 +89,8 @@ def serve(
     if not mission.is_file():
         raise InputError.at(Source(str(mission)), "found no such file, expected a mission")
     try:
-        served = ServedMission(
-            mission, question.import_root, engine, question.max_states, question.of_tree or {}
-        )
+        asked: Asking = {"engine": engine, "max_states": question.max_states}
+        served = ServedMission(mission, question.import_root, asked, question.of_tree or {})
         server = PageServer(served, port)
     except OSError as error:
         raise InputError.at(None, f"port {port} cannot be listened on: {error.strerror}") from error

@@ -21,6 +21,7 @@ from mcpn.spaces.engine_names import EXPLICIT, LOCAL, SYMBOLIC
 if TYPE_CHECKING:
     from mcpn.drawing.compose import MissionNet
     from mcpn.drawing.templates import TemplateSet
+    from mcpn.spaces.engine_names import Asked
     from mcpn.spaces.engines import Choice, NoSpace
     from mcpn.study import Study
     from mcpn.trees.options import TreeOptions
@@ -185,8 +186,11 @@ class Question:
     jobs: int = 1
     scheduler: str | None = None
 
-    def study(self, file: Path) -> Study:
-        """The study of a file, which is read as the options say."""
+    def study(self, file: Path, engine: Asked = "auto") -> Study:
+        """The study of a file, which is read, and asked of an engine, as the options say."""
+        return self._opened(file).bound(engine=engine, max_states=self.max_states)
+
+    def _opened(self, file: Path) -> Study:
         from mcpn.study import open_study
 
         if self.of_tree is not None:

@@ -59,7 +59,7 @@ def states(
         emit_counts(asdict(found) | {"why": None}, question.as_json)
         return
     with question.progress():
-        found, choice = study.sizes(engine=engine, on=graph, max_states=question.max_states)
+        found, choice = study.sizes(engine=engine, on=graph)
     emit_counts(
         asdict(found) | ({"why": None} if choice is None else choice_object(choice)), question.as_json
     )
@@ -122,6 +122,7 @@ def alternatives(
     started = time.perf_counter()
     if section is not None:
         spaces, engine = spaces.section(section), EXPLICIT
+    spaces = spaces.bound(engine=engine, max_states=question.max_states)
 
     def ask(choice: Choice) -> Space[Any]:
         if choice.engine == EXPLICIT and not choice.brief:
@@ -131,7 +132,7 @@ def alternatives(
             return spaces.space(choice, "alternatives")
 
     with in_mission_words(spaces.mission):
-        space, choice = answered(ask, spaces.choices(engine, "alternatives", question.max_states))
+        space, choice = answered(ask, spaces.choices("alternatives"))
     listed = space.graph if isinstance(space, ArraySpace) else None
     graph = listed if isinstance(listed, AlternativesGraph) else None
     if output is not None:

@@ -25,7 +25,7 @@ def require_verified(study: Study, question: Question, refused: str) -> None:
 
     warned = [] if question.as_json else tell_warnings(study.mission_net)
     started = time.perf_counter()
-    found = study.verdicts(max_states=question.max_states)
+    found = study.verdicts()
     if found.passed:
         return
     if question.as_json:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from typing import Literal, overload
+from typing import Literal, Unpack, overload
 
 from mcpn.answers.spaces import MissionSubject, spaces_of
 from mcpn.composite.clash_sentences import in_mission_words
@@ -23,6 +23,7 @@ from mcpn.controller.sizes import (
     too_large,
 )
 from mcpn.errors import LimitError
+from mcpn.spaces.engine_names import Limited
 from mcpn.spaces.stable.run_to_completion import MAX_STABLE_STATES
 
 Form = Literal["flat", "hierarchical", "modular"]
@@ -42,31 +43,31 @@ def generate(
     subject: MissionSubject,
     form: Literal["flat", "hierarchical"] = "hierarchical",
     *,
-    max_states: int | None = None,
     told: Callable[[str], object] | None = None,
+    **within: Unpack[Limited],
 ) -> TableController: ...
 @overload
 def generate(
     subject: MissionSubject,
     form: Literal["modular"],
     *,
-    max_states: int | None = None,
     told: Callable[[str], object] | None = None,
+    **within: Unpack[Limited],
 ) -> ModularController: ...
 @overload
 def generate(
     subject: MissionSubject,
     form: Form | Literal["auto"],
     *,
-    max_states: int | None = None,
     told: Callable[[str], object] | None = None,
+    **within: Unpack[Limited],
 ) -> AnyController: ...
 def generate(
     subject: MissionSubject,
     form: Form | Literal["auto"] = "hierarchical",
     *,
-    max_states: int | None = None,
     told: Callable[[str], object] | None = None,
+    **within: Unpack[Limited],
 ) -> AnyController:
     """Generates the controller of a mission.
 
@@ -74,9 +75,9 @@ def generate(
         subject: The mission's spaces, or its net.
         form: Hierarchical, whose size is the sum of the sizes of types of sections; modular, of rules; flat;
             or ``auto``: hierarchical unless a section has many states, then modular.
-        max_states: How many states a machine may have.
         told: Called with the sizes, in words, before large sections are listed, and where ``auto`` takes
             the modular form.
+        **within: How many states a machine may have.
 
     Raises:
         SemanticsError: The mission is not safe or not confluent, or a section hands on more than hardware.
@@ -86,7 +87,8 @@ def generate(
         :func:`mcpn.controller.minimise.minimise`: fewer states that do the same.
         :mod:`mcpn.robot.targets`: the files that robots read.
     """
-    spaces, mission_net = spaces_of(subject), spaces_of(subject).mission
+    spaces = spaces_of(subject, **within)
+    mission_net, max_states = spaces.mission, spaces.max_states
     if form == "flat":
         faulty = sum(h.faulty for h in mission_net.mission.hardware)
         limit = MAX_STABLE_STATES if max_states is None else max_states
@@ -96,7 +98,7 @@ def generate(
                 f"more, the limit is {limit}: the hierarchical one needs no such product"
             )
         with in_mission_words(mission_net):
-            return flat_controller(mission_net, spaces.listed(limit))
+            return flat_controller(mission_net, spaces.bound(max_states=limit).listed())
     with in_mission_words(mission_net):
         composite = spaces.composite()
     if form == "modular":

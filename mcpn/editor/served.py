@@ -30,12 +30,12 @@ from mcpn.report.pages.token_game import fired
 from mcpn.report.words import in_words
 from mcpn.robot.runtime.controller import Step
 from mcpn.robot.runtime.journal import step_object
+from mcpn.spaces.engine_names import Asking
 from mcpn.study import Study, open_study
 from mcpn.trees.options import TreeOptions
 
 if TYPE_CHECKING:
     from mcpn.logic.session import Answer
-    from mcpn.spaces.engine_names import Asked
 
 LOOPBACK = "127.0.0.1"
 EVERY = 0.5
@@ -107,15 +107,13 @@ class ServedMission(Content):
     Args:
         file: The mission.
         import_root: The directory that imports must stay in; by default the mission's own.
-        engine: Who verifies it.
-        max_states: Limit on states that are listed.
+        asked: Who verifies it, and within what limit.
         of_tree: How a behaviour tree is read.
     """
 
     file: Path
     import_root: Path | None = None
-    engine: Asked = "auto"
-    max_states: int | None = None
+    asked: Asking = field(default_factory=Asking)
     of_tree: TreeOptions = field(default_factory=TreeOptions)
     shown: ServedPage = field(init=False)
 
@@ -128,10 +126,10 @@ class ServedMission(Content):
         """What is served of the files as they are now; these are the files that were known before."""
         before = _stamps([str(self.file)])
         try:
-            study = open_study(self.file, import_root=self.import_root, **self.of_tree)
+            study = open_study(self.file, import_root=self.import_root, **self.of_tree).bound(**self.asked)
             files = files_of(study.mission_net.mission)
             stamps = _stamps(files) | before  # of the mission itself from before it was read
-            text = page(study.findings(engine=self.engine, max_states=self.max_states), served=number)
+            text = page(study.findings(), served=number)
         except InputError as error:
             files = [problem.source.file for problem in error.problems if problem.source]
             text = failed_page(self.file, error.problems, number)
@@ -156,14 +154,14 @@ class ServedMission(Content):
         """The answer to a formula as a JSON object, or what is wrong with it."""
 
         def answered(study: Study) -> dict[str, Any]:
-            found = study.ctl(formula, engine=self.engine, max_states=self.max_states)
+            found = study.ctl(formula)
             return {"formula": found.formula, "holds": found.holds, **_shows(study, found)}
 
         return self._asked(answered)
 
     def suppose(self, lost: list[str], ways: dict[str, list[str]]) -> dict[str, Any]:
         """The mission as it is beside what it would be, as a JSON object, or why that is not known."""
-        return self._asked(lambda study: compared(study, lost, ways, self.engine, self.max_states))
+        return self._asked(lambda study: compared(study, lost, ways))
 
     def fire(self, tokens: list[Any], transition: int) -> dict[str, Any]:
         """The marking after a firing in another one, or why there is none."""
@@ -380,8 +378,8 @@ class RobotPage(Content):
         LimitError: Its controller is too large for a page.
     """
 
-    def __init__(self, study: Study, max_states: int | None = None) -> None:
-        found = study.findings(max_states=max_states)
+    def __init__(self, study: Study) -> None:
+        found = study.findings()
         if found.controller is None:
             raise LimitError(f"--page: {'; '.join(found.notes) or 'the page has no controller'}")
         self.shown = ServedPage(1, page(found, robot=True), study, {})

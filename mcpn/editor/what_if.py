@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from mcpn.answers.claims import all_claims
 from mcpn.did_you_mean import did_you_mean
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mcpn.mission.model import Mission
     from mcpn.mission.requirement import Requirement
     from mcpn.mission.robot import Activity
-    from mcpn.spaces.engine_names import Asked
+    from mcpn.spaces.engine_names import Asking
 
 
 def supposed(mission: Mission, lost: Sequence[str], ways: Mapping[str, Sequence[str]]) -> Mission:
@@ -113,8 +113,7 @@ def compared(
     study: Study,
     lost: Sequence[str],
     ways: Mapping[str, Sequence[str]],
-    engine: Asked = "auto",
-    max_states: int | None = None,
+    **asked: Unpack[Asking],
 ) -> dict[str, Any]:
     """What is found of a mission as it is and as it would be, question by question.
 
@@ -122,8 +121,7 @@ def compared(
         study: The mission.
         lost: As of :func:`supposed`.
         ways: As of :func:`supposed`.
-        engine: Who verifies it.
-        max_states: Limit on states that are listed.
+        **asked: Who verifies it, and within what limit.
 
     Returns:
         ``rows``: for each question of a page's first screen, and for the modes of each objective whose modes
@@ -136,17 +134,17 @@ def compared(
         LimitError: A limit was hit.
     """
     mission = study.mission_net.mission
-    other = Study(supposed(mission, lost, ways))
+    study, other = study.bound(**asked), Study(supposed(mission, lost, ways)).bound(**asked)
     required, still = (each.mission_net.graph.requirements for each in (study, other))
     left_out = study.mission_net.graph.copies.told((name for name in required if name not in still), required)
-    asked: dict[str, list[tuple[str, str]]] = {}
+    told: dict[str, list[tuple[str, str]]] = {}
     for number, one in enumerate((study, other)):
-        for line in _told(one, engine, max_states):
-            said = asked.setdefault(line.asked, [("note", "")] * 2)
+        for line in _told(one):
+            said = told.setdefault(line.asked, [("note", "")] * 2)
             said[number] = (line.state, line.said)
     rows = [
         {"asked": question, "said": said}
-        for question, said in asked.items()
+        for question, said in told.items()
         if not question.startswith(MODES) or said[0] != said[1]
     ]
     return {"rows": rows, "left_out": left_out}
@@ -155,10 +153,10 @@ def compared(
 MODES = "Modes of "
 
 
-def _told(study: Study, engine: Asked, max_states: int | None) -> Iterator[StoryLine]:
-    checked = study.verdicts(engine=engine, max_states=max_states)
+def _told(study: Study) -> Iterator[StoryLine]:
+    checked = study.verdicts()
     sound = checked.verdicts["safe"].holds and checked.verdicts["confluent"].holds
-    causes = study.causes(engine=engine, max_states=max_states) if sound else None
+    causes = study.causes() if sound else None
     found = Findings(checked, causes, claims=all_claims(checked, causes))
     yield headline(found)
     yield from story(found)

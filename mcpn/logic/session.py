@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from mcpn.errors import InputError, LimitError, Problem, UnboundedError, UnsafeError
 from mcpn.logic.evaluate import Evaluation
@@ -17,7 +17,7 @@ from mcpn.sentences import quoted
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.diagrams.base import Diagrams
 from mcpn.spaces.diagrams.spaces import DiagramMarkings
-from mcpn.spaces.engine_names import EXPLICIT, SYMBOLIC, Asked, On
+from mcpn.spaces.engine_names import EXPLICIT, SYMBOLIC, Asking, On
 from mcpn.spaces.engines import Choice, NoSpace, answered, refuse_unknown
 from mcpn.spaces.names import PROGRESS
 from mcpn.spaces.registry import Subject, spaces_of
@@ -56,9 +56,8 @@ class Session:
         subject: The spaces of a mission or of a net, or what they are to be built of.
         on: The graph that formulas speak of; by default a mission's stable states, or a net's markings.
         fair: ``progress`` or formulas that hold again and again on the infinite paths that count.
-        engine: Who makes the space: arrays, diagrams, composition, or ``auto``, see
+        **asked: Who makes the space, and within what limit: arrays, diagrams, composition, or ``auto``, see
             :mod:`mcpn.spaces.engines`, with a search before it where one may do; ``search``: nobody.
-        max_states: Limit on states that are listed one by one.
 
     Raises:
         InputError: A constraint is no formula, or the words do not fit the net.
@@ -70,18 +69,16 @@ class Session:
         *,
         on: On | None = None,
         fair: Sequence[str] = (),
-        engine: Asked = "auto",
-        max_states: int | None = None,
+        **asked: Unpack[Asking],
     ) -> None:
-        refuse_unknown(engine, on)
-        self.spaces = spaces_of(subject)
+        refuse_unknown(on=on)
+        self.spaces = spaces_of(subject, **asked)
         self.net = net = self.spaces.net
         on = on or self.spaces.asked_on
         if on == "alternatives" and not net.priorities:
             raise InputError.at(None, "the alternatives graph is of missions: this net has no priorities")
         self.on: On = on
-        self.engine = engine
-        self.max_states = max_states
+        self.engine, self.max_states = self.spaces.engine, self.spaces.max_states
         self.names = self.spaces.names()
         self.fair: tuple[Justice, ...] = ()  # a constraint speaks of all paths itself
         self.fair = tuple(
@@ -134,7 +131,7 @@ class Session:
     @property
     def small(self) -> bool:
         """Whether the space is of a mission and soon listed."""
-        return self.spaces.few(self.max_states)
+        return self.spaces.few()
 
     @property
     def made(self) -> bool:
@@ -159,7 +156,7 @@ class Session:
         def by(choice: Choice) -> Space[Any]:
             return self.spaces.space(choice, self.on, tokens=tokens)
 
-        space, choice = answered(by, self.spaces.choices(self.engine, self.on, self.max_states))
+        space, choice = answered(by, self.spaces.choices(self.on))
         if choice.engine == SYMBOLIC and not isinstance(space, Diagrams):
             choice = Choice(EXPLICIT, "its markings were listed before a diagram held them")
         return space, choice

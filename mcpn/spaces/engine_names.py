@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final, Literal, TypeAlias
+from typing import Final, Literal, TypeAlias, TypedDict
 
 EXPLICIT: Final = "explicit"
 """Lists states in arrays."""
@@ -19,3 +19,23 @@ Asked: TypeAlias = Literal["auto", "explicit", "symbolic", "local", "search"]
 """An engine by name, or ``auto``; ``search`` answers questions of logic without a space."""
 Counting: TypeAlias = Literal["auto", "explicit", "symbolic", "local", "pyeda"]
 """Who counts states; ``auto``: the first of the others that answers."""
+
+
+class Limited(TypedDict, total=False):
+    """What a question may be asked within.
+
+    Args:
+        max_states: Limit on states that are listed one by one; by default that of each engine.
+    """
+
+    max_states: int | None
+
+
+class Asking(Limited, total=False):
+    """Who is asked a question, and within what: said of a study, of spaces or of one question.
+
+    Args:
+        engine: Who answers: ``explicit``, ``symbolic``, ``local``, or ``auto``: the first of them that does.
+    """
+
+    engine: Asked

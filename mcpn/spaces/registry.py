@@ -11,7 +11,7 @@ from collections.abc import Callable, Hashable, Iterator, Sequence
 from functools import cached_property, update_wrapper
 from inspect import signature
 from math import inf
-from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, Self, TypeAlias, TypeVar, Unpack
 
 from mcpn._kernel import Exploration
 from mcpn.errors import InputError, LimitError, SemanticsError
@@ -22,7 +22,7 @@ from mcpn.spaces.diagrams.race import Resting
 from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.spaces.diagrams.symbolic import reaching
-from mcpn.spaces.engine_names import EXPLICIT, LOCAL, Asked, Engine, On
+from mcpn.spaces.engine_names import EXPLICIT, LOCAL, Asked, Asking, Engine, On
 from mcpn.spaces.engines import FEW_FIRINGS, Choice, choices_of_net, refuse_unknown
 from mcpn.spaces.markings.explicit import MAX_MARKINGS, Counts, KernelNet, count, explore
 from mcpn.spaces.names import PROGRESS, Names
@@ -134,14 +134,31 @@ class Spaces:
     Attributes:
         asked_on: The graph that questions speak of by default.
         one_outcome: Whether each event is known to have one outcome before any space is built.
+        engine: Who is asked, ``auto`` unless :meth:`bound` says another.
+        max_states: The user's limit on states that are listed; ``None`` for that of each engine.
     """
 
     asked_on: On = "markings"
     one_outcome: bool = False
+    engine: Asked = "auto"
+    max_states: int | None = None
 
     def __init__(self, net: PetriNet) -> None:
         self.net = net
         self._kept: dict[Hashable, tuple[Any, Any]] = {}
+
+    def bound(self, **asked: Unpack[Asking]) -> Self:
+        """The same spaces, asked of an engine or within a limit; what one of them builds, all have.
+
+        Raises:
+            InputError: There is no such engine.
+        """
+        if not asked:
+            return self
+        refuse_unknown(asked.get("engine", "auto"))
+        other = copy.copy(self)
+        vars(other).update(asked)
+        return other
 
     # --- what the net means ---
 
@@ -157,12 +174,12 @@ class Spaces:
         """
         raise InputError.at(None, f"the constraint {PROGRESS} speaks of missions, and this net is of none")
 
-    def choices(self, engine: Asked, on: On, max_states: int | None = None) -> Iterator[Choice]:
+    def choices(self, on: On) -> Iterator[Choice]:
         """The engines to ask, the one that promises most first; see :mod:`mcpn.spaces.engines`."""
-        refuse_unknown(engine, on)
-        return choices_of_net(engine, max_states)
+        refuse_unknown(on=on)
+        return choices_of_net(self.engine, self.max_states)
 
-    def few(self, max_states: int | None = None) -> bool:
+    def few(self) -> bool:
         """Whether few stable states are expected, so that they are listed before anything else is tried."""
         return False
 
@@ -219,9 +236,9 @@ class Spaces:
         listing = self._listed(self.within(by))
         return listing.few or listing.space, PROOF_BY_MARKINGS
 
-    def listed(self, max_states: int | None = None) -> AlternativesGraph:
+    def listed(self) -> AlternativesGraph:
         """The alternatives graph with its stable states listed, and proved; its errors are the net's own."""
-        return self._listed((MAX_STABLE_STATES if max_states is None else max_states, inf)).graph
+        return self._listed((MAX_STABLE_STATES if self.max_states is None else self.max_states, inf)).graph
 
     @kept("within")
     def _listed(self, within: tuple[int, float]) -> _Listing:
@@ -384,6 +401,6 @@ class Spaces:
         return ArraySpace(explore_tokens(self.net, max_states=max_states))
 
 
-def spaces_of(subject: Subject) -> Spaces:
-    """The spaces of a net; those that are given, if they are."""
-    return subject if isinstance(subject, Spaces) else Spaces(subject)
+def spaces_of(subject: Subject, **asked: Unpack[Asking]) -> Spaces:
+    """The spaces of a net, bound to who is asked; those that are given, if they are."""
+    return (subject if isinstance(subject, Spaces) else Spaces(subject)).bound(**asked)

@@ -5,15 +5,12 @@ from __future__ import annotations
 import time
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import Unpack
 
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
-from mcpn.spaces.engine_names import EXPLICIT, LOCAL, PYEDA, SYMBOLIC, Counting, On
+from mcpn.spaces.engine_names import EXPLICIT, LOCAL, PYEDA, SYMBOLIC, Counting, Limited, On
 from mcpn.spaces.engines import SMALL, Choice, answered
 from mcpn.spaces.registry import Subject, spaces_of
-
-if TYPE_CHECKING:
-    pass
 from mcpn.spaces.summary import SpaceSummary, summary_of, summary_of_counts, summary_of_own
 
 
@@ -57,19 +54,19 @@ def summarise(
 def sizes(
     subject: Subject,
     *,
-    engine: Counting = "auto",
+    engine: Counting | None = None,
     on: On | None = None,
-    max_states: int | None = None,
+    **within: Unpack[Limited],
 ) -> tuple[SpaceSummary, Choice | None]:
     """Counts the states of a net, or of a mission.
 
     Args:
         subject: The spaces of a net or of a mission, or what they are to be built of.
-        engine: Who counts.
+        engine: Who counts; by default whom the spaces are bound to.
         on: Whether all markings are counted, or the stable states alone, which leaves all else ``None``. By
             default all markings, but for a mission that is asked of sections: by ``local``, or by ``auto``
             where there are many markings.
-        max_states: Limit on states that are listed one by one.
+        **within: Limit on states that are listed one by one.
 
     Returns:
         The sizes, and the engine that was chosen; ``None`` for ``pyeda``, which is only asked by name.
@@ -80,10 +77,11 @@ def sizes(
             event has several outcomes or none.
         LimitError: A limit was hit.
     """
-    spaces = spaces_of(subject)
-    net = spaces.net
     if engine == PYEDA:
-        return summarise(spaces, engine), None
+        return summarise(subject, engine), None
+    spaces = spaces_of(subject, **within)
+    spaces = spaces if engine is None else spaces.bound(engine=engine)
+    net = spaces.net
 
     def markings(choice: Choice) -> SpaceSummary:
         if choice.engine == LOCAL:  # counts stable states only: a diagram of the net counts the rest
@@ -114,8 +112,8 @@ def sizes(
             raise LimitError(str(error)) from error
 
     if on is None:
-        if engine == "auto" and spaces.asked_on == "alternatives":
-            return answered(markings_if_few, spaces.choices("auto", "alternatives", max_states))
-        on = "alternatives" if engine == LOCAL else "markings"
+        if spaces.engine == "auto" and spaces.asked_on == "alternatives":
+            return answered(markings_if_few, spaces.choices("alternatives"))
+        on = "alternatives" if spaces.engine == LOCAL else "markings"
     count = markings if on == "markings" else stable
-    return answered(count, spaces.choices(engine, on, max_states))
+    return answered(count, spaces.choices(on))

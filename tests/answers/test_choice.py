@@ -35,7 +35,7 @@ def test_another_engine_is_asked_where_one_refuses(refusals: int) -> None:
             raise LimitError(f"refusal {len(asked)}")
         return 7
 
-    found, choice = answered(ask, spaces_of(with_hardware(2)).choices("auto", "alternatives"))
+    found, choice = answered(ask, spaces_of(with_hardware(2)).choices("alternatives"))
     assert (found, asked) == (7, ["explicit", "local", "symbolic"][: refusals + 1])
     assert choice.engine == asked[-1]
     assert choice.why is not None
@@ -51,11 +51,11 @@ def test_where_all_refuse_the_last_one_s_error_is_told(on: On) -> None:
         raise LimitError(f"refusal {len(asked)}")
 
     with pytest.raises(LimitError, match=r"refusal [23]") as caught:
-        answered(ask, spaces_of(with_hardware(2)).choices("auto", on))
+        answered(ask, spaces_of(with_hardware(2)).choices(on))
     assert str(caught.value) == f"refusal {len(asked)}"
     asked.clear()
     with pytest.raises(LimitError, match="refusal 1"):
-        answered(ask, spaces_of(with_hardware(2)).choices("local", on))
+        answered(ask, spaces_of(with_hardware(2), engine="local").choices(on))
     assert asked == ["local"]
 
 
@@ -66,7 +66,7 @@ def test_much_hardware_is_not_listed_to_find_out() -> None:
         asked.append(choice.engine)
         return 0
 
-    _, choice = answered(ask, spaces_of(with_hardware(FEW.bit_length())).choices("auto", "alternatives"))
+    _, choice = answered(ask, spaces_of(with_hardware(FEW.bit_length())).choices("alternatives"))
     assert asked == ["local"]
     assert "16 hardware resources that may fail have 2^16 states" in str(choice)
 

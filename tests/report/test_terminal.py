@@ -198,7 +198,7 @@ def test_every_engine_announces_its_steps(
 def test_a_report_tells_what_it_prepares(caplog: pytest.LogCaptureFixture) -> None:
     """Each part is a step, and no local graph is listed past the last."""
     with caplog.at_level(logging.INFO, "mcpn.steps"):
-        findings(compose(read_mission(ULYSSE)), "local")
+        findings(compose(read_mission(ULYSSE)), engine="local")
     steps = [each for record in caplog.records for each in record.args or () if isinstance(each, WorkStep)]
     assert [each.question for each in steps if each.doing is Doing.PREPARING] == [
         "verdicts",

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, Unpack
 
 from mcpn.answers.causes.cutsets import CutSet, CutSets, Moment, Nonmonotone, Unaided
 from mcpn.answers.causes.prospects import CriticalEvent, Goal, Prospects
@@ -21,7 +21,7 @@ from mcpn.events import Event
 from mcpn.mission.flatten import Section
 from mcpn.notebook import Told
 from mcpn.spaces.algebra import Space
-from mcpn.spaces.engine_names import Asked
+from mcpn.spaces.engine_names import Asking
 from mcpn.spaces.engines import Choice, answered
 from mcpn.spaces.run import Run
 from mcpn.steps import Doing, step
@@ -165,9 +165,7 @@ class Causes(Told):
 
 def find_causes(
     subject: MissionSubject,
-    *,
-    engine: Asked = "auto",
-    max_states: int | None = None,
+    **asked: Unpack[Asking],
 ) -> Causes:
     """The failure causes of a mission: all but the tables of ``fmeca`` and the numbers of ``risk``.
 
@@ -191,13 +189,14 @@ def find_causes(
         >>> find_causes(compose(small)).objectives["see"].cut_sets
         [('camera', 'sonar')]
     """
-    spaces, mission_net = spaces_of(subject), spaces_of(subject).mission
+    spaces = spaces_of(subject, **asked)
+    mission_net = spaces.mission
 
     def both(by: Choice) -> tuple[Space[Any], Space[Any]]:
         living = spaces.space(by, "alternatives")
         return living, spaces.space(by, "alternatives", may_die=True)
 
-    (living, dying), choice = answered(both, spaces.choices(engine, "alternatives", max_states))
+    (living, dying), choice = answered(both, spaces.choices("alternatives"))
     step(Doing.FINDING_NEEDS)
     prospects, cuts = Prospects(mission_net, living), CutSets(mission_net, dying)
 

@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from mcpn.answers.spaces import MissionSpaces, MissionSubject, spaces_of
 from mcpn.answers.verdicts.modes import Mode, functioning_modes
@@ -27,7 +27,7 @@ from mcpn.mission.static.warnings import names_of_objectives, static_warnings
 from mcpn.notebook import Told
 from mcpn.sentences import shortened
 from mcpn.spaces.algebra import S, Space
-from mcpn.spaces.engine_names import EXPLICIT, LOCAL, SYMBOLIC, Asked
+from mcpn.spaces.engine_names import EXPLICIT, LOCAL, SYMBOLIC, Asking
 from mcpn.spaces.engines import SMALL, Choice, answered
 from mcpn.spaces.run import Run, run_of_fewest_events, transitions_of
 from mcpn.steps import Doing, step
@@ -265,16 +265,13 @@ class MissionCheck(Told):
 
 def check(
     subject: MissionSubject,
-    *,
-    engine: Asked = "auto",
-    max_states: int | None = None,
+    **asked: Unpack[Asking],
 ) -> MissionCheck:
     """Checks a mission: every verdict, with its runs.
 
     Args:
         subject: The mission's spaces, or its net.
-        engine: Arrays, diagrams, composition or ``auto``, see :mod:`mcpn.spaces.engines`.
-        max_states: Limit on states that are listed one by one.
+        **asked: Who is asked, and within what limit.
 
     Raises:
         InputError: A requirement is no formula, or names what is not there, with its line.
@@ -291,12 +288,12 @@ def check(
         >>> found.passed, found.verdicts["failure_reachable"].holds
         (True, True)
     """
-    spaces = spaces_of(subject)
-    asked: list[AskedRequirement] = []
+    spaces = spaces_of(subject, **asked)
+    requirements: list[AskedRequirement] = []
     if spaces.mission.mission.requires:  # understood before anything is explored
         from mcpn.answers.requirements import asked_of
 
-        asked = asked_of(spaces.mission)
+        requirements = asked_of(spaces.mission)
 
     def by(choice: Choice) -> MissionCheck:
         markings: Space[Any] | None = None
@@ -319,9 +316,9 @@ def check(
                 markings, fault = _markings_instead(spaces, choice, error)
             decided = _broken(spaces.mission, fault)
         found = _verdicts(spaces, choice, decided, markings, alternatives)
-        return replace(found, requirements=_requirements(spaces.mission, asked, alternatives))
+        return replace(found, requirements=_requirements(spaces.mission, requirements, alternatives))
 
-    return answered(by, spaces.choices(engine, "alternatives", max_states))[0]
+    return answered(by, spaces.choices("alternatives"))[0]
 
 
 def _markings_instead(

@@ -75,7 +75,7 @@ def bench(
     study = question.study(mission)
     mission_net = study.mission_net
     untimed = duration is None and any(section.duration is None for section in mission_net.graph.walk())
-    controller = study.controller("auto", max_states=question.max_states)
+    controller = study.controller("auto")
     said = document(controller, mission_net)
     world = World(Tables(said), chances_of(mission_net), duration)
     script = [] if faults is None else read_script(faults, world.places.tables.known)
@@ -120,7 +120,7 @@ def bench(
     if watching:
         from mcpn.robot.bench.monitored_runs import watched
 
-        told["monitors"] = watched(monitors_for(study, question.max_states), every)
+        told["monitors"] = watched(monitors_for(study), every)
     if against is not None:
         from mcpn.robot.bench.generated_code import compare
 
@@ -159,7 +159,7 @@ def _risk(study: Study, max_states: int | None) -> tuple[Risk | None, str | None
     try:
         from mcpn.answers.causes.risk import risk
 
-        return risk(study.causes(max_states=max_states).prospects, max_states), None
+        return risk(study.causes().prospects, max_states), None
     except (LimitError, InputError) as error:
         return None, str(error).partition("\n")[0]
 

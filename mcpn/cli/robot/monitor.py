@@ -50,7 +50,7 @@ def monitor(
     study = question.study(mission)
     if study.is_net:
         raise InputError.at(Source(str(mission)), "expected a mission: a net requires nothing")
-    monitors = monitors_of(study.mission_spaces("what it requires"), question.max_states, within)
+    monitors = monitors_of(study.mission_spaces("what it requires"), within)
     texts = files(monitors, btcpp=btcpp)
     paths: list[str] = []
     if output is not None:

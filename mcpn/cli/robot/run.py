@@ -95,13 +95,13 @@ def run(
     plan = read_drivers(drivers)
     if not unverified:
         require_verified(study, question, "not run: mcpn check says no (--unverified runs it all the same)")
-    tables = Tables(document(study.controller("auto", max_states=question.max_states), study.mission_net))
+    tables = Tables(document(study.controller("auto"), study.mission_net))
     check_plan(plan, tables)
     controller = Controller(tables)
     if only_check:
         _tell(_found(controller, len(plan.specs), None, 0.0, [], [], 0), question.as_json)
         return
-    monitors = monitors_for(study, question.max_states) if watched else None
+    monitors = monitors_for(study) if watched else None
     from mcpn.cli.robot.records import Records
     from mcpn.cli.robot.resuming import Resumed, beside, resumed
     from mcpn.robot.drivers.running import RobotRun
@@ -114,7 +114,7 @@ def run(
     )
     started = time.monotonic()
     received: list[int] = []
-    with _warnings() as warnings, _page(controller, study if paged else None, question.max_states) as content:
+    with _warnings() as warnings, _page(controller, study if paged else None) as content:
         records = Records(must_record, None if content is None else content.lost)
         if monitors is not None:
             controller.observe(lambda step: monitors.take(step.event) if step.taken else None)
@@ -176,7 +176,7 @@ def _begin(study: Study, drivers: Path, question: Question) -> None:
 
     if drivers.exists():
         raise InputError.at(Source(str(drivers)), "exists already, and is not overwritten")
-    tables = Tables(document(study.controller("auto", max_states=question.max_states), study.mission_net))
+    tables = Tables(document(study.controller("auto"), study.mission_net))
     write_atomically(drivers, skeleton(tables))
     if question.as_json:
         emit_json({"files": [str(drivers)]})
@@ -185,14 +185,14 @@ def _begin(study: Study, drivers: Path, question: Question) -> None:
 
 
 @contextlib.contextmanager
-def _page(controller: Controller, study: Study | None, max_states: int | None) -> Iterator[RobotPage | None]:
+def _page(controller: Controller, study: Study | None) -> Iterator[RobotPage | None]:
     """Serves the page of a mission while the controller runs."""
     if study is None:
         yield None
         return
     from mcpn.editor.served import RobotPage, attached
 
-    content = RobotPage(study, max_states)
+    content = RobotPage(study)
     controller.observe(content)
     with attached(content) as server:
         click.echo(f"page: {server.address}", err=True)

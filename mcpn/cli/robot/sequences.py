@@ -61,7 +61,7 @@ def tests(
     from mcpn.robot.targets.json import FILE_NAME, write_json
 
     study = question.study(mission)
-    controller = study.controller("hierarchical", max_states=question.max_states)
+    controller = study.controller("hierarchical")
     said = document(controller, study.mission_net)
     found = sequences(Tables(said))
     texts = dict(files(found, controller.mission)) | {FILE_NAME: write_json(said)}
@@ -92,8 +92,8 @@ def _mocks(study: Study, output: Path, tree: Path, imported: Imported, question:
     from mcpn.tree_tests import document, mocks
 
     mission_net = study.mission_net
-    checked = study.verdicts(max_states=question.max_states)
-    found = mocks(imported, mission_net, checked, study.causes(max_states=question.max_states))
+    checked = study.verdicts()
+    found = mocks(imported, mission_net, checked, study.causes())
     written = document(found, mission_net.mission.name, tree.name)
     write_atomically(output, json.dumps(written, indent=1) + "\n")
     if question.as_json:

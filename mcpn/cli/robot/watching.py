@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from mcpn.study import Study
 
 
-def monitors_for(study: Study, max_states: int | None) -> Monitors:
+def monitors_for(study: Study) -> Monitors:
     """The monitors of a mission that its controller plays: its own continuations decide, where they can."""
     from mcpn.controller.monitors.writing import files, monitors_of
     from mcpn.robot.runtime.monitors import Monitors
 
-    monitors = monitors_of(study.mission_spaces("what it requires"), max_states, within=True)
+    monitors = monitors_of(study.mission_spaces("what it requires"), within=True)
     for line in not_within(monitors):
         click.echo(line, err=True)
     return Monitors(json.loads(files(monitors)["monitors.json"]))

@@ -38,14 +38,11 @@ class MissionMonitors:
     unwatched: tuple[str, ...]
 
 
-def monitors_of(
-    spaces: MissionSpaces, max_states: int | None = None, within: bool = False
-) -> MissionMonitors:
+def monitors_of(spaces: MissionSpaces, within: bool = False) -> MissionMonitors:
     """The monitors of a mission's requirements, made of its stable states, which are listed.
 
     Args:
         spaces: Of the mission.
-        max_states: Most stable states.
         within: Whether the mission's own continuations decide; as of :meth:`Watcher.monitor`.
 
     Raises:
@@ -61,7 +58,7 @@ def monitors_of(
     if not any(formula for _, formula in asked):
         message = "no requirement speaks of each run by itself, as formulas of LTL and patterns do"
         raise InputError.at(mission_net.mission.source, f"{message}: there is nothing to watch")
-    stable, _ = spaces.stable(Choice(EXPLICIT, max_states=max_states))
+    stable, _ = spaces.stable(Choice(EXPLICIT, max_states=spaces.max_states))
     watcher = Watcher(stable, mission_net.ends.values())
     return MissionMonitors(
         mission_net.mission.name,
