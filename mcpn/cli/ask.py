@@ -149,8 +149,9 @@ def _print_automata(questions: Questions, formulas: tuple[str, ...], as_json: bo
     """The automata of formulas on paths, in the Hanoi format."""
     from mcpn.errors import InputError
     from mcpn.logic.ltl.automaton import translated
+    from mcpn.logic.ltl.classes import classes
     from mcpn.logic.ltl.formulas import is_of_paths, normal
-    from mcpn.logic.ltl.hoa import classes, write_hoa
+    from mcpn.logic.ltl.hoa import write_hoa
     from mcpn.logic.syntax import parse_open
     from mcpn.logic.writing import show
 

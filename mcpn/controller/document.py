@@ -93,7 +93,7 @@ from mcpn.controller.modular import AnyController, Rules
 from mcpn.drawing.compose import MissionNet
 from mcpn.events import Event, What
 from mcpn.mission.conditions import flags
-from mcpn.mission.expansion.faults import noticed
+from mcpn.mission.expansion.detection import noticed
 from mcpn.mission.fact_usage import FactUsage
 from mcpn.mission.graph import ElementarySection, ObjectivesGraph
 from mcpn.mission.robot import Parameter

@@ -19,7 +19,7 @@ from mcpn.drawing.permanent_loss import entered_otherwise
 from mcpn.drawing.status import Element, Flag, Status, kind_by_kind, statuses, told_as_facts
 from mcpn.drawing.templates import TemplateSet
 from mcpn.errors import InputError, LimitError, Problem
-from mcpn.mission.expansion.faults import Crash
+from mcpn.mission.expansion.crashes import Crash
 from mcpn.mission.expansion.routes import FactCase, Interrupted, exits_by_facts, exits_on
 from mcpn.mission.fact_usage import touched_by
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section

@@ -18,7 +18,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Annotated, TypeAlias
 
-from mcpn.mission.expansion.faults import Crash, as_crashes, as_hardware, consuming
+from mcpn.mission.expansion.crashes import Crash, as_crashes
+from mcpn.mission.expansion.faults import as_hardware, consuming
 from mcpn.mission.language.datatypes import (
     COUNT,
     FAITH,

@@ -7,13 +7,9 @@ from collections.abc import Collection, Iterator, Mapping
 
 from mcpn.did_you_mean import Hints
 from mcpn.errors import InputError, Problem, Source
-from mcpn.mission.expansion.faults import (
-    Crash,
-    crash_errors,
-    detected_twice,
-    detection_errors,
-    failure_errors,
-)
+from mcpn.mission.expansion.crashes import Crash, crash_errors
+from mcpn.mission.expansion.detection import detected_twice, detection_errors
+from mcpn.mission.expansion.faults import failure_errors
 from mcpn.mission.expansion.guards import guard_problems, of_branches
 from mcpn.mission.expansion.left_by_facts import becoming_problems, of_missions
 from mcpn.mission.expansion.pauses import no_siblings, pause_problems

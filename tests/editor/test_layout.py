@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lxml import etree
 
-from mcpn.editor.layout import WIDTH, Outlined, formatted, outline
+from mcpn.editor.layout import WIDTH, formatted
+from mcpn.editor.outline import Outlined, outline
 from mcpn.editor.scan import scan
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from mcpn.drawing.templates.canvas import Canvas, Pen
 from mcpn.events import Event, What
-from mcpn.mission.expansion.faults import Crash
+from mcpn.mission.expansion.crashes import Crash
 from mcpn.mission.robot import Activity, Hardware, Software
 
 

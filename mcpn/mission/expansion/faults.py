@@ -1,59 +1,22 @@
-"""Faults that are hardware resources of their own: common causes, and software that crashes.
+"""Faults that are hardware resources of their own: common causes of several losses.
 
 A common cause takes several hardware resources out of service with one event. It becomes a shared hardware
 resource: every alternative that consumes hardware which the cause affects consumes the cause too. So the
 cause fails and is repaired as hardware is, every user of affected hardware gets the error, and the affected
 hardware may still fail by itself.
 
-An activity, or an alternative, that may crash consumes a hardware resource of its own, which nobody else
-consumes and which can fail only while the activity runs.
-
 Source: K. N. Fleming, *A reliability model for common mode failures in redundant safety systems*, 1975.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 from mcpn.did_you_mean import Hints
 from mcpn.errors import Problem
-from mcpn.mission.robot import Activity, Alternative, Fault, Hardware, Robot
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Crash(Hardware):
-    """The hardware resource of an activity, or an alternative, that may crash: out of service after a crash.
-
-    Its name is that of the activity, or of the activity and the alternative: ``localise.by_scan``.
-
-    Args:
-        activity: The activity.
-    """
-
-    activity: str
-
-
-def as_crashes(activities: Iterable[Activity]) -> Iterator[Crash]:
-    """The resources that stand for activities and alternatives that may crash."""
-    for activity in activities:
-        if activity.faulty:
-            yield _crash(activity.name, activity, activity)
-        for way in activity.alternatives:
-            if way.faulty:
-                yield _crash(f"{activity.name}.{way.name}", activity, way)
-
-
-def _crash(name: str, activity: Activity, crashing: Activity | Alternative) -> Crash:
-    return Crash(
-        name=name,
-        description=crashing.description,
-        repairable=crashing.recovers,
-        failure_rate=crashing.failure_rate,
-        repair_rate=crashing.repair_rate,
-        source=crashing.source,
-        activity=activity.name,
-    )
+from mcpn.mission.expansion.crashes import may_crash
+from mcpn.mission.robot import Activity, Fault, Hardware, Robot
 
 
 def as_hardware(faults: Iterable[Fault]) -> Iterator[Hardware]:
@@ -82,11 +45,6 @@ def consuming(activities: Iterable[Activity], faults: Sequence[Fault]) -> Iterat
             causes += [activity.name] * activity.faulty + [f"{activity.name}.{way.name}"] * way.faulty
             ways.append(replace(way, consumes=(*way.consumes, *causes)) if causes else way)
         yield replace(activity, alternatives=tuple(ways))
-
-
-def may_crash(activity: Activity) -> bool:
-    """Whether the activity, or an alternative of it, may crash."""
-    return activity.faulty or any(way.faulty for way in activity.alternatives)
 
 
 def failure_errors(robots: Sequence[Robot], hints: Hints) -> Iterator[Problem]:
@@ -132,71 +90,6 @@ def failure_errors(robots: Sequence[Robot], hints: Hints) -> Iterator[Problem]:
             elif name not in hardware:
                 message = f"fault {fault.name} affects {name}, which is not declared"
                 yield Problem(fault.source, message + hints.known(name, hardware))
-
-
-def noticed(hardware: str) -> str:
-    """What may be true of hardware that is detected late: it is out of service, and the robot knows it.
-
-    Controllers carry it from section to section beside the flags of facts, whose names have no space.
-    """
-    return f"{hardware} known"
-
-
-def detection_errors(
-    activity: Activity, hardware: Mapping[str, Hardware], known: Collection[str], hints: Hints
-) -> Iterator[Problem]:
-    """What is wrong with the losses that an activity detects.
-
-    Args:
-        activity: The activity.
-        hardware: All that robots declare, by name.
-        known: The names of all resources.
-        hints: Finds what unknown names may have been meant as.
-    """
-    if activity.detection_rate is not None and not activity.detects:
-        yield Problem(activity.source, f"activity {activity.name} has a detection_rate, but detects nothing")
-    for name in dict.fromkeys(activity.detects):
-        said = f"activity {activity.name} detects {name}"
-        if name in hardware and hardware[name].detected != "late":
-            yield Problem(
-                activity.source, f"{said}, whose loss is known at once: say that it is detected late"
-            )
-        elif name not in hardware and name in known:
-            yield Problem(activity.source, f"{said}, which is no hardware")
-        elif name not in hardware:
-            yield Problem(activity.source, f"{said}, which is not declared{hints.known(name, hardware)}")
-
-
-def detected_twice(activities: Iterable[Activity]) -> Iterator[Problem]:
-    """Hardware whose loss several activities detect."""
-    detector: dict[str, str] = {}
-    for activity in activities:
-        for name in dict.fromkeys(activity.detects):
-            if (other := detector.setdefault(name, activity.name)) != activity.name:
-                message = f"activities {other} and {activity.name} both detect {name}, expected one of them"
-                yield Problem(activity.source, message)
-
-
-def crash_errors(activity: Activity, resources: Container[str]) -> Iterator[Problem]:
-    """What an activity, and its alternatives, declare of crashes that is not valid.
-
-    Args:
-        activity: The activity.
-        resources: The names of all that robots declare.
-    """
-    if activity.faulty and activity.name in resources:
-        message = f"activity {activity.name} is faulty, though a resource is called {activity.name} too"
-        yield Problem(activity.source, f"{message}: its crash would have that name; give one another name")
-    said: list[tuple[str, Activity | Alternative]] = [(f"activity {activity.name}", activity)]
-    said += [(f"alternative {way.name} of {activity.name}", way) for way in activity.alternatives]
-    for name, declared in said:
-        rates = (("failure_rate", declared.failure_rate), ("repair_rate", declared.repair_rate))
-        without_effect = [f"has a {what}" for what, rate in rates if rate]
-        without_effect += [] if declared.recovers else ["does not recover"]
-        for what in () if declared.faulty else without_effect:
-            yield Problem(declared.source, f'{name} {what}, though it never crashes: add faulty="true"')
-        if declared.faulty and not declared.recovers and declared.repair_rate:
-            yield Problem(declared.source, f"{name} has a repair_rate, though it never recovers")
 
 
 def _repaired(element: Hardware | Fault) -> Iterator[Problem]:

@@ -1,13 +1,8 @@
-"""Blocks that are entered only where facts are so, and blocks that are left when facts become so.
+"""Guards: blocks that are entered only where facts are so.
 
 What leads to a block with a guard leads elsewhere where its facts are not so. Nothing of a guard is left in
 the objectives graph: it becomes the cases of whatever leads to the block. So a block that nothing but its
 place leads to, as the first of a series, cannot have one.
-
-A block that is left when facts become so is one section, an objective or a block with branches, of which it
-may have one alone. The net asks for what facts have become by internal transitions, after all that ends and
-before anything begins (:mod:`mcpn.drawing.templates.facts`). So what is entered in the same reaction is not
-left by it.
 """
 
 from __future__ import annotations

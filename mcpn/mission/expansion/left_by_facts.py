@@ -1,4 +1,10 @@
-"""Blocks that are left when facts become so: which they are, and where that is refused."""
+"""Blocks that are left when facts become so: which they are, and where that is refused.
+
+A block that is left when facts become so is one section, an objective or a block with branches, of which it
+may have one alone. The net asks for what facts have become by internal transitions, after all that ends and
+before anything begins (:mod:`mcpn.drawing.templates.facts`). So what is entered in the same reaction is not
+left by it.
+"""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ from lxml import etree
 from mcpn._kernel import Zdd
 from mcpn.answers.causes.cutsets import CutSet
 from mcpn.errors import LimitError
-from mcpn.mission.expansion.faults import Crash
+from mcpn.mission.expansion.crashes import Crash
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Hardware

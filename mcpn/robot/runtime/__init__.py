@@ -29,11 +29,12 @@ if TYPE_CHECKING:
     from mcpn.robot.runtime.controller import Controller, Step, Where
     from mcpn.robot.runtime.file_schema import ControllerFileError, DamagedFile
     from mcpn.robot.runtime.hooks import HookError, HookErrors
-    from mcpn.robot.runtime.journal import Journal, JournalError, Watchdog
+    from mcpn.robot.runtime.journal import Journal, JournalError
     from mcpn.robot.runtime.monitors import Decision, Monitors
     from mcpn.robot.runtime.queue import AsyncController, EventQueue, QueueClosed, QueueFull
     from mcpn.robot.runtime.restoring import SnapshotError
     from mcpn.robot.runtime.tables import Action, ParameterValue, Refused
+    from mcpn.robot.runtime.watchdog import Watchdog
 
 __all__ = [
     "Action",
@@ -78,7 +79,7 @@ _HOMES = {
     "Refused": "tables",
     "SnapshotError": "restoring",
     "Step": "controller",
-    "Watchdog": "journal",
+    "Watchdog": "watchdog",
     "Where": "controller",
 }
 """By name, the module that has it."""

@@ -33,36 +33,22 @@ def respects_priorities(net: PetriNet, run: tuple[int, ...]) -> bool:
 
 
 @given(st.data())
-def test_search_finds_what_is_reachable_and_nothing_else(data: st.DataObject) -> None:
+def test_each_search_finds_what_is_reachable_and_nothing_else(data: st.DataObject) -> None:
     net = data.draw(ANY_NETS)
     goal = data.draw(goals(net))
     markings = all_markings(net)
     assume(markings is not None)
     assert markings is not None
-    expected = any(is_goal(goal, net, marking) for marking in markings)
-    for stubborn in (True, False):
-        found = Searches(net).seek(goal, max_states=100_000, stubborn=stubborn)
+    expected, search = any(is_goal(goal, net, marking) for marking in markings), Searches(net)
+    for found in (
+        *(search.seek(goal, max_states=100_000, stubborn=stubborn) for stubborn in (True, False)),
+        search.plan(goal, max_states=100_000, seed=data.draw(st.integers(0, 9))),
+    ):
         assert found.outcome == ("reached" if expected else "unreachable")
         assert found.states <= len(markings)
         if expected:
             assert respects_priorities(net, found.run)
             assert is_goal(goal, net, replay(net, found.run))
-
-
-@given(st.data())
-def test_a_greedy_search_finds_what_is_reachable_and_nothing_else(data: st.DataObject) -> None:
-    net = data.draw(ANY_NETS)
-    goal = data.draw(goals(net))
-    markings = all_markings(net)
-    assume(markings is not None)
-    assert markings is not None
-    expected = any(is_goal(goal, net, marking) for marking in markings)
-    found = Searches(net).plan(goal, max_states=100_000, seed=data.draw(st.integers(0, 9)))
-    assert found.outcome == ("reached" if expected else "unreachable")
-    assert found.states <= len(markings)
-    if expected:
-        assert respects_priorities(net, found.run)
-        assert is_goal(goal, net, replay(net, found.run))
 
 
 def test_a_greedy_search_comes_far_where_a_search_of_the_nearest_is_lost() -> None:

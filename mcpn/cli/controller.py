@@ -1,0 +1,123 @@
+"""The controller of a mission, written as files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Literal
+
+import click
+
+from mcpn.cli.shared import FILE, Question, emit_json, question
+from mcpn.cli.verified import require_verified
+from mcpn.errors import SemanticsError
+
+REFUSED = "not written: mcpn check says no (--unverified writes it all the same)"
+MANY_BYTES = 2_000_000
+"""Bytes of a controller's files from which the form is named that is smaller."""
+
+
+def _once() -> Callable[[str], None]:
+    """Says on standard error what has not been said before."""
+    said = set[str]()
+
+    def tell(text: str) -> None:
+        if text not in said:
+            click.echo(text, err=True)
+        said.add(text)
+
+    return tell
+
+
+@click.command()
+@click.argument("mission", type=FILE)
+@click.option(
+    "--target",
+    type=click.Choice(["json", "c", "python", "scxml", "btcpp", "ros2"]),
+    default="json",
+    show_default=True,
+    help="btcpp: a node of BehaviorTree.CPP 4, around c; ros2: a package with a node, around python.",
+)
+@click.option("-o", "--output", type=FILE, required=True, help="Directory to write the controller to.")
+@click.option(
+    "--form",
+    type=click.Choice(["auto", "hierarchical", "minimised", "modular", "flat"]),
+    default="auto",
+    show_default=True,
+    help="A machine for each type of section, the same without states that no run of events tells apart, "
+    "rules for each, or one machine; auto: hierarchical where it fits, else modular.",
+)
+@click.option("--hierarchical", "form", flag_value="hierarchical", help="The same as --form hierarchical.")
+@click.option("--flat", "form", flag_value="flat", help="The same as --form flat.")
+@click.option("--unverified", is_flag=True, help="Do not verify the mission first; the files say so.")
+@click.option(
+    "--certificate",
+    type=FILE,
+    metavar="OUT",
+    help="Write the mission's net and claims to OUT, beside which ctlcheck walks a hierarchical or flat "
+    "controller.json.",
+)
+@question(workers=True, trees=False)
+def controller(
+    question: Question,
+    mission: Path,
+    target: str,
+    output: Path,
+    form: Literal["auto", "hierarchical", "minimised", "modular", "flat"],
+    unverified: bool,
+    certificate: Path | None,
+) -> None:
+    """Generate the controller of MISSION: state machines, or rules, that do what was verified.
+
+    A mission that mcpn check says no to is reported, and nothing is written: exit code 1.
+    """
+    from mcpn.controller.document import document
+    from mcpn.controller.generate import refuse_or_tell
+    from mcpn.controller.hierarchy import TableController
+    from mcpn.controller.minimise import minimise
+    from mcpn.controller.sizes import MAX_TABLE_STATES
+    from mcpn.files import write_folder
+    from mcpn.robot.targets import OF_RULES, files
+
+    study = question.study(mission)
+    tables = form == "auto" and target not in OF_RULES
+    made = "hierarchical" if form == "minimised" or tables else form
+    told, most = _once(), question.max_states
+    if form == "minimised" and most is None:  # whose file is small whatever is listed for it
+        most = MAX_TABLE_STATES
+    with question.work():
+        if not unverified and not study.is_net:
+            if made == "hierarchical":
+                composite = study.mission_spaces("a controller").composite
+                with suppress(SemanticsError):  # which verification reports with more
+                    refuse_or_tell(composite(), most, told)
+            require_verified(study, question, REFUSED)
+        found = study.controller(made, max_states=most, told=told)
+    size = found.size
+    if form == "minimised" and isinstance(found, TableController):
+        found = minimise(found)
+        size = f"{size}; minimised: {found.states} states, {found.moves} edges"
+    texts = files(document(found, study.mission_net, verified=not unverified), target)
+    write_folder(output, texts)
+    if certificate is not None:
+        from mcpn.certificates.writing import certificate_of
+        from mcpn.files import write_atomically
+
+        with question.work():
+            written = certificate_of(study.verdicts(), question.max_states)
+        write_atomically(certificate, written.to_bytes())
+    bytes_ = sum(len(text.encode()) for text in texts.values())
+    if bytes_ > MANY_BYTES and found.form != "modular" and target in OF_RULES:
+        mb = bytes_ / 1e6
+        click.echo(f"note: {mb:,.0f} MB; --form modular has rules in place of tables, mostly less", err=True)
+    paths = [str(output / name) for name in texts]
+    if question.as_json:
+        emit_json({"mission": found.mission, "form": found.form, "size": size, "files": paths})
+        return
+    click.echo(f"{found.form} controller of {found.mission}: {size}")
+    for path in paths:
+        click.echo(path)
+    if certificate is not None:
+        beside = output / "controller.json"
+        click.echo(f"check it: python -m mcpn.certificates.ctlcheck {certificate} {beside}")
