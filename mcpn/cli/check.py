@@ -183,8 +183,10 @@ def _translated_object(found: MissionCheck) -> dict[str, Any]:
 
 def _check_object(found: MissionCheck, seconds: float, internal: bool) -> dict[str, Any]:
     from mcpn.answers.claims import claims_of
+    from mcpn.answers.claims.unasked import DEFEATING, UNASKED, runs_of_unasked
 
-    net = found.mission_net.net
+    net, claims = found.mission_net.net, claims_of(found)
+    shown = {each.claim.key: each for each in runs_of_unasked(claims, (*DEFEATING, *UNASKED)).values()}
     return {
         "mission": found.mission_net.mission.name,
         "places": len(net.places),
@@ -194,7 +196,10 @@ def _check_object(found: MissionCheck, seconds: float, internal: bool) -> dict[s
         **({"requirements": _requirements_object(found)} if found.requirements else {}),
         "verdicts": {name: verdict.holds for name, verdict in found.verdicts.items()},
         "undecided": found.undecided,
-        "claims": [claim.to_json() for claim in claims_of(found)],
+        "claims": [claim.to_json() for claim in claims],
+        "runs": {
+            key: {"events": [*map(str, each.events)], "repeats": each.repeats} for key, each in shown.items()
+        },
         "warnings": [
             {"file": at and at.file, "line": at and at.line, "message": problem.message}
             for problem in found.warnings

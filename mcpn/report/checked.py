@@ -9,7 +9,7 @@ from mcpn.answers.claims.claim import sentences, told
 from mcpn.answers.claims.found import of_verdict
 from mcpn.answers.claims.kinds import OF_VERDICTS
 from mcpn.answers.claims.made import claims_of
-from mcpn.answers.claims.unasked import DEFEATING, UNASKED, unasked
+from mcpn.answers.claims.unasked import DEFEATING, UNASKED, runs_of_unasked, unasked
 from mcpn.report.terminal import Terminal
 from mcpn.report.text import print_choice, print_steps, print_witness
 from mcpn.report.words import MOST_NAMED, in_words, modes_together, skipped_in_words, wrong_in_words
@@ -64,9 +64,13 @@ def print_check(
         for sentence in sentences(same, differ=1):
             terminal.print(f"{_INFORMATIVE:4} {sentence}", style="dim", indent=2, hang=5)
     # A requirement that does not speak of an ignored event stands with the requirements.
-    for _, said in unasked(claims, [kind for kind in (*DEFEATING, *UNASKED) if kind != "met_as_ignored"]):
+    kinds = [kind for kind in (*DEFEATING, *UNASKED) if kind != "met_as_ignored"]
+    runs = runs_of_unasked(claims, kinds)
+    for _, said in unasked(claims, kinds):
         for sentence in said:
             terminal.print(f"{_INFORMATIVE:4} {sentence}", style="yellow", indent=2, hang=5)
+            if sentence in runs:
+                terminal.print(f"by {runs[sentence].words}", style="dim", indent=7, hang=2)
     _print_requirements(terminal, check, claims)
     if check.modes:
         terminal.print()

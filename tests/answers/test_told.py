@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
+
+import pytest
 
 from mcpn.answers.causes.effects import Severity
 from mcpn.answers.causes.fmeca import fmeca
 from mcpn.answers.claims import Claim, claims_of, claims_of_causes
 from mcpn.answers.claims.claim import told
 from mcpn.answers.claims.found import of_verdict
-from mcpn.answers.claims.unasked import DEFEATING, UNASKED, unasked
+from mcpn.answers.claims.unasked import DEFEATING, UNASKED, ClaimRun, run_of, unasked
 from mcpn.mission.xml import read_mission
 from mcpn.report.failures.sentences import headlines, of_objectives
 from mcpn.study import Study
@@ -238,3 +241,59 @@ def test_faults_of_failsafes_are_told_unasked(faults: Path) -> None:
         assert any(" interrupts " in sentence or " can lead to abort " in sentence for sentence in said), path
         printed = mcpn("--width", 1000, "check", path).stdout
         assert all(sentence in printed for sentence in said), path
+
+
+def along(found: Study, shown: ClaimRun, last: str = "true") -> bool:
+    """Whether the events of a run may happen one after the other, and what then is so."""
+    formula = last
+    for event in reversed(shown.events):
+        formula = f"happens({event}) & X ({formula})"
+    return bool(found.ctl(f"E({formula})", engine="symbolic").holds)
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "last"),
+    [
+        (
+            '<event name="low"/><event name="critical"/><activity name="fly"/></robot>'
+            '<on event="low" goto="climb"/><on event="critical" goto="land"/>'
+            '<objective name="survey" activities="fly"/>'
+            '<objective name="climb" activities="fly" success="land" failure="land"/>'
+            '<objective name="land" activities="fly" success="succeed" failure="land"/>',
+            "interrupts_answer: low, land, critical",
+            "objective(climb) & !objective(land)",
+        ),
+        (
+            '<event name="link_lost"/><event name="link_back"/><activity name="fly"/></robot>'
+            '<objective name="survey" activities="fly"><on event="link_lost" goto="hold"/></objective>'
+            '<objective name="hold" activities="fly"><on event="link_back" goto="survey"/></objective>',
+            "alternate_for_ever",
+            "objective(survey)",
+        ),
+        (
+            '<event name="leak"/><activity name="go"/><activity name="lock"/></robot>'
+            '<objective name="work" activities="go" success="succeed" failure="park">'
+            '<on event="leak" goto="abort"/></objective>'
+            '<objective name="park" activities="lock" success="abort"/>',
+            "leads_past: leak",
+            "abort",
+        ),
+    ],
+)
+def test_what_failsafes_may_do_is_told_unasked_with_a_run(
+    text: str, key: str, last: str, tmp_path: Path
+) -> None:
+    """A second emergency, events that go on for ever, an event that leads past what parks."""
+    found, file = of(tmp_path, text), tmp_path / "m.xml"
+    claims = {claim.key: claim for claim in claims_of(found.verdicts())}
+    shown = run_of(claims[key])
+    assert shown is not None
+    assert along(found, shown, last)
+    if shown.repeats is not None:
+        again = shown.events[shown.repeats :]
+        assert again
+        assert along(found, shown._replace(events=[*shown.events, *again, *again]), last)
+    printed = mcpn("--width", 1000, "check", file).stdout
+    assert f"{claims[key].sentence}\n       by {shown.words}" in printed
+    document = json.loads(mcpn("check", file, "--json").stdout)
+    assert document["runs"][key] == {"events": [*map(str, shown.events)], "repeats": shown.repeats}

@@ -59,14 +59,16 @@ def test_both_levels_stand_in_the_headlines(causes: Causes) -> None:
     ]
     moments = dict(survived(causes))
     assert moments["from the start"] == [
-        "At most 1 resource may be lost by the start, not repaired, so that success stays possible.",
-        "At most 2 resources may be lost by the start, not repaired, so that a safe end stays possible.",
+        "No loss of more than 1 resource by the start, not repaired, leaves a way to success; "
+        "some loss of 1 resource does.",
+        "No loss of more than 2 resources by the start, not repaired, leaves a way to a safe end; "
+        "some loss of 2 resources does.",
     ]
     assert moments["from home on"] == [
         "From the entry of home on success is out of reach, whatever is repaired.",
         "The loss of motor, not repaired, leaves no way to a safe end from the entry of home on.",
-        "At most 2 resources may be lost by the entry of home, not repaired, so that a safe end stays "
-        "possible.",
+        "No loss of more than 2 resources by the entry of home, not repaired, leaves a way to a safe end; "
+        "some loss of 2 resources does.",
     ]
     start = causes.survival[0]
     assert start.safety is not None

@@ -52,6 +52,7 @@ class Claim:
         severity: Whether a mission must be so, had better be so, or may be so.
         during: Objectives that run at moments of which it speaks; ``""``: before the start.
         find_run: Looks for a run that shows it, where one does.
+        find_lasso: The same of a run that goes on for ever, with the number of events before it repeats.
     """
 
     kind: str
@@ -64,6 +65,7 @@ class Claim:
     severity: Severity = "informative"
     during: tuple[str, ...] = ()
     find_run: Callable[[], Run | None] | None = field(default=None, compare=False, repr=False)
+    find_lasso: Callable[[], tuple[Run, int] | None] | None = field(default=None, compare=False, repr=False)
 
     @property
     def of(self) -> ClaimKind:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Set
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Generic
 
 from mcpn.answers.causes.cutsets import help_in_words
@@ -94,7 +94,8 @@ class Helped(Generic[S]):
             said = {"shelters": some("objective", shelters), "as_meant": self.parts.as_meant}
             formula = KINDS["leads_past"].formula.format(event, **said) if told else ""
             others = tuple(plain_names(self.net, shelters))
-            yield Claim("leads_past", (event,), bool(leads), formula=formula, refers_to=others)
+            run = partial(self.parts.run_through, leads, own, past) if leads else None
+            yield Claim("leads_past", (event,), bool(leads), formula=formula, refers_to=others, find_run=run)
 
     @cached_property
     def _declared(self) -> Mapping[str, frozenset[int]]:

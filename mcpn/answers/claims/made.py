@@ -85,7 +85,9 @@ class _Made(Generic[S]):
         reached = self.space.reaches_without(self.prospects.mission.won, list(needed.values()))
         for name, holds in zip(needed, reached, strict=True):
             formula = KINDS["succeeds_without"].formula.format(name)
-            yield Claim("succeeds_without", (name,), holds, Assumes(moment="start"), formula)
+            without = self.prospects.everything - needed[name]
+            run = partial(self.parts.run_to, self.prospects.mission.won, without) if holds else None
+            yield Claim("succeeds_without", (name,), holds, Assumes(moment="start"), formula, find_run=run)
 
     # --- events ---
 
@@ -103,15 +105,19 @@ class _Made(Generic[S]):
 
     def _interrupts(self, event: str, own: Collection[int], name: str, other: str) -> Claim:
         running = self.running(name)
-        left = self.space.before(self.space.everything - running, own) & running
+        outside = self.space.everything - running
+        left = self.space.before(outside, own) & running
         kind = "interrupts_answer"
-        return Claim(kind, (event, name, other), bool(left), formula=KINDS[kind].formula.format(event, name))
+        formula = KINDS[kind].formula.format(event, name)
+        run = partial(self.parts.run_through, left, own, outside) if left else None
+        return Claim(kind, (event, name, other), bool(left), formula=formula, find_run=run)
 
     def _ends(self, event: str, own: Collection[int], end: str) -> Claim:
         ended = self.space.marked([self.net.ends[end]])
         at_once = self.space.before(ended, own) - ended
         formula = KINDS["ends_at_once"].formula.format(event, end)
-        return Claim("ends_at_once", (event, end), bool(at_once), formula=formula)
+        run = partial(self.parts.run_through, at_once, own, ended) if at_once else None
+        return Claim("ends_at_once", (event, end), bool(at_once), formula=formula, find_run=run)
 
     def _alternate(self) -> Claim:
         """Whether declared events alone go on for ever, and which."""
@@ -124,7 +130,32 @@ class _Made(Generic[S]):
         formula = KINDS["alternate_for_ever"].formula.format(
             events=" | ".join(f"happens({event})" for event in self.declared)
         )
-        return Claim("alternate_for_ever", (), bool(circling), formula=formula, refers_to=tuple(events))
+        lasso = partial(self._circling, circling, every) if circling else None
+        others = tuple(events)
+        return Claim(
+            "alternate_for_ever", (), bool(circling), formula=formula, refers_to=others, find_lasso=lasso
+        )
+
+    def _circling(self, circling: S, every: Collection[int]) -> tuple[Run, int] | None:
+        """A run on which declared events go on for ever, and how many events come before those that do."""
+        space, begin = self.space, self.space.initial.pick()
+        edges = space.run(begin, circling)
+        if edges is None:
+            return None
+        there = edges[-1].target if edges else begin
+        seen = {there: len(edges)}
+        while True:
+            edges.append(
+                next(
+                    edge
+                    for edge in space.edges(there)
+                    if edge.transition in every and space.run(edge.target, circling) == []
+                )
+            )
+            there = edges[-1].target
+            if there in seen:
+                return Run(space.net, transitions_of(edges), settles=True), seen[there]
+            seen[there] = len(edges)
 
     # --- losses ---
 

@@ -11,6 +11,7 @@ from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.answers.verdicts.nominal import meant_to_be_entered, nominal_transitions
 from mcpn.events import Event, What
 from mcpn.spaces.algebra import S
+from mcpn.spaces.run import Run, transitions_of
 
 HELP = (What.DECLARED, What.TIMEOUT)
 """Events that may help, and need not happen."""
@@ -109,6 +110,22 @@ class FormulaParts(Generic[S]):
                 late = Event(What.TIMEOUT, block.name)
                 if any(transition.event == late for transition in transitions):
                     yield f"happens({late}) & objective({name})"
+
+    # --- runs ---
+
+    def run_to(self, goal: S, transitions: Collection[int] | None = None) -> Run | None:
+        """A short run from the start into some states, by some transitions alone."""
+        edges = self.space.run(self.space.initial.pick(), goal, transitions=transitions)
+        return None if edges is None else Run(self.space.net, transitions_of(edges), settles=True)
+
+    def run_through(self, before: S, own: Collection[int], after: S) -> Run | None:
+        """A short run to some states, and on by one of some events into others."""
+        space, begin = self.space, self.space.initial.pick()
+        edges = space.run(begin, before)
+        if edges is None:
+            return None
+        last = space.run(edges[-1].target if edges else begin, after, transitions=own)
+        return None if last is None else Run(space.net, transitions_of([*edges, *last]), settles=True)
 
     # --- while nothing fails ---
 

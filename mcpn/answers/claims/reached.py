@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Set
-from functools import cached_property
+from dataclasses import replace
+from functools import cached_property, partial
 from typing import Generic
 
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.claims.claim import Claim
 from mcpn.answers.claims.found import copies_by_name
 from mcpn.answers.claims.kinds import KINDS
+from mcpn.answers.claims.parts import FormulaParts
 from mcpn.answers.verdicts.unreachable import selected_and_entered
 from mcpn.events import Event, What
 from mcpn.spaces.algebra import S, Space
+from mcpn.spaces.run import Run
 
 WORDS = {"success": What.SUCCESS, "failure": What.FAILURE, "timeout": What.TIMEOUT}
 """Ends of an objective, by what claims call them."""
@@ -78,7 +81,8 @@ class Reached(Generic[S]):
         """Which declared events can put success out of reach."""
         for event in self.net.mission.events:
             if own := self._carrying([declared := Event(What.DECLARED, event.name)]):
-                yield self._claim("event_decides", (event.name,), self._decides(own), str(declared))
+                claim = self._claim("event_decides", (event.name,), self._decides(own), str(declared))
+                yield replace(claim, find_run=partial(self._run_to_last, own)) if claim.holds else claim
 
     def _facts(self) -> Iterator[Claim]:
         """Which values of facts leave no way to success as long as the mission has not succeeded."""
@@ -88,7 +92,9 @@ class Reached(Generic[S]):
                 if places:
                     there = self.space.marked(places) - self.prospects.mission.won
                     lost = bool(there and self._hopeful & self.space.initial) and not there & self._hopeful
-                    yield self._claim("fact_defeats", (fact.name, value), lost)
+                    claim = self._claim("fact_defeats", (fact.name, value), lost)
+                    run = partial(FormulaParts(self.prospects).run_to, there)
+                    yield replace(claim, find_run=run) if lost else claim
 
     def _waits_for_hardware(self) -> Claim:
         """Whether nothing but hardware may go on before the mission has ended."""
@@ -99,7 +105,8 @@ class Reached(Generic[S]):
         stuck = self.space.everything - self.space.enabling(own) - ended
         kind, some = KINDS["waits_for_hardware"], " | ".join(f"event({name})" for name in names)
         formula = kind.formula.format(ends=" | ".join(self.net.ends), some=some)
-        return Claim(kind.name, (), bool(stuck), formula=formula)
+        run = partial(FormulaParts(self.prospects).run_to, stuck) if stuck else None
+        return Claim(kind.name, (), bool(stuck), formula=formula, find_run=run)
 
     def _claim(self, kind: str, subject: tuple[str, ...], holds: bool, event: str = "") -> Claim:
         return Claim(kind, subject, holds, formula=KINDS[kind].formula.format(*subject, event=event))
@@ -120,6 +127,12 @@ class Reached(Generic[S]):
     def _hopeful(self) -> S:
         """States from which some run succeeds, whatever is repaired and helps on it."""
         return self.prospects.hopeful(self.prospects.mission, repairs=True) | self.prospects.mission.won
+
+    def _run_to_last(self, own: Collection[int]) -> Run | None:
+        """A run on which one of some events takes the last way to success."""
+        lost = self.space.everything - self._hopeful
+        before = self.space.before(lost, own) & self._hopeful
+        return FormulaParts(self.prospects).run_through(before, own, lost)
 
     def _decides(self, own: Collection[int]) -> bool:
         """Whether some of these events lead from a way to success to none."""

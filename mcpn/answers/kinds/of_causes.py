@@ -36,8 +36,9 @@ def _of_goal(verb: str, goal: str, noun: str) -> Iterator[ClaimKind]:
     yield ClaimKind(
         f"most_lost_spare_{noun}",
         "",
-        f"at most {{others}} may be lost by {{0}}, not repaired, so that {goal} stays possible",
-        f"more than {{others}} may be lost by {{0}}, not repaired, so that {goal} stays possible",
+        f"no loss of more than {{others}} by {{0}}, not repaired, leaves a way to {goal}; "
+        "some loss of {others} does",
+        f"some loss of more than {{others}} by {{0}}, not repaired, leaves a way to {goal}",
         f"how many may be lost by {{0}} so that {goal} stays possible is not known",
         "all sets of losses",
         _COMMANDS,

@@ -189,6 +189,18 @@ CHECK = Document(
                 String(),
             ),
             "claims": ListOf("All that is said of the mission, but for losses of hardware.", CLAIM),
+            "runs": MapOf(
+                "By key of a claim that the terminal tells unasked: a short run that shows it.",
+                ObjectOf(
+                    "A run.",
+                    {
+                        "events": texts("Its events in order."),
+                        "repeats": Nullable(
+                            Integer("So many events come before those that repeat for ever; null: none do.")
+                        ),
+                    },
+                ),
+            ),
             "warnings": ListOf(
                 "What is suspicious in the mission, by its text and by its states.",
                 ObjectOf(

@@ -49,16 +49,23 @@ def losses(claims: Sequence[Claim], verb: str, most: int = MOST_TOLD) -> list[st
     """
     before = held(claims, f"loss_before_{verb}s")
     aided, unaided = ([c for c in before if c.assumes.help == help_] for help_ in ("declared", "none"))
-    known, known_alone = ({claim.subject for claim in some} for some in (aided, before))
+    known_alone = {claim.subject for claim in before}
     missing, several = held(claims, f"missing_{verb}s"), held(claims, f"losses_{verb}")
-    known |= {claim.subject for claim in missing}
-    known_alone |= known
-    later = held(claims, f"loss_{verb}s")
-    worse = [c for c in later if c.assumes.help == "declared" and c.subject not in known]
+    known_alone |= {claim.subject for claim in missing}
+    later, worse = held(claims, f"loss_{verb}s"), at_worst(claims, verb)
     alone = [c for c in later if c.refers_to and c.subject not in known_alone]
     never = [c for c in claims if c.kind == NEVER[verb] and c.holds is False]
     needed = never or held(claims, f"without_repair_{verb}ed")
     return sentences([*needed, *aided, *missing, *worse, *several, *unaided, *alone], most)
+
+
+def at_worst(claims: Sequence[Claim], verb: str) -> list[Claim]:
+    """Losses, each alone, that do harm at a worse moment than before the start."""
+    before = held(claims, f"loss_before_{verb}s")
+    known = {claim.subject for claim in before if claim.assumes.help == "declared"}
+    known |= {claim.subject for claim in held(claims, f"missing_{verb}s")}
+    later = held(claims, f"loss_{verb}s")
+    return [c for c in later if c.assumes.help == "declared" and c.subject not in known]
 
 
 def kept(claims: Sequence[Claim], verb: str, unused: Collection[str], most: int = MOST_TOLD) -> list[str]:

@@ -13,9 +13,11 @@ from mcpn.answers.causes.find import Causes
 from mcpn.answers.causes.fmeca import Row
 from mcpn.answers.claims.claim import Claim, sentences
 from mcpn.answers.claims.of_risk import claims_of_risk
+from mcpn.answers.claims.unasked import MOST_TOLD, run_of
 from mcpn.drawing.compose import MissionNet
 from mcpn.report.failures.sentences import (
     IMPORTANCE,
+    at_worst,
     critical,
     headlines,
     of_objectives,
@@ -59,6 +61,12 @@ def print_causes(causes: Causes, claims: Sequence[Claim]) -> None:
             _print_run(
                 terminal, causes.mission_net, f"a run {_by(lost)} to where there is no way to {end}", run
             )
+    for verb in ("defeat", "endanger"):
+        for claim in at_worst(claims, verb)[:MOST_TOLD]:
+            if (shown := run_of(claim)) is not None:
+                terminal.print()
+                terminal.print(claim.sentence, style="bold")
+                terminal.print(f"by {shown.words}", indent=2, hang=2)
     start = causes.survival[0]
     _print_run(terminal, mission_net, "a run to success with the most losses", start.run)
     if start.safety is not None and start.safety.run != start.run:
