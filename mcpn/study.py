@@ -42,8 +42,9 @@ if TYPE_CHECKING:
     from mcpn.drawing.templates import TemplateSet
     from mcpn.findings import Findings
     from mcpn.logic.asking import Questions
-    from mcpn.logic.behaviour import NetCheck, Structure
+    from mcpn.logic.behaviour import NetCheck
     from mcpn.logic.session import Answer
+    from mcpn.logic.structure import Structure
     from mcpn.mission.model import Mission
     from mcpn.report.pictures.drawing import Drawing
     from mcpn.spaces.algebra import Space
@@ -237,7 +238,7 @@ class Study:
             >>> len(Study(token_ring(3)).structure().p_semiflows)
             1
         """
-        from mcpn.logic.behaviour import Structure
+        from mcpn.logic.structure import Structure
 
         return Structure(self.net)
 

@@ -38,7 +38,7 @@ from mcpn.mission.model import (
     walk,
 )
 from mcpn.mission.passes.name_clashes import clashes
-from mcpn.mission.reasons import ReasonChecks
+from mcpn.mission.reason_errors import ReasonChecks
 from mcpn.mission.requirement import Requirement
 from mcpn.mission.robot import Activity, Described, Element, Parameter
 

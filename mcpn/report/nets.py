@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from mcpn.logic.behaviour import NetCheck, Structure
+from mcpn.logic.behaviour import NetCheck
+from mcpn.logic.structure import Structure
 from mcpn.nets.game import TokenGame
 from mcpn.nets.petri import Arcs, Marking, PetriNet
 from mcpn.report.terminal import Terminal

@@ -28,7 +28,8 @@ from mcpn.mission.model import (
     Use,
     walk,
 )
-from mcpn.mission.reasons import ReasonChecks, is_whole, reason
+from mcpn.mission.reason_errors import ReasonChecks
+from mcpn.mission.reasons import is_whole, reason
 from mcpn.mission.robot import DeclaredEvent, Robot
 from mcpn.testing.drawer import TEXTS
 from mcpn.testing.robots import Island, RobotDrawing

@@ -7,7 +7,8 @@ from collections import deque
 from hypothesis import assume, given
 
 from mcpn.events import Event
-from mcpn.logic.behaviour import NetCheck, Structure, check_net
+from mcpn.logic.behaviour import NetCheck, check_net
+from mcpn.logic.structure import Structure
 from mcpn.nets.petri import Marking, NetBuilder, PetriNet
 from mcpn.report.nets import marking_after
 from tests.nets.nets import graph_of, nets, pt_nets, state_machines, token_nets
