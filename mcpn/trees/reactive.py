@@ -76,8 +76,10 @@ def _reactive(at: Translator, node: TreeNode, context: Context, *, stops: bool) 
     kind, why = Kind.EXACT, "an earlier child that runs again halts a later one" if sum(slow) > 1 else ""
     if sum(slow) > 1 and any(map(at.returns_between, node.children[1:])):
         kind, why = Kind.MORE, BETWEEN_CONDITIONS
-    if any(lingering) and not all(map(at.prompt, node.children[lingering.index(True) + 1 :])):
-        kind, why = Kind.MORE, ONE_TICK
+    if any(lingering):
+        first = lingering.index(True) + 1
+        if sum(slow[first:]) > 1 or not all(map(at.prompt, node.children[first:])):
+            kind, why = Kind.MORE, ONE_TICK
     earlier = (child for place, child in enumerate(node.children) if slow[place] and place < last)
     if any(at.remembers(child) for child in earlier):
         kind = Kind.LEFT_OUT
@@ -143,12 +145,12 @@ def while_do_else(at: Translator, node: TreeNode, context: Context) -> Result:
     made = branching(name, asked, *branches)
     if asked.skips:
         at.note(node, name, *skipped_condition(asked))
+    elif not at.at_once(node.children[0]):
+        at.note(node, name, Kind.LEFT_OUT, "that its condition runs again in parallel is not modelled")
     elif any(map(at.returns_between, node.children[1:])):
         at.note(node, name, Kind.MORE, BETWEEN_CONDITIONS)
-    elif at.at_once(node.children[0]):
-        at.note(node, name, Kind.EXACT)
     else:
-        at.note(node, name, Kind.LEFT_OUT, "that its condition runs again in parallel is not modelled")
+        at.note(node, name, Kind.EXACT)
     return made
 
 

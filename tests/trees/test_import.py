@@ -119,6 +119,9 @@ MORE = {
     "reactive, rounds behind rounds of what answers at once": node(
         "ReactiveSequence", node("Repeat", WELL, num_cycles=2), node("Repeat", WELL, num_cycles=2)
     ),
+    "reactive, two leaves behind rounds": node(
+        "ReactiveFallback", node("RetryUntilSuccessful", A, num_attempts=2), B, C
+    ),
     "reactive, a moment behind a moment": node(
         "ReactiveFallback", node("AsyncFallback", A, BADLY), node("AsyncFallback", B, BADLY)
     ),
@@ -193,6 +196,12 @@ def test_what_returns_though_no_leaf_runs(name: str, around: str, tmp_path: Path
     made, ticked = imported(tmp_path, node(around, *children, **ports))
     assert made.ledger.kind in (Kind.EXACT, Kind.MORE)
     compare(sides(made, ticked), exact=made.ledger.kind is Kind.EXACT)
+
+
+@pytest.mark.parametrize("last", [B, node("Repeat", X, num_cycles=2)])
+def test_a_condition_that_runs_beside_what_it_chooses_is_left_out(last: str, tmp_path: Path) -> None:
+    made, _ = imported(tmp_path, node("WhileDoElse", A, B, last))
+    assert made.ledger.kind is Kind.LEFT_OUT
 
 
 def test_a_queue_that_is_empty_says_how_its_loop_ends(tmp_path: Path) -> None:
