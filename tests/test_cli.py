@@ -37,6 +37,7 @@ def test_check_passes_on_ulysse() -> None:
         "verdicts",
         "undecided",
         "claims",
+        "runs",
         "warnings",
         "witnesses",
         "ignored",
