@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -123,14 +123,21 @@ class RequirementAnswer(NamedTuple):
         return self.asked.requirement.severity == "required"
 
 
-def asked_of(mission_net: MissionNet) -> list[AskedRequirement]:
+def asked_of(
+    mission_net: MissionNet, required: Mapping[str, tuple[str, Requirement]] | None = None
+) -> list[AskedRequirement]:
     """The requirements of a mission, understood before anything is explored.
+
+    Args:
+        mission_net: Its net.
+        required: Others that are asked of the same net, as those of its objectives graph; those by default.
 
     Raises:
         InputError: Formulas cannot be read, or name what is not there; each with its requirement's line.
     """
     asked, problems = list[AskedRequirement](), dict[Problem, None]()
-    for name, (within, each) in mission_net.usage.graph.requirements.items():
+    required = mission_net.usage.graph.requirements if required is None else required
+    for name, (within, each) in required.items():
         names = MissionNames(mission_net, within)
         try:
             asked.append(_asked(name, each, names))

@@ -121,14 +121,14 @@ class Project:
         known = self.memory.nets.get(file)
         if known is not None and known[0] == _asked_nothing(mission):
             # What formulas alone have changed is another mission around the same net.
-            net = replace(known[1], mission=mission)
+            net, required = replace(known[1], mission=mission), flatten(mission).requirements
         elif at_once and sum(len(self.scan(f).elements) for f in self.files(file)) > MOST_TYPED:
             return []
         else:
-            net = compose(mission)
+            net, required = compose(mission), None
             self.memory.nets[file] = _asked_nothing(mission), net
         try:
-            asked_of(net)
+            asked_of(net, required)
         except InputError as error:
             return list(error.problems)
         return []
