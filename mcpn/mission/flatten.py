@@ -27,9 +27,9 @@ from mcpn.mission.expansion.destinations import (
 )
 from mcpn.mission.expansion.guards import guarded
 from mcpn.mission.expansion.left_by_facts import refuse_paused
-from mcpn.mission.expansion.pauses import PAUSE, suffix_at, with_pause_graph
+from mcpn.mission.expansion.pauses import PAUSE, end_of_pause, suffix_at, with_pause_graph
 from mcpn.mission.expansion.recovery import entered, following, helping
-from mcpn.mission.expansion.routes import GO_ON, Becoming, Condition, Interruption, Setting
+from mcpn.mission.expansion.routes import Becoming, Condition, Interruption, Setting
 from mcpn.mission.expansion.scope import Scope
 from mcpn.mission.graph import (
     Branch,
@@ -246,8 +246,8 @@ class _Flattening:
                     self.helper(copy, scope, routes, (Destination(section.name), failure), sections)
                     entries |= dict.fromkeys(own, self.entry(copy))
                     continue
-                inside = list[Section]()
-                self.helper(copy, replace(scope, handlers=()), routes, (Destination(GO_ON), failure), inside)
+                inside, end = list[Section](), Destination(end_of_pause(section.name))
+                self.helper(copy, replace(scope, handlers=()), routes, (end, failure), inside)
                 graph = ObjectivesGraph(tuple(inside), self.entry(copy)).reachable()
                 section = with_pause_graph(section, PauseGraph(graph, scope.interruptions), own)
             led = (replace(i, target=entries.get(i.target, i.target)) for i in section.interruptions)

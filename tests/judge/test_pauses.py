@@ -6,6 +6,8 @@ import json
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from mcpn.drawing.compose import compose
 from mcpn.errors import InputError
@@ -16,6 +18,7 @@ from mcpn.mission.writer import written
 from mcpn.report.pictures.boxes import boxes
 from mcpn.testing.judge.interpreter import DECLARED, Happening, Interpreter
 from tests.commands import mcpn
+from tests.draws import fewer
 from tests.judge.lockstep import Judge
 from tests.judge.test_abort import BEGIN
 from tests.judge.test_interpreter import play
@@ -24,7 +27,8 @@ from tests.small import activity, mission, robot
 
 RAIN: Happening = (DECLARED, "rain")
 WIND: Happening = (DECLARED, "wind")
-OUTSIDE = robot((), *(activity(name, ()) for name in "abcdef"), events=("rain", "wind"))
+FOG: Happening = (DECLARED, "fog")
+OUTSIDE = robot((), *(activity(name, ()) for name in "abcdef"), events=("rain", "wind", "fog"))
 
 
 def one(name: str, runs: str = "", **routes: str) -> Objective:
@@ -152,8 +156,27 @@ LOOSE = mission(
     one("e", "f", success="succeed"),
 )
 """Ends that are decided early, tries, a route back, and a parallel block in what is run meanwhile."""
+WITHIN = mission(
+    OUTSIDE,
+    Parallel(name="p", blocks=(one("a"), one("b")), handlers=(pauses("s"),)),
+    Recursive(
+        name="s",
+        blocks=(
+            Recursive(
+                name="x",
+                blocks=(
+                    Parallel(name="q", blocks=(one("c"), one("d")), handlers=(pauses("u", "wind"),)),
+                    one("u", "e"),
+                ),
+                handlers=(Handler(event="fog", goto="succeed"),),
+            ),
+            one("v", "f"),
+        ),
+    ),
+)
+"""A parallel block that pauses in what runs while another one does, and is left for the end of that pause."""
 ALL_AGAIN = {"p_try1.a", "p_try1.b", "p_try1.c"}
-HOLDING = (BRANCHES, INSIDE, DEEP, LOOSE)
+HOLDING = (BRANCHES, INSIDE, DEEP, LOOSE, WITHIN)
 """Blocks that pause and hold branches."""
 MISSIONS = (PLAIN, TRIES, NESTED, LONG, ONCE, VALUES, USED, *HOLDING)
 
@@ -211,6 +234,10 @@ def test_all_that_play_it_agree(of: Mission) -> None:
         (LOOSE, [*ok("p_try1.b"), RAIN, *ok("s_at_p_try1.d", "s_at_p_try1.k")], {"p_try1.a", "p_try1.c"}),
         (LOOSE, [*ok("p_try1.b"), RAIN, bad("s_at_p_try1.d"), bad("s_at_p_try1.k")], ALL_AGAIN),
         (LOOSE, [*ok("p_try1.b"), RAIN, RAIN], {"e"}),
+        (WITHIN, [*ok("a"), RAIN, WIND], {"s_at_p.u_at_q"}),
+        (WITHIN, [*ok("a"), RAIN, FOG], {"b"}),
+        (WITHIN, [*ok("a"), RAIN, WIND, FOG], {"b"}),
+        (WITHIN, [*ok("a"), RAIN, *ok("s_at_p.c"), WIND, *ok("s_at_p.u_at_q")], {"s_at_p.d"}),
     ],
 )
 def test_what_an_event_leads_to(of: Mission, events: list[Happening], running: set[str]) -> None:
@@ -230,6 +257,41 @@ def test_branches_that_have_ended_stay_ended(of: Mission) -> None:
             stack += [after] if after not in found else []
             found.add(after)
     assert paused, "some branch has ended while its block pauses"
+
+
+@st.composite
+def pauses_within_pauses(draw: st.DrawFn) -> Mission:
+    """A block that pauses in what runs while another one does; each may be left for anywhere around."""
+    ends = [None, "succeed", "fail", "abort"]
+
+    def led(*siblings: str) -> str | None:
+        return draw(st.sampled_from([*ends, *siblings]))
+
+    def left(on: str, *siblings: str) -> tuple[Handler, ...]:
+        to = led(*siblings)
+        return (Handler(event=on, goto=to, once=draw(st.booleans())),) if to else ()
+
+    def leaf(name: str, *siblings: str) -> Objective:
+        to, late = led(*siblings), led(*siblings)
+        return Objective(name=name, activities=(name,), success=to, failure=late)
+
+    within, around = draw(st.permutations(["rain", "wind"]))
+    branches = Objective(name="a", activities=("a",)), Objective(name="b", activities=("b",))
+    inner = Parallel(name="q", blocks=branches, handlers=(pauses("c", within), *left("fog", "c")))
+    inside: tuple[Block, ...] = (inner, leaf("c", "q"))
+    if draw(st.booleans()):
+        inside = (Recursive(name="x", blocks=inside, handlers=left("fog", "d")), leaf("d", "x"))
+    on = draw(st.sampled_from(["fog", around]))
+    by = Recursive(name="s", blocks=inside, failure=led("f"), handlers=left(on, "f"))
+    branches = Objective(name="e", activities=("e",)), Objective(name="g", activities=("f",))
+    outer = Parallel(name="p", blocks=branches, handlers=(pauses("s", around), *left("fog", "f")))
+    return mission(OUTSIDE, outer, by, leaf("f", "p"))
+
+
+@fewer(0.25)
+@given(pauses_within_pauses())
+def test_pauses_within_pauses_are_played_alike(of: Mission) -> None:
+    assert Judge(of).judge().kind == "agree"
 
 
 def test_a_pause_that_happens_once() -> None:

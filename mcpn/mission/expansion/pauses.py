@@ -67,6 +67,15 @@ def _pause(block: Block, handler: Handler, named: Mapping[str, Block]) -> Iterat
         yield Problem(handler.source, f"{what} runs {by.name}, which itself {does}: only one of them can")
 
 
+def end_of_pause(section: str) -> str:
+    """What the copy that runs while a block pauses leads to, until it is put into the block.
+
+    The block may itself stand in what runs while another one pauses, and be left for the end of that:
+    each has a name of its own, which no block has.
+    """
+    return f"{GO_ON} {section}"
+
+
 def with_pause_graph(
     section: ParallelSection, pause_graph: PauseGraph, marks: Collection[str]
 ) -> ParallelSection:
@@ -74,10 +83,12 @@ def with_pause_graph(
 
     Args:
         section: The block.
-        pause_graph: The copy; it leads out of the block by the names of sections and exits there.
+        pause_graph: The copy; it leads to :func:`end_of_pause`, and out of the block by the names of sections
+            and exits there.
         marks: Targets that stand for the copy, of handlers of the block and of what runs in other pauses.
     """
-    inside = {inner.name for inner in pause_graph.graph.sections} | {GO_ON}
+    end = end_of_pause(section.name)
+    inside = {end: GO_ON, **{inner.name: inner.name for inner in pause_graph.graph.sections}}
     led = (route for inner in pause_graph.graph.sections for route in inner.routes)
     left = (route for i in pause_graph.interruptions for route in i.routes if not route.startswith(PAUSE))
     pause_exits = {target: exit_ for exit_, target in section.pause_exits}
@@ -86,7 +97,7 @@ def with_pause_graph(
             pause_exits.setdefault(target, f"away {len(pause_exits) + 1}")
 
     def out(target: str) -> str:
-        return pause_exits.get(target, target) if target not in inside else target
+        return inside.get(target) or pause_exits.get(target, target)
 
     def pausing(interruptions: tuple[Interruption, ...]) -> tuple[Interruption, ...]:
         paused = partial(replace, target=GO_ON, pauses=len(section.pause_graphs))
