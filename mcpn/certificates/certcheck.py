@@ -16,6 +16,7 @@ import sys
 import time
 import zipfile
 import zlib
+from collections import Counter
 from collections.abc import Callable, Container, Iterable, Iterator
 from functools import cache, reduce
 from operator import or_
@@ -128,7 +129,7 @@ def indices(mask: int) -> Iterator[int]:
         mask ^= low
 
 
-def grown(start: Iterable[int], on: Callable[[int], Iterable[int]], along: Json = None) -> set[int]:
+def grown(start: Iterable[Any], on: Callable[[Any], Iterable[Any]], along: Json = None) -> set[Any]:
     """What some lead to, one after the other, and they themselves; along some where these are given."""
     found = set(start)
     todo = list(found)
@@ -156,9 +157,8 @@ class Net:
                 self.roles[tuple(role)] = self.roles.get(tuple(role), 0) | 1 << number
         self.name = [each["name"] for each in transitions]
         for names in (self.names, self.name):
-            need(
-                len(set(names)) == len(names), "net.json: two places or transitions have one name", Malformed
-            )
+            why = "net.json: two places or transitions have one name"
+            need(len(set(names)) == len(names), why, Malformed)
         self.event = [tuple(each["event"]) for each in transitions]
         self.rank = [each["rank"] for each in transitions]
         self.consume, self.produce, read = (
@@ -247,12 +247,13 @@ class Listing:
                     edges.append((t, self.number[end]))
             self.edges.append(edges)
             self.within()
-        self.back: list[list[State]] = [[] for _ in self.stable]
-        self.firing = {t: set[State]() for t in net.events}
+        self.back: list[list[tuple[int, State]]] = [[] for _ in self.stable]
+        self.firing = {t: dict[State, State]() for t in net.events}
         for state, edges in enumerate(self.edges):
             for t, after in edges:
-                self.back[after].append(state)
-                self.firing[t].add(state)
+                self.back[after].append((t, state))
+                self.firing[t][state] = after
+        self.stuck = {state for state, edges in enumerate(self.edges) if not edges}
         self.formulas = Formulas(self)
 
     def within(self, more: int = 0) -> None:
@@ -321,9 +322,8 @@ class Listing:
         """Where a run leads: transitions of events, with internal firings between them."""
         state, banned = start, set(without)
         for t in run:
-            after = next((n for u, n in self.edges[state] if u == t and u not in banned), -1)
-            need(after >= 0, f"the run cannot fire transition {t} in state {state}")
-            state = after
+            state = next((n for u, n in self.edges[state] if u == t and u not in banned), -1)
+            need(state >= 0, f"the run cannot fire transition {t} when it comes to it")
         return state
 
     def closure(self, start: Iterable[State], may: Container[int] | None = None) -> set[State]:
@@ -334,8 +334,14 @@ class Listing:
 ARITY = {"not": 1, "EX": 1, "EG": 1, "EU": 2, "E": 1, "X": 1, "U": 2, "R": 2, "deadlock": 0}
 Form = tuple[Any, ...]
 Obligations = frozenset[Form]
-Way = tuple[set[State], set[int], bool, int, Obligations]
+Way = tuple[set[State], set[int], bool, Obligations, Obligations]
 """In which states, by which transitions, whether without any, what is left, and what is put off."""
+
+
+def on_states(form: Form) -> bool:
+    """Whether a formula on paths speaks of their first states alone."""
+    inside = form[1:] if form[0] in ("not", "and", "or") else ()
+    return form[0] not in ("happens", "X", "U", "R") and all(map(on_states, inside))
 
 
 class Formulas:
@@ -343,7 +349,8 @@ class Formulas:
 
     def __init__(self, graph: Listing) -> None:
         self.graph, self.all = graph, set(range(len(graph.stable)))
-        self.known = dict[Form, set[State]]()
+        self.known, self.ways = dict[Form, set[State]](), dict[Obligations, list[Way]]()
+        self.solved: dict[Obligations, set[State]] = {frozenset(): self.all}
 
     def read(self, said: Json, paths: bool = False) -> Form:
         """A formula on states, or on paths, as tuples."""
@@ -362,13 +369,15 @@ class Formulas:
                 return operator, most, tuple(map(tuple, pairs))
         if len(rest) == ARITY.get(operator, -1) and (paths or operator not in ("X", "U", "R")):
             of_paths = operator == "E" or (paths and operator in ("not", "X", "U", "R"))
-            return operator, *(self.read(each, of_paths) for each in rest)
+            read = (self.read(each, of_paths) for each in rest)
+            return operator, *(map(self.normal, read) if operator == "E" else read)
         raise Malformed(f"{wrong}: found {json.dumps(said)[:60]}")
 
-    def fired(self, events: Iterable[Form]) -> set[int]:
-        """The transitions of some events."""
-        wanted = set(events)
-        return {t for t in self.graph.net.events if self.graph.net.event[t] in wanted}
+    def fired(self, literal: Form) -> set[int]:
+        """The transitions that ``fires`` or ``happens`` names, or those that it does not if it is negated."""
+        if literal[0] == "not":
+            return set(self.graph.net.events) - self.fired(literal[1])
+        return {t for t in self.graph.net.events if self.graph.net.event[t] in literal[1:]}
 
     def states(self, form: Form) -> set[State]:
         """The states that satisfy a formula on states."""
@@ -386,9 +395,9 @@ class Formulas:
                 sums = (sum(weight for p, weight in weights if m >> p & 1) for m in graph.stable)
                 return {s for s, weight in enumerate(sums) if weight <= most}
             case "fires":
-                return set[State]().union(*(graph.firing[t] for t in self.fired(of)))
+                return set[State]().union(*(graph.firing[t] for t in self.fired((operator, *of))))
             case "deadlock":
-                return {s for s, edges in enumerate(graph.edges) if not edges}
+                return graph.stuck
             case "not":
                 return self.all - self.states(of[0])
             case "and":
@@ -396,39 +405,25 @@ class Formulas:
             case "or":
                 return set[State]().union(*map(self.states, of))
             case "EX":
-                return {s for after in self.states(of[0]) for s in graph.back[after]}
+                return {s for after in self.states(of[0]) for _, s in graph.back[after]}
             case "EU":
-                along, goal = map(self.states, of)
-                return grown(goal, graph.back.__getitem__, along)
+                return self.beginning(("U", *of))
             case "EG":
-                found = set(self.states(of[0]))
-                left = {s: sum(n in found for _, n in graph.edges[s]) for s in found}
-                todo = [s for s in found if graph.edges[s] and not left[s]]
-                while todo:
-                    found.discard(gone := todo.pop())
-                    for s in graph.back[gone]:
-                        if s in found:
-                            left[s] -= 1
-                            todo += [s] * (not left[s])
-                return found
+                return self.beginning(("R", ("or",), *of))
             case _:
-                return self.some_path(of[0], self.all)
+                return self.beginning(of[0])
 
     def at_first(self, form: Form) -> bool:
         """Whether the first state satisfies a formula on states."""
         match form:
             case ("not", inside):
                 return not self.at_first(inside)
-            case ("and", *each):
-                return all(map(self.at_first, each))
-            case ("or", *each):
-                return any(map(self.at_first, each))
-            case ("EU", ("and",), ("E", path)):  # all states are reachable
-                return bool(self.some_path(path, self.all, one=True))
-            case ("EU", ("and",), goal):
+            case ("and" | "or" as operator, *each):
+                return {"and": all, "or": any}[operator](map(self.at_first, each))
+            case ("EU", ("and",), goal):  # all states are reachable
                 return bool(self.states(goal))
-            case ("E", path):
-                return bool(self.some_path(path, {0}, one=True))
+            case ("E", ("U", ("and",), goal)):
+                return bool(self.beginning(goal))
         return 0 in self.states(form)
 
     def normal(self, form: Form, wanted: bool = True) -> Form:
@@ -448,7 +443,8 @@ class Formulas:
             return
         form, *rest = must
         ways: list[tuple[list[Form], list[Form], list[Form]]] = [([], [], [])]  # now, next, put off
-        match form:
+        of_step, of_state = "happens" in (form[0], form[0] == "not" and form[1][0]), on_states(form)
+        match () if of_state or of_step else form:
             case ("and", *each):
                 ways = [(each, [], [])]
             case ("or", *each):
@@ -459,70 +455,76 @@ class Formulas:
                 ways = [([right], [], []), ([left], [form], [form])]
             case ("R", left, right):
                 ways = [([left, right], [], []), ([right], [form], [])]
-        literal = form[0] not in ("and", "or", "X", "U", "R")
-        of_step = literal and "happens" in (form[0], form[1][0] if form[0] == "not" else "")
         for now, after, late in ways:
             for here, step, nexts, put_off in self.split([*now, *rest]):
-                if of_step:
-                    step = [form, *step]
-                elif literal:
-                    here = [form, *here]
-                yield here, step, nexts | set(after), put_off | set(late)
+                yield [form] * of_state + here, [form] * of_step + step, nexts | {*after}, put_off | {*late}
 
-    def some_path(self, path: Form, starts: set[State], one: bool = False) -> set[State]:
-        """Those of some states from which a path begins that satisfies a formula on paths, or one of them."""
-        # A node is a state with what the path from there must satisfy, as one number.
-        graph, size = self.graph, len(self.graph.stable)
-        musts = [frozenset[Form](), frozenset([self.normal(path)])]
-        number = {must: n for n, must in enumerate(musts)}
-        ways, edges = dict[int, list[Way]](), dict[int, list[tuple[Obligations, list[int]]]]()
-        todo = [size + state for state in starts]
-        while todo:
-            node = todo.pop()
-            if node in edges:
-                continue
-            left, state = divmod(node, size)
-            edges[node] = [] if left else [(frozenset(), [node])]
-            if left not in ways:
-                ways[left] = [self.way(each, number, musts) for each in self.split(list(musts[left]))]
-            for here, may, rests, after, late in ways[left] if left else ():
-                if state in here:
-                    found = [after * size + n for t, n in graph.edges[state] if t in may]
-                    found += [after * size + state] if rests and not graph.edges[state] else []
-                    if found and not after and one:
-                        return starts  # nothing is left to satisfy
-                    edges[node].append((late, found))
-                    todo += found
-            if not len(edges) % 1000:
-                graph.within(len(edges))
-        back: dict[int, list[int]] = {node: [] for node in edges}
-        for node, out in edges.items():
-            for target in (n for _, found in out for n in found):
-                back[target].append(node)
-        untils = {until for out in edges.values() for late, _ in out for until in late}
-        alive, before = set(edges), len(edges) + 1
-        while len(alive) < before:  # where each until is again and again not put off
-            before = len(alive)
-            for until in untils or (None,):
-                on = (n for n in alive if any(until not in late and alive & {*to} for late, to in edges[n]))
-                alive = grown(on, back.__getitem__, alive)
-        accepted = grown(alive, back.__getitem__)
-        return {state for state in starts if size + state in accepted}
+    def beginning(self, path: Form) -> set[State]:
+        """The states from which a path begins that satisfies a formula on paths."""
 
-    def way(self, split: Json, number: dict[Obligations, int], musts: list[Obligations]) -> Way:
-        """A way to satisfy formulas, of states, transitions and the number of what is left."""
-        here, step, left, late = split
-        if number.setdefault(left, len(musts)) == len(musts):
-            musts.append(left)
-        states, every = self.all.intersection(*map(self.states, here)), set(self.graph.net.events)
-        may = every.intersection(*map(self.steps, step))
-        return states, may, all(each[0] == "not" for each in step), number[left], late
+        def leads(must: Obligations) -> set[Obligations]:
+            if must not in self.ways:
+                self.ways[must] = [way for each in self.split(list(must)) if (way := self.way(*each))[0]]
+            self.graph.within(len(self.ways))
+            return {after for *_, after, _ in self.ways[must]} - self.solved.keys()
 
-    def steps(self, literal: Form) -> set[int]:
-        """The transitions with which a step satisfies a literal on it."""
-        negated = literal[0] == "not"
-        fired = self.fired(literal[1][1:] if negated else literal[1:])
-        return set(self.graph.net.events) - fired if negated else fired
+        first = frozenset([path])
+        later = {must: grown([must], leads) for must in grown([first] * (first not in self.solved), leads)}
+        for must in sorted(later, key=lambda each: len(later[each])):  # what others lead to comes first
+            if must not in self.solved:
+                self.solve([each for each in later[must] if must in later[each]])
+        return self.solved[first]
+
+    def way(self, here: list[Form], step: list[Form], after: Obligations, late: Obligations) -> Way:
+        """A way to satisfy formulas, of states and transitions."""
+        may = set(self.graph.net.events).intersection(*map(self.fired, step))
+        states = self.all.intersection(*map(self.states, here))
+        return states, may, all(each[0] == "not" for each in step), after, late
+
+    def solve(self, loop: list[Obligations]) -> None:
+        """Finds the states that satisfy obligations which lead to each other; others are solved before."""
+        # A node, as one number, is a state with what the path from there must satisfy.
+        graph, size, number = self.graph, len(self.graph.stable), {must: n for n, must in enumerate(loop)}
+        satisfied, into = set[int](), [list[Any]() for _ in loop]
+        for must, n in number.items():
+            for here, may, rests, after, late in self.ways[must]:
+                if after in number:
+                    into[number[after]].append((n * size, here, may, rests, late))
+                else:
+                    goal, found = self.solved[after], here
+                    if after or not rests or len(may) < len(graph.firing):  # else each step will do
+                        found = {s for t in may for s, to in graph.firing[t].items() if to in goal}
+                        found = here & (found | (graph.stuck & goal if rests else set()))
+                    satisfied |= {n * size + s for s in found}
+
+        def before(node: int, put_off: Form | None = None) -> Iterator[int]:
+            """The nodes with a step to one within the loop, on which an until is not put off."""
+            n, state = divmod(node, size)
+            for at, here, may, rests, late in into[n]:
+                if put_off not in late:
+                    yield from [at + s for t, s in graph.back[state] if s in here and t in may]
+                    if rests and state in graph.stuck and state in here:
+                        yield at + state
+
+        satisfied = grown(satisfied, before)
+        ways = [(at, here, late) for each in into for at, here, _, _, late in each]
+        if ways and not frozenset.intersection(*(late for *_, late in ways)):
+            alive = {at + s for at, here, _ in ways for s in here} - satisfied
+            untils, last = {until for *_, late in ways for until in late}, -1
+            while len(alive) != last:  # where a path goes on, and each until is not put off for ever
+                last, onward = len(alive), Counter(node for after in alive for node in before(after))
+                todo = [node for node in alive if not onward[node]]
+                for gone in todo:  # grows while it is walked
+                    onward.subtract(before(gone))
+                    todo += [node for node in {*before(gone)} if node in alive and not onward[node]]
+                alive.difference_update(todo)
+                for until in untils:
+                    found = {node for after in alive for node in before(after, until)}
+                    alive = grown(alive & found, before, alive)
+                graph.within(len(alive))
+            satisfied = grown(satisfied | alive, before)
+        for must, n in number.items():
+            self.solved[must] = {node - n * size for node in satisfied if node // size == n}
 
 
 ENDS = {"safe": [], "confluent": [], "can_succeed": ["success"], "can_fail": ["failure"]}
@@ -553,7 +555,7 @@ def judge(graph: Listing, claim: Json) -> None:
     elif not always:
         need(last in goal if holds else not goal, "the run leads to no such end, or a state is one")
     elif kind == "can_always_go_on":
-        stuck = {state for state, edges in enumerate(graph.edges) if not edges} - goal
+        stuck = graph.stuck - goal
         need(not stuck if holds else last in stuck, "a state is stuck, or the run leads to none that is")
     elif holds:
         numbers = numbered(graph, claim)
@@ -578,10 +580,8 @@ def nominal(graph: Listing, claim: Json) -> None:
     need(claim["holds"], "that it fails is never certified")
     onward = net.carrying("start") | net.carrying("success") | net.carrying("failure", *said["fails"], "")
     onward -= net.carrying("success", *said["fails"], "")
-    repairs, lost = net.carrying("repaired", *said["repaired"], ""), set[State]()
-    if said["repaired"]:
-        lost = graph.saying("oos", *said["repaired"])
-    begin = graph.closure([0], repairs) - lost
+    lost = graph.saying("oos", *said["repaired"]) if said["repaired"] else set[State]()
+    begin = graph.closure([0], net.carrying("repaired", *said["repaired"], "")) - lost
     need(begin, "what is out of service at first cannot come back")
     reached, success = graph.closure(begin, onward), graph.ended("success")
     free = success | graph.saying("objective", *said["endless"], "")
