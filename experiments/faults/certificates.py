@@ -35,7 +35,7 @@ from mcpn.errors import ConfluenceError, DivergenceError, UnsafeError
 from mcpn.events import Event, What
 from mcpn.logic.evaluate import Evaluation
 from mcpn.logic.formulas import EG, EU, EX
-from mcpn.logic.ltl.formulas import Happens, Next, Release, SomePath, Until
+from mcpn.logic.ltl.formulas import Happens, Next, Release, SomePath, Until, normal
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.markings.explicit import explore
@@ -51,7 +51,7 @@ SIZES = [
     for sections in (1, 2, 3)
     for hardware in (2, 3)
 ]
-OPERATORS = {"not": Not, "and": And, "or": Or, "EX": EX, "EG": EG, "EU": EU, "E": SomePath}
+OPERATORS = {"not": Not, "and": And, "or": Or, "EX": EX, "EG": EG, "EU": EU}
 OPERATORS |= {"X": Next, "U": Until, "R": Release}
 
 
@@ -106,6 +106,8 @@ class Truth:
                 return (Fires if operator == "fires" else Happens)(transitions)
             case "deadlock":
                 return DEADLOCK
+            case "E":
+                return SomePath(normal(self.formula(*rest)))  # the engine asks for normal forms
         return OPERATORS[operator](*map(self.formula, rest))
 
     def holds(self, claim: Documents) -> bool:
@@ -250,7 +252,7 @@ def _change_list(found: list[Any], draw: random.Random, other: list[Any]) -> Non
     item = found[at]
     if isinstance(item, int) and draw.random() < 0.7:
         found[at] = item + draw.choice([-2, -1, 1, 2])
-    elif isinstance(item, str) and item in OPERATORS and draw.random() < 0.7:
+    elif isinstance(item, str) and item in {*OPERATORS, "E"} and draw.random() < 0.7:
         found[at] = draw.choice(["and", "or", "not", "EX", "EG", "E", "X", "U", "R"])
     elif draw.random() < 0.4:
         found.pop(at)

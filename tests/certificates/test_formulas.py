@@ -10,8 +10,6 @@ import pytest
 
 from mcpn.certificates import certcheck
 from mcpn.errors import ConfluenceError, DivergenceError, UnsafeError
-from mcpn.logic.ltl.formulas import SomePath, normal
-from mcpn.spaces.search.goal import Formula
 from tests.certificates.test_mutants import script
 from tests.certificates.test_orders import drawn
 
@@ -35,13 +33,6 @@ def formula(draw: Random, events: list[list[str]], depth: int, paths: bool = Fal
     return [operator, *(formula(draw, events, depth - 1, inside) for _ in range(ARITY[operator]))]
 
 
-def normalised(form: Formula) -> Formula:
-    """A formula with its paths as mcpn's engine asks for them."""
-    if isinstance(form, SomePath):
-        return SomePath(normal(form.operands[0]))
-    return type(form)(*map(normalised, form.operands)) if form.operands else form
-
-
 @pytest.mark.parametrize("count", [30, pytest.param(20_000, marks=pytest.mark.slow)])
 def test_drawn_formulas(script: ModuleType, fresh_seed: int, count: int) -> None:
     said = set[bool]()
@@ -58,7 +49,7 @@ def test_drawn_formulas(script: ModuleType, fresh_seed: int, count: int) -> None
         formulas = certcheck.Listing(certcheck.Net(net), 20_000, float("inf")).formulas
         for _ in range(6):
             form = formula(draw, [t["event"] for t in net["transitions"] if t["event"]], draw.randint(2, 3))
-            expected = truth.evaluation.holds(normalised(truth.formula(form)))
+            expected = truth.evaluation.holds(truth.formula(form))
             assert formulas.at_first(formulas.read(form)) == expected, f"net {number} of --seed {fresh_seed}"
             assert (0 in formulas.states(formulas.read(form))) == expected, f"--seed {fresh_seed}: {form}"
             said.add(expected)
