@@ -59,7 +59,8 @@ def _of_activities(
         for w, states in changed[a].items():
             for k in ordering.hardware[a, w]:
                 by_resource.setdefault(k, []).append(states)
-        for k, sets in by_resource.items():
+        for k in ordering.as_declared(by_resource):
+            sets = by_resource[k]
             before = released.get(k, reaction.nothing)
             here = reaction.union(sets) - before
             released[k] = before | here

@@ -12,7 +12,7 @@ objectives and blocks that end are disarmed first, those of what begins armed la
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Literal
@@ -68,7 +68,7 @@ class Ordering:
         timed: Objectives with a timeout.
         held: By block with a timeout, the objectives in it.
         named: By objective, its activities.
-        hardware: By activity and alternative, what it takes.
+        hardware: By activity and alternative, what it takes, as it is declared.
     """
 
     def __init__(self, usage: Usage, graph: ObjectivesGraph) -> None:
@@ -81,8 +81,9 @@ class Ordering:
         # What stands for a fault or a crash is nothing that the robot takes or releases.
         stands = (*usage.mission.faults, *usage.mission.crashes)
         taken = usage.hardware.keys() - {each.name for each in stands}
+        self._declared = {k: number for number, k in enumerate(usage.hardware)}
         self.hardware = {
-            (activity.name, alternative.name): [k for k in alternative.consumes if k in taken]
+            (activity.name, alternative.name): self.as_declared(taken.intersection(alternative.consumes))
             for activity in usage.activities.values()
             for alternative in activity.alternatives
         }
@@ -91,6 +92,10 @@ class Ordering:
     def order(self) -> Sequence[str] | None:
         """The activities, consumers before what they consume; ``None`` where there are several sections."""
         return next(iter(self._stops.values())) if len(self._stops) == 1 else None
+
+    def as_declared(self, hardware: Iterable[str]) -> list[str]:
+        """Hardware in the order of its declarations, in which an activity releases it."""
+        return sorted(hardware, key=self._declared.__getitem__)
 
     def actions(self, before: Situation, after: Situation, passage: Stopped) -> Iterator[PlannedAction]:
         """The actions of one event.

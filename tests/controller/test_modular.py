@@ -118,6 +118,20 @@ def test_missions_with_declared_events(of: Mission) -> None:
     check(of)
 
 
+def test_hardware_is_released_as_it_is_declared_whatever_alternative_held_it() -> None:
+    """One alternative names ``b`` and ``c``, the other ``a`` and ``c``: both forms release ``c`` last."""
+    of = robot(hw("a", "b", "c"), activity("go", ("c", "b"), ("c", "a")))
+    blocks = (Objective(name="first", activities=("go",)), Objective(name="last", activities=("go",)))
+    mission_net = compose(mission(of, *blocks))
+    with patch.object(rules, "FEW_STEPS", 0):
+        modular = generate(mission_net, "modular")
+    side_by_side(mission_net, modular)
+    runtime = Runtime.from_document(json.loads(json.dumps(document(modular, mission_net))))
+    runtime.handle("MISSION_EV_START")
+    released = [a.hardware for a in runtime.handle("OBJ_first_EV_OK") if a.verb == "release"]
+    assert released == ["b", "c"]
+
+
 def test_the_parts_of_ulysse_reach_its_260_stable_states(ulysse_net: MissionNet) -> None:
     assert side_by_side(ulysse_net, generate(ulysse_net, "modular")) == 260
 
