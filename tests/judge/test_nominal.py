@@ -73,6 +73,15 @@ def test_missions_with_facts(of: Mission) -> None:
     event(judged(of))
 
 
+WHOLES = (drawn.IN_TIME, drawn.PAUSING_IN_TIME, drawn.LEFT_BY_FACTS, drawn.LEFT_BY_FACTS_APART)
+
+
+@fewer(0.25)
+@given(said(st.one_of(*WHOLES, drawn.NAMED, drawn.GUARDED, drawn.MIXED_APART)))
+def test_missions_with_blocks_that_are_stopped_as_a_whole(of: Mission) -> None:
+    event(judged(of))
+
+
 def one(name: str, **others: Any) -> Objective:
     return Objective(name=name, activities=("do",), **others)
 
@@ -93,6 +102,19 @@ MEANT: dict[str, tuple[Mission, str]] = {
     "an end of success that is an abort": (of(one("dig", success="abort")), "dead end"),
     "a block that no route leads to": (of(one("a", success="succeed"), one("b")), "left out"),
     "left out on purpose": (of(one("a", success="succeed"), one("b", nominal="optional")), "succeeds"),
+    "a block with a time, which is left by a failure that is meant": (
+        of(
+            Recursive(
+                name="search",
+                blocks=(one("a", success="fail"),),
+                failure="succeed",
+                handlers=(Handler(event="rain", goto="b"),),
+                timeout=9.0,
+            ),
+            one("b"),
+        ),
+        "succeeds",
+    ),
     "a patrol": (of(one("a", success="b"), one("b", success="a")), "goes on"),
     "a patrol that is meant": (
         of(one("a", success="b"), one("b", success="a", nominal="endless")),

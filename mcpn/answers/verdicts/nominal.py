@@ -17,8 +17,8 @@ from mcpn.answers.verdicts.unreachable import objectives_run
 from mcpn.drawing.compose import MissionNet
 from mcpn.events import Event, What
 from mcpn.mission.expansion.copies import Copies, Written
-from mcpn.mission.graph import ElementarySection, ObjectivesGraph
-from mcpn.mission.model import Mission, walk
+from mcpn.mission.graph import ElementarySection, ObjectivesGraph, Section
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, WHOLE, Mission, walk
 from mcpn.mission.static.warnings import names_of_objectives
 from mcpn.nets.petri import Marking
 from mcpn.sentences import enumeration, shortened
@@ -312,17 +312,7 @@ def meant_to_be_entered(mission_net: MissionNet) -> Iterator[str]:
 
 
 def _meant(graph: ObjectivesGraph, copies: Copies, helpers: Set[Written], failing: Set[str]) -> Iterator[str]:
-    sections = {section.name: section for section in graph.sections}
-    wanted, stack = set[str](), [graph.entry]
-    while stack:
-        name = stack.pop()
-        if name in sections and name not in wanted:
-            wanted.add(name)
-            # Where facts choose what success leads to, that is a helper.
-            section = sections[name]
-            by_failure = isinstance(section, ElementarySection) and section.name in failing
-            end, target = ("failure", section.failure) if by_failure else ("success", section.success)
-            stack += () if section.cases_of(end) else (target,)
+    wanted = _way_of_successes(graph, failing)
     left = (s for s in graph.unreached if not all(copies.around(leaf.name) & helpers for leaf in s.walk()))
     for section in (*(section for section in graph.sections if section.name in wanted), *left):
         if isinstance(section, ElementarySection):
@@ -330,6 +320,33 @@ def _meant(graph: ObjectivesGraph, copies: Copies, helpers: Set[Written], failin
         else:
             for branch in section.branches:
                 yield from _meant(branch.graph, copies, helpers, failing)
+
+
+def _way_of_successes(graph: ObjectivesGraph, failing: Set[str]) -> set[str]:
+    """The sections that successes lead to, and the exits; what facts choose after one is a helper."""
+    sections = {section.name: section for section in graph.sections}
+    wanted, stack = set[str](), [graph.entry]
+    while stack:
+        name = stack.pop()
+        if name not in wanted:
+            wanted.add(name)
+            stack += _led_as_meant(sections[name], failing) if name in sections else ()
+    return wanted
+
+
+def _led_as_meant(section: Section, failing: Set[str]) -> Iterator[str]:
+    """Where a section leads while all in it ends as it is meant to."""
+    if isinstance(section, ElementarySection):
+        ends = {"failure" if section.name in failing else "success"}
+    elif len(section.branches) == 1 and section.branches[0].name.endswith(WHOLE):
+        # A series that is stopped as a whole: routes inside may lead out by a failure that is meant.
+        said = {SUCCEED: "success", FAIL: "failure", ABORT: "abort"}
+        ends = {said[exit_] for exit_ in _way_of_successes(section.branches[0].graph, failing) & {*said}}
+    else:
+        ends = {"success"}
+    for end, target in section.outcomes:
+        if end in ends and not section.cases_of(end):
+            yield target
 
 
 def _helpers(mission: Mission) -> Iterator[Written]:
