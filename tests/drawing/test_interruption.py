@@ -21,6 +21,7 @@ from mcpn.nets.petri import Marking
 from mcpn.spaces.arrays import ArraySpace
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.testing import missions
+from mcpn.testing.shape import UNCONTENDED
 from tests import small
 from tests.shares import returns_early
 
@@ -54,7 +55,7 @@ def begun(graph: ObjectivesGraph, name: str) -> set[str]:
     return {o for branch in section.branches for o in begun(branch.graph, branch.graph.entry)}
 
 
-@given(missions(max_events=2))
+@given(missions(max_events=2) | missions(UNCONTENDED, sections=4, events=2))
 @settings(max_examples=60)
 def test_an_event_interrupts_in_every_stable_state(mission: Mission) -> None:
     try:
