@@ -124,10 +124,12 @@ class Level:
             self.interrupted(unit, aside)
 
     def interrupted(self, unit: WrittenBlock, aside: list[WrittenBlock]) -> None:
-        """Where events lead; one outside of another that always handles its event never counts."""
+        """Where events lead, and times of blocks; an event outside of another handler of it never counts."""
         node, handled = unit, set[str]()
         stopped = {around.name for around in with_parents(unit)}
         while True:
+            if node is not unit and node.timeout is not None:
+                self.follow(node, TIMED_OUT, aside, aside)
             for handler in (h for h in node.handlers if h.event not in handled):
                 if handler.pause is not None:
                     aside += [
