@@ -6,16 +6,10 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from mcpn.errors import LimitError
+from mcpn.nets.classes import classes
 from mcpn.nets.petri import PetriNet
-from mcpn.nets.siphons import (
-    classes,
-    commoner,
-    p_semiflows,
-    siphons,
-    state_machine_components,
-    t_semiflows,
-    traps,
-)
+from mcpn.nets.semiflows import p_semiflows, state_machine_components, t_semiflows
+from mcpn.nets.siphons import commoner, siphons, traps
 from mcpn.nets.structure import Sparse, invariants
 
 PARTS: Mapping[str, Callable[[PetriNet], Any]] = {
@@ -26,7 +20,7 @@ PARTS: Mapping[str, Callable[[PetriNet], Any]] = {
     "components": state_machine_components,
     "unmarked_siphon": commoner,
 }
-"""What is looked for among the arcs of a net: see :mod:`mcpn.nets.siphons`."""
+"""What is looked for among the arcs of a net: see :mod:`mcpn.nets.siphons` and :mod:`mcpn.nets.semiflows`."""
 
 
 class Structure:
@@ -47,7 +41,7 @@ class Structure:
         (5, 6, True)
 
     Attributes:
-        classes: See :func:`mcpn.nets.siphons.classes`.
+        classes: See :func:`mcpn.nets.classes.classes`.
         parts: What was found, by the names of :data:`PARTS`.
         left_out: What was left out, and which limit was hit.
     """

@@ -76,7 +76,7 @@ def invariants(net: PetriNet) -> tuple[Sparse, ...]:
         in the size of the net (and weights may grow); near linear on nets of loosely coupled components.
 
     See Also:
-        :func:`mcpn.nets.siphons.p_semiflows`: all of minimal support, none negative.
+        :func:`mcpn.nets.semiflows.p_semiflows`: all of minimal support, none negative.
         :func:`state_machine_units`: the places of which one is marked at a time.
     """
     return finished(_eliminated(net))

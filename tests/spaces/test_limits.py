@@ -26,7 +26,8 @@ from mcpn.events import Event
 from mcpn.mission.model import SUCCEED, Handler, Mission, Objective, Parallel
 from mcpn.mission.xml import read_mission
 from mcpn.nets.petri import EVENTS, NetBuilder, PetriNet
-from mcpn.nets.siphons import p_semiflows, siphons, t_semiflows, traps
+from mcpn.nets.semiflows import p_semiflows, t_semiflows
+from mcpn.nets.siphons import siphons, traps
 from mcpn.spaces import projections as images
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.arrays import ArraySpace

@@ -9,16 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from math import floor, inf, isinf
-from typing import TYPE_CHECKING
 
 from mcpn.errors import LimitError, UnboundedError
 from mcpn.nets.petri import PetriNet
 from mcpn.nets.programs import minimise
-from mcpn.nets.siphons import p_semiflows
+from mcpn.nets.semiflows import p_semiflows
 from mcpn.nets.structure import changes, incidence, place_bounds
-
-if TYPE_CHECKING:
-    pass
 from mcpn.spaces.markings.boundedness import boundedness
 
 UNASKED_BITS = 3
