@@ -15,8 +15,8 @@ from mcpn.cli.shared import EXIT_FAILED, FILE, Question, choice_object, emit_jso
 if TYPE_CHECKING:
     from mcpn.answers.safety import SafetyAnswer
     from mcpn.drawing.compose import MissionNet
-    from mcpn.logic.answering import ContestAnswer
     from mcpn.logic.asking import Questions
+    from mcpn.logic.open_questions import ContestAnswer
     from mcpn.logic.session import Answer
     from mcpn.logic.witness import Witness
     from mcpn.nets.petri import PetriNet

@@ -13,7 +13,7 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import chain
 from math import inf
@@ -22,10 +22,12 @@ from typing import TYPE_CHECKING, Any
 from mcpn.errors import InputError, LimitError, McpnError
 from mcpn.logic.evaluate import largest
 from mcpn.logic.formulas import EG, EU, EX, OPERATORS, on_one_path, says_paths
-from mcpn.logic.implications import LIVE, ONE_SAFE, Meaning, implied
+from mcpn.logic.implications import LIVE, ONE_SAFE, Meaning
+from mcpn.logic.implied import bounds_of, conditions
+from mcpn.logic.initial_state import parts_at_first
+from mcpn.logic.open_questions import REWRITING, ContestAnswer, OpenQuestions, effort
 from mcpn.logic.session import Answer, Session
-from mcpn.logic.simplify import at_first, bounds_of, conditions, parts_at_first
-from mcpn.logic.without_space import SOME_DEADLOCK, Known
+from mcpn.logic.without_space import SOME_DEADLOCK
 from mcpn.logic.witness import NoRun, Witness, explain
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces import engine_names
@@ -50,37 +52,17 @@ if TYPE_CHECKING:
 
 # What searches is loaded when something is searched.
 
-DIAGRAMS, REWRITING, COMPOSITION = "DECISION_DIAGRAMS", "QUERY_REDUCTION", "COMPOSITION"
+DIAGRAMS, COMPOSITION = "DECISION_DIAGRAMS", "COMPOSITION"
 FIRST_STEPS, STEPS_FACTOR, MOST_STEPS = 600_000, 2, 2**60
 """Of the race for the space, how many times as many each turn has, and when it goes on to its end."""
 SHARE, SHARE_OF_SMALL, SHORT_SLICE = 0.75, 8, 0.05
 """The space's time beside all other ways, if small; seconds of first turns where a search comes first."""
 FIRST_SLICE_OF_QUESTION, FIRST_ROUND, SLICE_FACTOR = 0.4, 1.0, 3.0
 WALK_STEPS = 50_000
-EFFORT_OF_LIVENESS = 30
-"""The number of operators of a formula that takes about as long: closures forward and backward."""
 LOCAL_STEPS = (20_000, 200_000, 1_000_000, 5_000_000, 25_000_000, 125_000_000)
 """For each part of a formula, in rounds."""
 PACED, FEWEST_STEPS = 1_000, 2_000
 """Places and transitions of a net up to which steps are not made fewer, and the fewest of each round."""
-
-
-@dataclass(frozen=True)
-class ContestAnswer:
-    """An answer to a question of the contest.
-
-    Args:
-        name: The question's.
-        value: ``TRUE``, ``FALSE``, a number, or ``INF`` of what has no bound.
-        techniques: How it was had, in the contest's words.
-    """
-
-    name: str
-    value: str
-    techniques: tuple[str, ...]
-
-    def __str__(self) -> str:
-        return f"FORMULA {self.name} {self.value} TECHNIQUES {' '.join(self.techniques)}"
 
 
 def answer_all(
@@ -149,7 +131,7 @@ def answer_typed(questions: Session, texts: Sequence[str]) -> list[Answer]:
     return [given[text] for text in texts]
 
 
-class _Answers:
+class _Answers(OpenQuestions):
     """Gives answers: each technique removes the questions that it decides from those that wait.
 
     Args:
@@ -159,16 +141,12 @@ class _Answers:
     """
 
     def __init__(self, questions: Session, waiting: dict[str, Meaning], *, typed: bool = False) -> None:
-        self.questions, self.net, self.waiting = questions, questions.net, waiting
-        self.typed, self.asked = typed, dict(waiting)
-        self.ways: dict[str, dict[str, None]] = {name: {} for name in waiting}  # that decided parts of it
-        self.known = Known(self.net, settled=questions.on == "alternatives")
+        super().__init__(questions.net, waiting, settled=questions.on == "alternatives")
+        self.questions, self.typed = questions, typed
         self.local: LocalChecks | None = None
         self.paths: PathParts | None = None
         self.facts: Facts | None = None
         self._weighed: set[Formula] = set()
-        self.bounding: dict[Formula, list[tuple[Formula, bool]]] = {}
-        self.nested: set[Formula] = set()  # parts inside others that have one value everywhere
         self.rounds = self.path_rounds = 0
         self.failed: McpnError | None = None
         """Why there is no space."""
@@ -188,10 +166,6 @@ class _Answers:
                 self.tell_open()
         if self.waiting:
             raise self.failed or LimitError(f"engine search leaves open: {', '.join(self.waiting)}")
-
-    def tell_open(self) -> None:
-        """Announces which questions are open: an interruption names them."""
-        step(Doing.LEFT_OPEN, question=", ".join(self.waiting))
 
     def ways_to_go(self, space: list[Iterator[ContestAnswer | None]]) -> list[Iterator[ContestAnswer | None]]:
         """The ways to answer that there are, the space among them, in the order of their first turns."""
@@ -246,16 +220,6 @@ class _Answers:
         goals = (self.known.goal(part) is not None for part in self.parts())
         return all(isinstance(asked, Formula) for asked in self.waiting.values()) and all(goals)
 
-    # --- what waits ---
-
-    def answer(self, name: str, value: float, *ways: str) -> Iterator[ContestAnswer]:
-        """Answers a question, which no longer waits, with the techniques of its parts; and what follows."""
-        del self.waiting[name]
-        told = tuple({**self.ways[name], **dict.fromkeys(ways)})
-        yield ContestAnswer(name, str(value).upper(), told)
-        for other, follows in implied(self.asked[name], value, self.net, self.parts):
-            yield from self.learn(other, follows, *told)
-
     def paced(self, steps: int) -> int:
         """Fewer steps where each takes longer, since the net is large."""
         size = len(self.net.places) + len(self.net.transitions)
@@ -265,43 +229,6 @@ class _Answers:
         """Rounds of steps of which none lists more states than may be listed."""
         most = self.questions.max_states
         return list(rounds) if most is None else sorted({min(steps, most) for steps in rounds})
-
-    def parts(self) -> list[Formula]:
-        """The parts whose initial values are asked for, cheap ones first."""
-        formulas = (asked for asked in self.waiting.values() if isinstance(asked, Formula))
-        return sorted(dict.fromkeys(chain.from_iterable(map(parts_at_first, formulas))), key=_effort)
-
-    def learn(self, part: Meaning, value: float, *ways: str) -> Iterator[ContestAnswer]:
-        """Puts a value where it is asked for, and yields what that answers."""
-        if isinstance(part, Formula):
-            self.known.values[part] = bool(value)
-            for other, follows in implied(part, value, self.net, self.parts):
-                yield from self.learn(other, follows, *ways)
-            for bounded, when in self.bounding.pop(part, ()):
-                if value == when and bounded not in self.known.values:
-                    yield from self.learn(bounded, value, *ways)
-            if part in self.nested:
-                self.nested.remove(part)
-                self.known.forget()
-                yield from self.rewritten(*ways, HOME)
-        for name, asked in list(self.waiting.items()):
-            if name not in self.waiting:
-                continue
-            if asked == part:
-                yield from self.answer(name, value, *ways)
-            elif isinstance(asked, Formula) and part in parts_at_first(asked):
-                self.ways[name].update(dict.fromkeys(ways))
-                yield from self.left(
-                    name, at_first(asked, lambda atom: bool(value) if atom == part else None)
-                )
-
-    def left(self, name: str, rest: Formula, *ways: str) -> Iterator[ContestAnswer]:
-        """Keeps what is left to ask of a formula, or yields the answer if nothing is."""
-        self.waiting[name] = rest
-        if rest in (TRUE, FALSE):
-            yield from self.answer(name, rest == TRUE, *ways)
-
-    # --- ways ---
 
     def one_safe_at_sight(self) -> Iterator[ContestAnswer]:
         """Answers whether the net is 1-safe, where the initial marking or a walk shows that it is not."""
@@ -319,22 +246,6 @@ class _Answers:
             safe = self.questions.one_safe()
             engine = self.questions.choice.engine if safe else self.questions.engine
             yield from self.learn(ONE_SAFE, safe, _technique(engine))
-
-    def rewritten(self, *by: str) -> Iterator[ContestAnswer]:
-        """Answers what rewriting and the initial marking decide; of others keeps what is left to ask.
-
-        Args:
-            by: How what is put into formulas was had; by default they are read for the first time.
-        """
-        for name, formula in list(self.waiting.items()):
-            if isinstance(formula, Formula) and name in self.waiting:
-                how = (
-                    (by or (REWRITING,)) if self.known.simple(formula) in (TRUE, FALSE) else (INITIAL_STATE,)
-                )
-                rest = self.known.rest(formula)
-                if rest != formula:
-                    self.ways[name].update(dict.fromkeys(by))
-                yield from self.left(name, rest, *how)
 
     def by_structure(self) -> Iterator[ContestAnswer | None]:
         """Bounds places by invariants, and simplifies by them."""
@@ -385,7 +296,7 @@ class _Answers:
         """Asks the space each question once that has been tried least often."""
         least = min(map(tried.__getitem__, self.waiting), default=0)
         names = [name for name, asked in self.waiting.items() if tried[name] == least and which(asked)]
-        for name in sorted(names, key=lambda name: _effort(self.waiting[name])):
+        for name in sorted(names, key=lambda name: effort(self.waiting[name])):
             if name not in self.waiting:  # what was answered before it has implied its answer
                 continue
             value = None
@@ -592,9 +503,3 @@ class _Answers:
 
 def _technique(engine: Asked) -> str:
     return {engine_names.EXPLICIT: EXPLICIT, engine_names.LOCAL: COMPOSITION}.get(engine, DIAGRAMS)
-
-
-def _effort(meaning: Meaning) -> int:
-    if isinstance(meaning, Formula):
-        return sum(1 for _ in meaning.walk())
-    return EFFORT_OF_LIVENESS if meaning == "Liveness" else 0

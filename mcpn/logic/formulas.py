@@ -22,7 +22,21 @@ from typing import TypeAlias
 from mcpn.errors import LimitError
 from mcpn.logic.ltl.formulas import Next, Release, SomePath, Until, always, is_of_paths, normal
 from mcpn.nets.petri import PetriNet
-from mcpn.spaces.search.goal import DEADLOCK, FALSE, TRUE, And, AtMost, Formula, Not, Operator, Or, as_goal
+from mcpn.spaces.search.goal import (
+    DEADLOCK,
+    FALSE,
+    TRUE,
+    And,
+    AtMost,
+    Deadlock,
+    Fires,
+    Formula,
+    Not,
+    Operator,
+    Or,
+    Stable,
+    as_goal,
+)
 
 MAX_SIZE = 50_000
 
@@ -99,6 +113,23 @@ def is_temporal(formula: Formula) -> bool:
         (False, True)
     """
     return any(isinstance(inside, EX | EU | EG | SomePath) for inside in formula.walk())
+
+
+def says_eventually(formula: Formula) -> bool:
+    """Whether it is ``EF f``: true in a state if in a later one."""
+    return isinstance(formula, EU) and formula.operands[0] == TRUE
+
+
+def says_one_state(formula: Formula) -> bool:
+    """Whether a formula is a condition on markings, or on what may fire in one, and no constant.
+
+    Examples:
+        >>> from mcpn.spaces.search.goal import marked
+        >>> says_one_state(marked(0)), says_one_state(EX(marked(0)))
+        (True, False)
+    """
+    atoms = (AtMost, Fires, Deadlock, Stable, Not, And, Or)
+    return formula not in (TRUE, FALSE) and all(isinstance(f, atoms) for f in formula.walk())
 
 
 def says_paths(formula: Formula) -> bool:

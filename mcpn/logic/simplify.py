@@ -1,4 +1,4 @@
-"""Smaller formulas that hold in the same states, or in the same initial state, and bounds of formulas.
+"""Smaller formulas that hold in the same states.
 
 The rules are those of CTL on maximal paths, all of which count: not for use with fairness. Source of those on
 operators in operators: F. Bønneland, J. Dyhr, P. Jensen, M. Johannsen, J. Srba, *Simplification of CTL
@@ -7,10 +7,10 @@ formulae for efficient model checking of Petri nets*, Petri Nets 2018.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
-from mcpn.logic.formulas import EG, EU, EX, some_path
+from mcpn.logic.formulas import EG, EU, EX, says_eventually, says_one_state, some_path
 from mcpn.logic.ltl.formulas import SomePath
 from mcpn.nets.petri import PetriNet
 from mcpn.nets.structure import changes, needs
@@ -20,12 +20,10 @@ from mcpn.spaces.search.goal import (
     TRUE,
     And,
     AtMost,
-    Deadlock,
     Fires,
     Formula,
     Not,
     Or,
-    Stable,
     as_goal,
     asks_dead,
     fireable,
@@ -164,11 +162,6 @@ def _until(left: Formula, right: Formula) -> Formula:
     return EU(left, right) if tuple(inner) == parts else _until(left, joined(Or(*inner)))
 
 
-def says_eventually(formula: Formula) -> bool:
-    """Whether it is ``EF f``: true in a state if in a later one."""
-    return isinstance(formula, EU) and formula.operands[0] == TRUE
-
-
 def _says_always(formula: Formula) -> bool:
     """Whether it is ``AG f``: true in all later states if in one."""
     return isinstance(formula, Not) and says_eventually(formula.operands[0])
@@ -190,92 +183,3 @@ def _without_constants(formula: Formula, always: Callable[[Formula], bool | None
         return formula
     rest = (f for f in formula.operands if f not in of_state)
     return joined(type(formula)(TRUE if value else FALSE, *rest))
-
-
-def says_one_state(formula: Formula) -> bool:
-    """Whether a formula is a condition on markings, or on what may fire in one, and no constant.
-
-    Examples:
-        >>> from mcpn.logic.formulas import EX
-        >>> from mcpn.spaces.search.goal import marked
-        >>> says_one_state(marked(0)), says_one_state(EX(marked(0)))
-        (True, False)
-    """
-    atoms = (AtMost, Fires, Deadlock, Stable, Not, And, Or)
-    return formula not in (TRUE, FALSE) and all(isinstance(f, atoms) for f in formula.walk())
-
-
-def conditions(formula: Formula) -> Iterator[Formula]:
-    """The parts that say one state, those inside them as well; several joined with others also together."""
-    for part in formula.walk():
-        if says_one_state(part):
-            yield part
-        elif isinstance(part, And | Or):
-            of_state = list(filter(says_one_state, part.operands))
-            if len(of_state) > 1:
-                yield type(part)(*of_state)
-
-
-def weaker(formula: Formula, wanted: bool = True) -> Formula:
-    """A condition on markings that holds wherever a formula does, or its negation as wanted.
-
-    ``E[f U g]`` needs ``f`` or ``g`` now, ``EG f`` needs ``f``; where ``E[f U g]`` is false, so is ``g``.
-    """
-    match formula:
-        case Not((operand,)):
-            return weaker(operand, not wanted)
-        case And(operands) | Or(operands):
-            kind = And if isinstance(formula, And) == wanted else Or
-            return joined(kind(*(weaker(operand, wanted) for operand in operands)))
-        case EX():
-            return Not(DEADLOCK) if wanted else TRUE
-        case EU((along, goal)):
-            if not wanted:
-                return weaker(goal, wanted=False)
-            return joined(Or(weaker(along), now)) if (now := weaker(goal)) != FALSE else FALSE
-        case EG((operand,)):
-            return weaker(operand) if wanted else TRUE
-        case _ if says_one_state(formula) or formula in (TRUE, FALSE):
-            return formula if wanted else ~formula
-    return TRUE
-
-
-def bounds_of(part: Formula) -> tuple[Formula, Formula]:
-    """A weaker and a stronger part of one operator, whose operands are conditions on markings."""
-    return part.mapped(weaker), part.mapped(lambda inside: ~weaker(inside, wanted=False))
-
-
-def at_first(formula: Formula, known: Callable[[Formula], bool | None]) -> Formula:
-    """A formula with the same value in the initial state, as far as what is known of that state decides.
-
-    Args:
-        formula: A simplified one.
-        known: Whether the initial state satisfies an atom or a temporal formula; ``None`` where not known.
-
-    Returns:
-        A constant where the initial state decides; else what is left to ask there.
-    """
-    left = partial(at_first, known=known)
-    if isinstance(formula, Not):
-        return ~left(formula.operands[0])
-    if isinstance(formula, And | Or):
-        return joined(type(formula)(*map(left, formula.operands)))
-    value = known(formula)
-    match formula:
-        case _ if value is not None:
-            return TRUE if value else FALSE
-        case EU((along, goal)):
-            now = left(goal)
-            return now if now == TRUE or (now == FALSE and left(along) == FALSE) else formula
-        case EG((operand,)) if left(operand) == FALSE:
-            return FALSE
-        case EX() if known(DEADLOCK):
-            return FALSE
-    return formula
-
-
-def parts_at_first(formula: Formula) -> list[Formula]:
-    """The parts that a formula's value in the initial state is a Boolean combination of."""
-    if isinstance(formula, Not | And | Or):
-        return [part for operand in formula.operands for part in parts_at_first(operand)]
-    return [formula]

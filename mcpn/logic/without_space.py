@@ -8,9 +8,10 @@ from functools import cached_property
 from math import inf
 from typing import TYPE_CHECKING
 
-from mcpn.logic.formulas import EG, EU
+from mcpn.logic.formulas import EG, EU, says_eventually
+from mcpn.logic.initial_state import at_first
 from mcpn.logic.ltl.formulas import Release, SomePath, Until
-from mcpn.logic.simplify import at_first, says_eventually, simplified
+from mcpn.logic.simplify import simplified
 from mcpn.logic.witness import Explanation, NoRun, Witness
 from mcpn.nets.petri import EVENTS, Marking, PetriNet
 from mcpn.spaces.algebra import Edge
