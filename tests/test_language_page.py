@@ -13,7 +13,7 @@ import pytest
 from lxml import etree
 
 from mcpn.answers.verdicts.mission import check
-from mcpn.cli.begin import EXAMPLES
+from mcpn.cli.init import EXAMPLES
 from mcpn.drawing.compose import compose
 from mcpn.mission.language.forms import language
 from mcpn.mission.language.relax_ng import relax_ng

@@ -29,7 +29,7 @@ _OUTPUT = "standard output:"
 _NO_ROOM = "failed to map segment"
 
 COMMANDS = {
-    "alternatives": "spaces",
+    "alternatives": "alternatives",
     "ask": "ask",
     "bench": "robot.bench",
     "causes": "causes",
@@ -37,15 +37,15 @@ COMMANDS = {
     "compare": "compare",
     "controller": "controller",
     "convert": "convert",
-    "init": "begin",
-    "lsp": "begin",
+    "init": "init",
+    "lsp": "lsp",
     "monitor": "robot.monitor",
     "report": "report",
     "run": "robot.run",
-    "schema": "begin",
+    "schema": "schema",
     "serve": "report",
     "simulate": "simulate",
-    "states": "spaces",
+    "states": "states",
     "tests": "robot.sequences",
 }
 """By command, the module of this package that has it."""

@@ -6,15 +6,11 @@ import json
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from mcpn.errors import InputError, Source
 from mcpn.events import Event, What
 from mcpn.files import read_bounded
 from mcpn.robot.runtime.journal import JournalError, read_journal
-
-if TYPE_CHECKING:
-    pass
 
 
 def events_of_file(path: Path) -> Iterator[tuple[int, Event | None, bool]]:

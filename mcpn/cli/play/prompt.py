@@ -5,14 +5,10 @@ from __future__ import annotations
 import sys
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING
 
 import click
 
 from mcpn.errors import InputError, Source
-
-if TYPE_CHECKING:
-    pass
 
 
 class Prompt(ABC):

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from mcpn.cli.play.prompt import Prompt
 from mcpn.errors import DivergenceError, LimitError
 from mcpn.nets.game import TokenGame
 from mcpn.report.nets import arcs_in_words, marking_in_words, tokens_of
 from mcpn.report.terminal import plain
-
-if TYPE_CHECKING:
-    pass
-from mcpn.cli.play.prompt import Prompt
 
 HELP_WITH_TOKENS = """\
 a transition's number, its name, or the beginning of its name: it fires

@@ -5,16 +5,13 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
+from mcpn.cli.robot.watching import not_within
 from mcpn.cli.shared import EXIT_FAILED, FILE, Question, emit_json, question
 from mcpn.errors import InputError, Source
-
-if TYPE_CHECKING:
-    pass
-from mcpn.cli.robot.watching import not_within
 
 
 @click.command()

@@ -7,14 +7,10 @@ import os
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from mcpn.errors import InputError, Source
 from mcpn.files import no_regular_file, sync_folder, why_not_written, write_atomically
 from mcpn.robot.runtime.journal import Journal
-
-if TYPE_CHECKING:
-    pass
 
 _log = logging.getLogger("mcpn.robot.drivers")
 

@@ -9,13 +9,8 @@ import socket
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
-from typing import TYPE_CHECKING
 
 from mcpn.cli import SIGNALS
-
-if TYPE_CHECKING:
-    pass
-
 
 SUSPENDING = {signal.SIGTSTP}
 """The signal that would suspend mcpn, with nobody in charge of what runs."""

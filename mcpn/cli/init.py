@@ -1,15 +1,14 @@
-"""Beginning a mission: files to start from, the schema and the server for an editor."""
+"""Files to start a mission from: a small one, an example, or what a behaviour tree becomes."""
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO, cast
+from typing import TYPE_CHECKING
 
 import click
 
 from mcpn.cli.shared import FILE, emit_json, json_option, tree_options
-from mcpn.errors import InputError, LimitError, Source
+from mcpn.errors import InputError, Source
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -18,14 +17,15 @@ if TYPE_CHECKING:
     from mcpn.trees.importing import Imported
     from mcpn.trees.options import TreeOptions
 
-
 FILES = ("mission.xml", "robot.xml", "protocols.xml")
+
+
 PLAYED = ("drivers.toml", "played.py")
 """What the small mission runs with: drivers that play a robot."""
 
+
 EXAMPLES = ("courier", "drone", "glider", "rover", "ulysse")
 """Missions of different robots; ulysse is the paper's."""
-LANGUAGE = "mission"
 
 
 @click.command()
@@ -124,49 +124,3 @@ def _start(example: str | None) -> Traversable:
     installed = resources.files("mcpn").joinpath("examples", example)
     checkout = Path(__file__).resolve().parents[2] / "experiments" / example
     return installed if installed.is_dir() else checkout
-
-
-@click.command()
-@click.argument("format_", default=LANGUAGE, metavar="[FORMAT]")
-@json_option
-def schema(format_: str, as_json: bool) -> None:
-    """Print the schema of the mission language (RELAX NG), for an editor that completes and checks.
-
-    With FORMAT, the JSON Schema of what a command prints or writes: check, causes, controller-document, ...
-
-    Save it beside your files (mcpn schema > mission.rng) and write as the second line of each of them
-    <?xml-model href="mission.rng"?>. Other forms, XSD or compact, are made from it by trang (package trang
-    of Debian): trang mission.rng mission.xsd, an XSD that Xerces takes.
-    """
-    import json
-    from importlib import resources
-
-    if format_ == LANGUAGE:
-        language = "RELAX NG"
-        text = resources.files("mcpn.mission").joinpath("schema.rng").read_text(encoding="utf-8")
-    else:
-        from mcpn.report.documents import FORMATS, json_schema
-
-        if format_ not in FORMATS:
-            names = ", ".join(sorted(FORMATS))
-            raise InputError.at(None, f"no schema of {format_!r}, expected {LANGUAGE} or one of {names}")
-        language, text = "JSON Schema", json.dumps(json_schema(FORMATS[format_]), indent=2) + "\n"
-    if as_json:
-        emit_json({"format": language, "schema": text})
-    elif format_ != LANGUAGE:
-        click.echo(text, nl=False)
-    else:
-        click.echo(text, nl=False)
-        click.echo('in an editor: <?xml-model href="mission.rng"?> as the second line of a file', err=True)
-
-
-@click.command()
-def lsp() -> None:
-    """Serve an editor: the Language Server Protocol on standard input and output (needs mcpn[editor])."""
-    try:
-        from mcpn.editor.server import Heard, server
-    except ModuleNotFoundError as error:
-        raise LimitError(f"{error.name} is not installed: pip install 'mcpn[editor]'") from error
-    # Of its own, for the server closes them; the command line flushes its own when it ends.
-    with os.fdopen(os.dup(0), "rb") as heard, os.fdopen(os.dup(1), "wb") as told:
-        server().start_io(cast(BinaryIO, Heard(heard)), told)
