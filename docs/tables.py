@@ -26,9 +26,9 @@ from mcpn.nets.formats.pnml import REMARKS
 from mcpn.nets.formats.tina import ARCS, DECLARATIONS
 from mcpn.report.documents import FORMATS, json_schema
 from mcpn.report.documents.answers import NAMED
+from mcpn.report.documents.bench import ESTIMATED
 from mcpn.report.documents.graphs import ANSWERED
 from mcpn.report.documents.nets import ENGINE
-from mcpn.report.documents.robots import ESTIMATED
 from mcpn.robot.drivers.known import OF_DRIVERS
 from mcpn.robot.drivers.mapping import KINDS as KINDS_OF_DRIVERS
 from mcpn.robot.runtime.documents import PLACE, REQUIREMENT, STATE

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from mcpn.report.documents import answers, graphs, nets, robots, versions
+from mcpn.report.documents import answers, bench, controllers, errors, files, graphs, nets, tests, versions
 from mcpn.robot.runtime.documents import READ_AGAIN
 from mcpn.robot.runtime.shapes import (
     Boolean,
@@ -26,11 +26,13 @@ from mcpn.robot.runtime.shapes import (
     String,
 )
 
+IN_ORDER = (answers, graphs, nets, controllers, tests, bench, files, errors, versions)
+
 FORMATS: dict[str, Document] = {
     document.name: document
     for document in (
         *READ_AGAIN,
-        *(each for module in (answers, graphs, nets, robots, versions) for each in vars(module).values()),
+        *(each for module in IN_ORDER for each in vars(module).values()),
     )
     if isinstance(document, Document)
 }
