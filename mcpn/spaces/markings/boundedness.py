@@ -14,16 +14,11 @@ from collections.abc import Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import inf, lcm
-from typing import TYPE_CHECKING
 
 from mcpn.errors import LimitError
 from mcpn.nets.petri import Arcs, PetriNet
 from mcpn.nets.programs import minimise
 from mcpn.nets.structure import changes, incidence, needs
-
-if TYPE_CHECKING:
-    pass
-
 
 OMEGA = -1
 """In the bounds of places and in markings of the coverability tree: any number of tokens."""

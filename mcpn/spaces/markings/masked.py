@@ -7,13 +7,9 @@ beside a place that changed are looked at again.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
 from mcpn.errors import UnsafeError
 from mcpn.nets.petri import PetriNet
-
-if TYPE_CHECKING:
-    pass
 
 
 def unsafe_at_start(net: PetriNet) -> UnsafeError | None:
