@@ -8,7 +8,7 @@ from urllib.parse import quote
 
 from mcpn import __version__
 from mcpn.answers.claims.found import of_verdict
-from mcpn.answers.claims.kinds import OF_VERDICTS
+from mcpn.answers.kinds.by_name import OF_VERDICTS
 from mcpn.answers.verdicts.mission import required_of
 from mcpn.errors import Problem, Source
 from mcpn.report.words import in_words

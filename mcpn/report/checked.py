@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from mcpn.answers.claims.claim import sentences, told
 from mcpn.answers.claims.found import of_verdict
-from mcpn.answers.claims.kinds import OF_VERDICTS
 from mcpn.answers.claims.made import claims_of
 from mcpn.answers.claims.unasked import DEFEATING, UNASKED, runs_of_unasked, unasked
+from mcpn.answers.kinds.by_name import OF_VERDICTS
 from mcpn.report.terminal import Terminal
 from mcpn.report.text import print_choice, print_steps, print_witness
 from mcpn.report.words import MOST_NAMED, in_words, modes_together, skipped_in_words, wrong_in_words

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.claims.claim import Assumes, Claim
 from mcpn.answers.claims.found import plain_names
-from mcpn.answers.claims.kinds import KINDS
 from mcpn.answers.claims.late import LATE, late_losses
 from mcpn.answers.claims.parts import MOST_NAMED, FormulaParts
+from mcpn.answers.kinds.by_name import KINDS
 from mcpn.logic.evaluate import Evaluation
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple, TypeAlias
 
-from mcpn.answers.claims.kinds import KINDS
+from mcpn.answers.kinds.by_name import KINDS
 from mcpn.answers.kinds.kind import ClaimKind
 from mcpn.sentences import enumeration, shortened
 from mcpn.spaces.run import Run

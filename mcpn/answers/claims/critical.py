@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from mcpn.answers.claims.claim import Assumes, Claim
 from mcpn.answers.claims.found import plain_names
-from mcpn.answers.claims.kinds import KINDS
 from mcpn.answers.claims.made import some_run
+from mcpn.answers.kinds.by_name import KINDS
 from mcpn.events import ENDING, Event, What
 
 if TYPE_CHECKING:

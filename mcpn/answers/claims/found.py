@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from mcpn.answers.claims.claim import Assumes, Claim, Severity
-from mcpn.answers.claims.kinds import KINDS, OF_VERDICTS
+from mcpn.answers.kinds.by_name import KINDS, OF_VERDICTS
 from mcpn.answers.verdicts.unreachable import targets
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ from mcpn.answers.causes.cutsets import help_in_words
 from mcpn.answers.causes.prospects import Goal
 from mcpn.answers.claims.claim import Assumes, Claim
 from mcpn.answers.claims.found import copies_by_name, plain_names
-from mcpn.answers.claims.kinds import KINDS
 from mcpn.answers.claims.parts import HELP, FormulaParts, some
 from mcpn.answers.claims.reached import WORDS
+from mcpn.answers.kinds.by_name import KINDS
 from mcpn.events import Event, What
 from mcpn.spaces.algebra import S
 

@@ -8,8 +8,8 @@ from typing import Any
 
 from mcpn.answers.claims.claim import Claim
 from mcpn.answers.claims.found import plain_names
-from mcpn.answers.claims.kinds import KINDS
 from mcpn.answers.claims.parts import FormulaParts
+from mcpn.answers.kinds.by_name import KINDS
 from mcpn.events import Event, What
 
 LATE = ("loss_unnoticed", "loss_unnoticed_later")

@@ -13,10 +13,10 @@ from mcpn.answers.claims.asked import with_formulas
 from mcpn.answers.claims.claim import Assumes, Claim
 from mcpn.answers.claims.found import claims_found, copies_by_name, led_to
 from mcpn.answers.claims.helped import Helped, claims_of_modes
-from mcpn.answers.claims.kinds import KINDS
 from mcpn.answers.claims.of_text import claims_of_text
 from mcpn.answers.claims.parts import HELP, FormulaParts
 from mcpn.answers.claims.reached import Reached
+from mcpn.answers.kinds.by_name import KINDS
 from mcpn.answers.verdicts.nominal import meant_to_be_entered
 from mcpn.events import What
 from mcpn.spaces.algebra import S, Space

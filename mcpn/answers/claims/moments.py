@@ -7,9 +7,9 @@ from functools import cached_property
 from typing import Generic
 
 from mcpn.answers.causes.prospects import Goal
-from mcpn.answers.claims.kinds import KINDS
 from mcpn.answers.claims.late import open_run
 from mcpn.answers.claims.parts import MOST_NAMED, FormulaParts, some
+from mcpn.answers.kinds.by_name import KINDS
 from mcpn.events import Event, What
 from mcpn.mission.graph import ElementarySection, ParallelSection, Section
 from mcpn.mission.static.handover import entries

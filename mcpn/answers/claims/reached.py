@@ -10,8 +10,8 @@ from typing import Generic
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.claims.claim import Claim
 from mcpn.answers.claims.found import copies_by_name
-from mcpn.answers.claims.kinds import KINDS
 from mcpn.answers.claims.parts import FormulaParts
+from mcpn.answers.kinds.by_name import KINDS
 from mcpn.answers.verdicts.unreachable import selected_and_entered
 from mcpn.events import Event, What
 from mcpn.spaces.algebra import S, Space

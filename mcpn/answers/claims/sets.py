@@ -11,13 +11,13 @@ from mcpn.answers.claims.claim import Assumes, Claim
 from mcpn.answers.claims.critical import claims_of_critical
 from mcpn.answers.claims.entries import GOALS, claims_of_entries, together
 from mcpn.answers.claims.helped import Helped
-from mcpn.answers.claims.kinds import KINDS
 from mcpn.answers.claims.made import claims_of, claims_of_losses, in_order
 from mcpn.answers.claims.moments import Moments
 from mcpn.answers.claims.of_cells import claims_of_cells
 from mcpn.answers.claims.of_objectives import claims_of_objectives
 from mcpn.answers.claims.parts import FormulaParts
 from mcpn.answers.claims.reached import Reached
+from mcpn.answers.kinds.by_name import KINDS
 from mcpn.events import What
 from mcpn.sentences import enumeration
 

@@ -6,6 +6,41 @@ from mcpn.answers.kinds.kind import AT_ENTRY, EVERYWHERE, JSON, TERMINAL, ClaimK
 
 _ENTRIES = "it speaks of all sections of which no other claim does"
 
+
+def _at_entry(does: str, goal: str) -> ClaimKind:
+    """The kind on one section whose entry a loss leaves without a way to a goal."""
+    return ClaimKind(
+        f"loss_at_entry_{does}",
+        "!E(F (({before}) & X (({inside}) & {then})))",
+        f"the loss of {{0}}, not repaired, leaves no way to {goal} from the entry of {{1}} on",
+        f"from the entry of {{1}} on the loss of {{0}}, not repaired, leaves a way to {goal}",
+        f"whether the loss of {{0}} at the entry of {{1}} leaves a way to {goal} is not known",
+        "all states at the entry",
+        (TERMINAL, JSON),
+        AT_ENTRY,
+        joint=", or of ",
+        several="{}",
+        good=False,
+    )
+
+
+def _at_entries(spares: str, goal: str) -> ClaimKind:
+    """The kind on all other sections, whose entries a loss leaves with a way to a goal."""
+    return ClaimKind(
+        f"loss_at_entries_spares_{spares}",
+        "",
+        f"the loss of {{0}}, not repaired, leaves a way to {goal} from the entry of each section of which "
+        "nothing else is said",
+        f"the loss of {{0}}, not repaired, leaves no way to {goal} from the entry of a section of which "
+        "nothing is said",
+        f"whether the loss of {{0}} at other entries leaves a way to {goal} is not known",
+        "all states at the entries",
+        why=_ENTRIES,
+        several="{}",
+        good=True,
+    )
+
+
 OF_REACH = (
     ClaimKind(
         "event_decides",
@@ -89,57 +124,9 @@ OF_REACH = (
         why="runs of a tree are no runs of the mission: its ledger says what became of each node",
         good=True,
     ),
-    ClaimKind(
-        "loss_at_entry_defeats",
-        "!E(F (({before}) & X (({inside}) & {then})))",
-        "the loss of {0}, not repaired, leaves no way to success from the entry of {1} on",
-        "from the entry of {1} on the loss of {0}, not repaired, leaves a way to success",
-        "whether the loss of {0} at the entry of {1} leaves a way to success is not known",
-        "all states at the entry",
-        (TERMINAL, JSON),
-        AT_ENTRY,
-        joint=", or of ",
-        several="{}",
-        good=False,
-    ),
-    ClaimKind(
-        "loss_at_entries_spares_success",
-        "",
-        "the loss of {0}, not repaired, leaves a way to success from the entry of each section of which "
-        "nothing else is said",
-        "the loss of {0}, not repaired, leaves no way to success from the entry of a section of which "
-        "nothing is said",
-        "whether the loss of {0} at other entries leaves a way to success is not known",
-        "all states at the entries",
-        why=_ENTRIES,
-        several="{}",
-        good=True,
-    ),
-    ClaimKind(
-        "loss_at_entries_spares_safety",
-        "",
-        "the loss of {0}, not repaired, leaves a way to a safe end from the entry of each section of which "
-        "nothing else is said",
-        "the loss of {0}, not repaired, leaves no way to a safe end from the entry of a section of which "
-        "nothing is said",
-        "whether the loss of {0} at other entries leaves a way to a safe end is not known",
-        "all states at the entries",
-        why=_ENTRIES,
-        several="{}",
-        good=True,
-    ),
-    ClaimKind(
-        "loss_at_entry_endangers",
-        "!E(F (({before}) & X (({inside}) & {then})))",
-        "the loss of {0}, not repaired, leaves no way to a safe end from the entry of {1} on",
-        "from the entry of {1} on the loss of {0}, not repaired, leaves a way to a safe end",
-        "whether the loss of {0} at the entry of {1} leaves a way to a safe end is not known",
-        "all states at the entry",
-        (TERMINAL, JSON),
-        AT_ENTRY,
-        joint=", or of ",
-        several="{}",
-        good=False,
-    ),
+    _at_entry("defeats", "success"),
+    _at_entries("success", "success"),
+    _at_entries("safety", "a safe end"),
+    _at_entry("endangers", "a safe end"),
 )
 """In the order in which they are shown."""

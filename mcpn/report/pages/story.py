@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from mcpn.answers.claims.claim import Claim, sentences, told
 from mcpn.answers.claims.found import claims_found, of_verdict
-from mcpn.answers.claims.kinds import OF_VERDICTS
 from mcpn.answers.claims.unasked import DEFEATING, UNASKED, unasked
+from mcpn.answers.kinds.by_name import OF_VERDICTS
 from mcpn.answers.verdicts.mission import NOMINAL
 from mcpn.report.failures.sentences import MOST_TOLD, kept, losses
 from mcpn.report.pages.nominal_run import nominal_run, strip
