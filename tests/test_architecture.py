@@ -316,7 +316,8 @@ LOADS_OF_NETS: dict[str, set[str]] = {
     "ask --examination StableMarking": TOKENS | CONTEST,
     "convert {folder}/net.pnml": FILES,
 }
-COMMANDS = {path.stem for path in (PACKAGE / "cli").glob("*.py")} - {"line", "shared", "__init__", "__main__"}
+SHARED = {"line", "options", "printed", "__init__", "__main__"}
+COMMANDS = {path.stem for path in (PACKAGE / "cli").glob("*.py")} - SHARED
 """Modules of commands."""
 NET = """pl a (1)
 tr t a -> b

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mcpn.cli.shared import FILE, Question, choice_object, emit_counts, engine_option, question
+from mcpn.cli.options import FILE, Question, engine_option, question
+from mcpn.cli.printed import choice_object, emit_counts
 from mcpn.spaces.engine_names import EXPLICIT
 
 if TYPE_CHECKING:

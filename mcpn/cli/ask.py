@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mcpn.cli.shared import EXIT_FAILED, FILE, Question, choice_object, emit_json, engine_option, question
+from mcpn.cli.options import EXIT_FAILED, FILE, Question, engine_option, question
+from mcpn.cli.printed import choice_object, emit_json
 
 if TYPE_CHECKING:
     from mcpn.answers.safety import SafetyAnswer

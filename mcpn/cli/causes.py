@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mcpn.cli.shared import FILE, Question, choice_object, emit_json, engine_option, question, tell_warnings
+from mcpn.cli.options import FILE, Question, engine_option, question
+from mcpn.cli.printed import choice_object, emit_json, tell_warnings
 from mcpn.errors import InputError, LimitError
 
 if TYPE_CHECKING:

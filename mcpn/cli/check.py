@@ -9,17 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal, NoReturn
 
 import click
 
-from mcpn.cli.shared import (
-    EXIT_BAD_INPUT,
-    EXIT_FAILED,
-    FILE,
-    Question,
-    choice_object,
-    emit_json,
-    engine_option,
-    question,
-    tell_warnings,
-)
+from mcpn.cli.options import EXIT_BAD_INPUT, EXIT_FAILED, FILE, Question, engine_option, question
+from mcpn.cli.printed import choice_object, emit_json, tell_warnings
 from mcpn.errors import InputError, Source
 
 if TYPE_CHECKING:

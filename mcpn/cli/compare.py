@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mcpn.cli.shared import EXIT_FAILED, FILE, FiniteRange, Question, emit_json, question
+from mcpn.cli.options import EXIT_FAILED, FILE, FiniteRange, Question, question
+from mcpn.cli.printed import emit_json
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

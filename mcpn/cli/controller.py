@@ -9,7 +9,8 @@ from typing import Literal
 
 import click
 
-from mcpn.cli.shared import FILE, Question, emit_json, question
+from mcpn.cli.options import FILE, Question, question
+from mcpn.cli.printed import emit_json
 from mcpn.cli.verified import require_verified
 from mcpn.errors import SemanticsError
 

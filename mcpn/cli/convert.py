@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from mcpn.cli.shared import FILE, Question, emit_json, question
+from mcpn.cli.options import FILE, Question, question
+from mcpn.cli.printed import emit_json
 from mcpn.errors import InputError, Source
 
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mcpn.cli.shared import FILE, emit_json, json_option, tree_options
+from mcpn.cli.options import FILE, json_option, tree_options
+from mcpn.cli.printed import emit_json
 from mcpn.errors import InputError, Source
 
 if TYPE_CHECKING:

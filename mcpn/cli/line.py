@@ -14,7 +14,8 @@ from typing import Any
 
 import click
 
-from mcpn.cli.shared import EXIT_BAD_INPUT, EXIT_FAILED, emit_json, json_asked
+from mcpn.cli.options import EXIT_BAD_INPUT, EXIT_FAILED, json_asked
+from mcpn.cli.printed import emit_json
 from mcpn.errors import ConfluenceError, InputError, McpnError, SemanticsError
 from mcpn.report.terminal import LEAST_WIDTH, WIDTH, plain
 from mcpn.version import VERSION

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mcpn.cli.shared import EXIT_FAILED, FILE, Question, emit_json, engine_option, question
+from mcpn.cli.options import EXIT_FAILED, FILE, Question, engine_option, question
+from mcpn.cli.printed import emit_json
 from mcpn.errors import InputError, Source
 from mcpn.report.progress import progress_on_terminal
 from mcpn.steps import Doing, step
@@ -84,7 +85,8 @@ def serve(
     What is wrong in the files is shown with the lines; questions that are typed in the page are answered. The
     address has a token; it is printed, and nobody who does not know it is answered.
     """
-    from mcpn.editor.served import PageServer, ServedMission
+    from mcpn.editor.page_server import PageServer
+    from mcpn.editor.served import ServedMission
 
     if not mission.is_file():
         raise InputError.at(Source(str(mission)), "found no such file, expected a mission")

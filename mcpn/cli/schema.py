@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import click
 
-from mcpn.cli.shared import emit_json, json_option
+from mcpn.cli.options import json_option
+from mcpn.cli.printed import emit_json
 from mcpn.errors import InputError
 
 LANGUAGE = "mission"

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mcpn.cli.shared import EXIT_FAILED, Question, emit_json, tell_warnings
+from mcpn.cli.options import EXIT_FAILED, Question
+from mcpn.cli.printed import emit_json, tell_warnings
 
 if TYPE_CHECKING:
     from mcpn.study import Study

@@ -19,7 +19,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.editor.served import MOST_ASKED, PageServer, ServedMission
+from mcpn.editor.page_server import MOST_ASKED, PageServer
+from mcpn.editor.served import ServedMission
 from mcpn.study import open_study
 from tests.commands import mcpn
 from tests.conftest import ULYSSE

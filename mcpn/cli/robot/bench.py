@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mcpn.cli.options import EXIT_FAILED, FILE, FiniteRange, Question, question
+from mcpn.cli.printed import emit_json
 from mcpn.cli.robot.watching import monitors_for
-from mcpn.cli.shared import EXIT_FAILED, FILE, FiniteRange, Question, emit_json, question
 from mcpn.errors import InputError, LimitError
 
 if TYPE_CHECKING:

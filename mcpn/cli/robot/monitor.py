@@ -9,8 +9,9 @@ from typing import Any
 
 import click
 
+from mcpn.cli.options import EXIT_FAILED, FILE, Question, question
+from mcpn.cli.printed import emit_json
 from mcpn.cli.robot.watching import not_within
-from mcpn.cli.shared import EXIT_FAILED, FILE, Question, emit_json, question
 from mcpn.errors import InputError, Source
 
 

@@ -13,13 +13,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mcpn.cli.options import EXIT_BAD_INPUT, EXIT_FAILED, FILE, Question, question
+from mcpn.cli.printed import emit_json
 from mcpn.cli.robot.watching import monitors_for
-from mcpn.cli.shared import EXIT_BAD_INPUT, EXIT_FAILED, FILE, Question, emit_json, question
 from mcpn.cli.verified import require_verified
 from mcpn.errors import InputError, Source
 
 if TYPE_CHECKING:
-    from mcpn.editor.served import RobotPage
+    from mcpn.editor.robot_page import RobotPage
     from mcpn.robot.drivers.running import RobotRun
     from mcpn.robot.runtime.controller import Controller
     from mcpn.robot.runtime.monitors import Monitors
@@ -190,7 +191,7 @@ def _page(controller: Controller, study: Study | None) -> Iterator[RobotPage | N
     if study is None:
         yield None
         return
-    from mcpn.editor.served import RobotPage, attached
+    from mcpn.editor.robot_page import RobotPage, attached
 
     content = RobotPage(study)
     controller.observe(content)

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mcpn.cli.shared import FILE, Question, emit_json, question
+from mcpn.cli.options import FILE, Question, question
+from mcpn.cli.printed import emit_json
 
 if TYPE_CHECKING:
     from mcpn.study import Study

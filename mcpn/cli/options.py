@@ -1,10 +1,8 @@
-"""Options and small habits that commands share."""
+"""Options that commands share, and what they make of their values: the study of a file, its workers."""
 
 from __future__ import annotations
 
-import json
 import os
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, fields
@@ -19,14 +17,13 @@ from mcpn.errors import InputError, Source
 from mcpn.spaces.engine_names import EXPLICIT, LOCAL, SYMBOLIC
 
 if TYPE_CHECKING:
-    from mcpn.drawing.compose import MissionNet
     from mcpn.drawing.templates import TemplateSet
     from mcpn.spaces.engine_names import Asked
-    from mcpn.spaces.engines import Choice, NoSpace
     from mcpn.study import Study
     from mcpn.trees.options import TreeOptions
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
+
 
 FILE = click.Path(path_type=Path)
 
@@ -62,12 +59,16 @@ json_option = click.option(
     callback=_remember_json,
     help="Print one JSON value and nothing else.",
 )
+
+
 _limit = click.option(
     "--max-states",
     type=click.IntRange(1, (1 << 63) - 1),
     help="List at most this many states one by one. Decision diagrams, which the symbolic engine and most of "
     "the local one use, are limited by memory instead.",
 )
+
+
 _import = click.option(
     "--import-root",
     type=FILE,
@@ -128,8 +129,11 @@ _templates = click.option(
     help="Templates to draw the mission's net with: paper (the default), compact, or MODULE:NAME.",
 )
 
+
 MOST_JOBS = 1024
 """No machine has more processes for this, and the queue between them has room for few more."""
+
+
 _jobs = click.option(
     "--jobs",
     type=click.IntRange(1, MOST_JOBS),
@@ -137,6 +141,8 @@ _jobs = click.option(
     show_default=True,
     help="Processes for local graphs.",
 )
+
+
 _scheduler = click.option(
     "--scheduler", metavar="ADDRESS", help="Build local graphs on a dask cluster (needs mcpn[distributed])."
 )
@@ -254,58 +260,3 @@ def question(
         return asked
 
     return given_options
-
-
-def choice_object(choice: Choice | NoSpace) -> dict[str, str | None]:
-    """Which engine answered, and why it was asked; ``null`` where the user named it."""
-    return {"engine": choice.engine, "why": choice.why}
-
-
-def emit_json(document: object) -> None:
-    """Prints one JSON value on standard output, in ASCII, integers of any size; what is not finite is null.
-
-    Python refuses to write integers of more than 4,300 digits, for they may take long; counts may be larger.
-    """
-    sys.set_int_max_str_digits(0)
-    try:
-        text = json.dumps(document, allow_nan=False)
-    except ValueError:
-        text = json.dumps(_finite(document))
-    click.echo(text)
-
-
-def _finite(value: object) -> object:
-    if isinstance(value, float):
-        return value if isfinite(value) else None
-    if isinstance(value, dict):
-        return {name: _finite(inner) for name, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(inner) for inner in value]
-    return value
-
-
-def emit_counts(counts: dict[str, Any], as_json: bool) -> None:
-    """Prints named numbers, as JSON or as a table."""
-    if as_json:
-        emit_json(counts)
-    else:
-        from mcpn.report.text import print_counts
-
-        print_counts(counts)
-
-
-def tell_warnings(mission_net: MissionNet) -> list[str]:
-    """Says on standard error, before anything is explored, what is suspicious in a mission.
-
-    Returns:
-        These warnings: a report need not repeat them.
-    """
-    from mcpn.mission.static.warnings import static_warnings
-    from mcpn.report.terminal import plain
-
-    if sys.stderr is None:
-        return []
-    warnings = list(map(str, static_warnings(mission_net.usage)))
-    for warning in warnings:
-        click.echo(plain(f"warning: {warning}"), err=True)
-    return warnings
