@@ -1,4 +1,4 @@
-"""What words in formulas mean of a mission: its objectives, activities, resources, facts and events."""
+"""What words in formulas mean of a mission: objectives, activities, resources, facts, events, progress."""
 
 from __future__ import annotations
 

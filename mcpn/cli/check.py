@@ -1,4 +1,4 @@
-"""The main job: verdicts of a mission."""
+"""Verdicts of a mission or a net: on a terminal, as JSON, as annotations of lines, with a certificate."""
 
 from __future__ import annotations
 

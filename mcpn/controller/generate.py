@@ -1,4 +1,4 @@
-"""From a mission's net to its controller."""
+"""The controller of a mission in a form that is asked for, refused or told where it is too large."""
 
 from __future__ import annotations
 

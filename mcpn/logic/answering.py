@@ -1,4 +1,4 @@
-"""Answers to formulas, typed or in files, and to examinations of the contest, with how they were had.
+"""The ways to answer formulas and examinations of the contest, which take turns until none is open.
 
 Formulas are simplified, by invariants and by the initial marking; what asks for one reachable marking goes to
 a search, once where several formulas ask for the same; others are asked of few markings, as they are needed

@@ -1,4 +1,4 @@
-"""Questions about a net or a mission in temporal logic, asked one at a time."""
+"""The object that is asked formulas one at a time, with a run for each."""
 
 from __future__ import annotations
 

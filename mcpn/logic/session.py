@@ -1,4 +1,4 @@
-"""Questions about a net or a mission in temporal logic, answered by any engine on any of its graphs."""
+"""What questions about one net or mission share: names, limits, the engine, the space once it is made."""
 
 from __future__ import annotations
 

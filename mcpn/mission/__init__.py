@@ -1,1 +1,1 @@
-"""The mission language: model, reader and writer, validation, flattening."""
+"""The mission language: model, reader and writer, validation, passes, flattening, static analysis."""

@@ -1,4 +1,4 @@
-"""Structural analysis of a net, without exploring it: invariants, one-token units, complements, conflicts.
+"""Structural analysis of a net: invariants and bounds by them, one-token units, complements, conflicts.
 
 Everything here is exact integer arithmetic on the incidence matrix, and holds for every marking reachable
 under any rule that fires one transition at a time; priorities only make the reachable markings fewer.

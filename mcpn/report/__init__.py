@@ -1,1 +1,1 @@
-"""Reports for people."""
+"""What people and programs read: text, tables, pages, pictures, JSON."""

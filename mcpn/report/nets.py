@@ -1,4 +1,4 @@
-"""What a person reads of a net, its behaviour and its structure."""
+"""A net's behaviour, structure and token game, for people and as objects for JSON."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Shows progress on one line of standard error, on a terminal, for work of more than a second."""
+"""Progress on a terminal for work of more than a second, and what is said of work that is interrupted."""
 
 from __future__ import annotations
 

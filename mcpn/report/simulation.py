@@ -1,4 +1,4 @@
-"""What a person sees while a mission is played: plain lines, in a pipe of 80 columns."""
+"""A mission while it is played, as plain lines in a pipe of 80 columns, and each change as JSON."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a person reads on a terminal: counts, engines, runs, answers, words of formulas."""
+"""What a person reads on a terminal: counts, engines, likeness of templates, runs, answers, vocabulary."""
 
 from __future__ import annotations
 

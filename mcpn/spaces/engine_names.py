@@ -1,4 +1,4 @@
-"""The engines, and the graphs that they are asked for, by name."""
+"""Names of engines and of graphs, and the arguments by which questions say them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Images of sets of states on some places: families of sets, as decision diagrams of their own.
+"""Families of sets as diagrams of their own: images of states on some places, and their minimal members.
 
 Which hardware is out of service in some states is such an image; minimal cut sets are the minimal members of
 another. The families are far too large to be listed, so they are built diagram from diagram.

@@ -1,4 +1,4 @@
-"""Runs of a net as they are found: transitions one after the other, completed when they are read.
+"""Runs of a net, completed with internal firings when they are read, and shortened.
 
 A run through the alternatives graph names events only. What the net does between two events is completed by
 the net's own rule, along one interleaving, since internal evolution is confluent there.

@@ -1,4 +1,4 @@
-"""How large a state space is, by whichever engine counts it."""
+"""Counts a state space: which engine is asked, and what it is asked for."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The sizes of a state space, from whichever engine counts them."""
+"""What is known of a state space's sizes, as a record, and made of what an engine has built or counted."""
 
 from __future__ import annotations
 

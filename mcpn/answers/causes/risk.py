@@ -1,4 +1,4 @@
-"""Numbers of risk: the alternatives graph as a continuous-time Markov chain.
+"""Numbers of risk of a mission: what they suppose, and which chain they are read off.
 
 The model, all durations exponential and independent, hours the unit of time:
 

@@ -1,4 +1,4 @@
-"""Claims on hardware that is lost before the start, on sets of losses, and on aborts after a failure."""
+"""Claims on sets of losses, before the start and later, and on aborts; and all claims on causes together."""
 
 from __future__ import annotations
 

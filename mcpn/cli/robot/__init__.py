@@ -1,1 +1,1 @@
-"""Commands around a running controller: a bench, sequences of events."""
+"""Commands around a controller: its run, the bench, sequences of events, monitors."""

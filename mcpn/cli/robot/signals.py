@@ -1,4 +1,4 @@
-"""What is heard and said while a robot runs: signals that end it in order, lines of events, warnings."""
+"""Signals that end a robot's run in order, or would suspend it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Names of elements: declared once, and referred to in texts of attributes, each with its place in the text.
+"""Names of elements: where texts refer to them, which are there twice, in a circle, or new after an edit.
 
 One declaration for all that follows names: what a datatype refers to is said beside the datatype, what words
 of formulas and conditions refer to is said here. What a name means, where that depends on what is declared

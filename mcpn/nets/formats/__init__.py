@@ -1,4 +1,4 @@
-"""One reader and one writer per net format, chosen by a file's suffix."""
+"""Reads and writes nets by the suffix of their file; each format has one reader and one writer."""
 
 from __future__ import annotations
 

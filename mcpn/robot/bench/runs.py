@@ -1,4 +1,4 @@
-"""Runs of a mission in virtual time, and what was seen in them."""
+"""Runs of a controller in virtual time, one or many: how they end, and what they see of the controller."""
 
 from __future__ import annotations
 

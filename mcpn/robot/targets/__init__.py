@@ -1,4 +1,4 @@
-"""What a controller can be written as; each target is one module."""
+"""The targets that a controller can be written as, by name; each is one module."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Machines that drive the objectives graph alone, and facts: they play the activities, and the control."""
+"""Machines that drive the objectives graph alone, or a fact alone, and play all else."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One mission composed with some templates, and what is wrong with it."""
+"""One mission composed with some templates, its markings, and what violates a property of them."""
 
 from __future__ import annotations
 
