@@ -26,6 +26,7 @@ VERSION, MOST_BYTES = 1, 1 << 26  # of all entries together, once they are unpac
 MOST_EXCLUSIONS = 2_000  # places up to which it is found out which are never marked together
 Json = Any
 State = int
+ENTRIES = "net", "claims", "core", "further", "diagrams"
 
 
 class Malformed(Exception):
@@ -87,10 +88,9 @@ def unpacked(path: str) -> dict[str, bytes]:
     try:
         with zipfile.ZipFile(path) as archive:
             for info in archive.infolist():
-                fine = info.filename in {"net.json", "claims.json", "core.json"} - entries.keys()
+                fine = info.filename in {f"{each}.json" for each in ENTRIES} - entries.keys()
                 need(fine, f"the entry {info.filename[:60]!r} is not expected, or there twice", Malformed)
-                fine = info.compress_type in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-                need(fine, f"the entry {info.filename} is neither stored nor deflated", Malformed)
+                need(info.compress_type in (0, 8), f"{info.filename}: neither stored nor deflated", Malformed)
                 with archive.open(info) as stream:
                     entries[info.filename] = stream.read(left + 1)
                 left -= len(entries[info.filename])

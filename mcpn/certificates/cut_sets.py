@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from functools import reduce
 from operator import and_
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,25 +20,47 @@ MOST_SURVIVED = 20_000
 """Sets that are survived up to which each gets a run."""
 
 
-def certified_cut_sets(
-    graph: AlternativesGraph, mission_net: MissionNet, cut_sets: Iterable[Iterable[str]], ends: Sequence[str]
-) -> tuple[dict[str, Any], dict[str, Any]]:
-    """What is stated of all minimal cut sets at the start, and the evidence.
+class Losing(NamedTuple):
+    """When hardware is lost, and what it may then make impossible.
+
+    Args:
+        moments: The states in which it is lost.
+        goal: The states that count as survival.
+        edges: The edges that a run to the goal may take.
+    """
+
+    moments: Mask
+    goal: Mask
+    edges: Mask
+
+
+def before_the_start(graph: AlternativesGraph, mission_net: MissionNet, ends: Sequence[str]) -> Losing:
+    """Hardware that is lost before the mission starts, and some ends of it."""
+    goal = evidence.marking(graph, [known[end] for end in ends if end in (known := mission_net.ends)])
+    return Losing(evidence.marking(graph, [mission_net.beginning]), goal, np.ones(graph.edges, np.bool_))
+
+
+def can_fail(mission_net: MissionNet) -> list[str]:
+    """The hardware that may be out of service."""
+    return [h.name for h in mission_net.mission.hardware if ("oos", h.name) in mission_net.by_role]
+
+
+def survived(
+    graph: AlternativesGraph, mission_net: MissionNet, cut_sets: Iterable[Iterable[str]], losing: Losing
+) -> list[dict[str, Any]]:
+    """The largest sets of hardware that hold no cut set, with the runs that show that they are survived.
 
     Args:
         graph: The listed states.
         mission_net: The mission's net.
         cut_sets: The minimal cut sets.
-        ends: The ends that they leave no way to.
+        losing: Of which moment and goal.
 
     Raises:
-        LimitError: There are too many sets that are survived.
+        LimitError: There are too many.
     """
-    cuts = sorted(sorted(names) for names in cut_sets)
-    hardware = [h.name for h in mission_net.mission.hardware if ("oos", h.name) in mission_net.by_role]
-    runs = _Runs(graph, mission_net, ends)
-    survived = [runs.surviving([hardware[i] for i in sorted(lost)]) for lost in _survived(cuts, hardware)]
-    return {"ends": list(ends), "hardware": hardware, "cuts": cuts}, {"survived": survived}
+    hardware, runs = can_fail(mission_net), _Runs(graph, mission_net, losing)
+    return [runs.surviving([hardware[i] for i in sorted(lost)]) for lost in _survived(cut_sets, hardware)]
 
 
 def _survived(cuts: Iterable[Iterable[str]], hardware: Sequence[str]) -> list[frozenset[int]]:
@@ -57,28 +79,26 @@ def _survived(cuts: Iterable[Iterable[str]], hardware: Sequence[str]) -> list[fr
 
 
 class _Runs:
-    """Runs on which what is lost before the start stays lost."""
+    """Runs on which what is lost stays lost."""
 
-    def __init__(self, graph: AlternativesGraph, mission_net: MissionNet, ends: Sequence[str]) -> None:
-        self.graph, self.net = graph, mission_net
-        known = mission_net.ends
-        self.goal = evidence.marking(graph, [known[end] for end in ends if end in known])
-        self.before = evidence.marking(graph, [mission_net.beginning])
+    def __init__(self, graph: AlternativesGraph, mission_net: MissionNet, losing: Losing) -> None:
+        self.graph, self.net, self.losing = graph, mission_net, losing
         events = enumerate(transition.event for transition in mission_net.net.transitions)
         self.repairs = {t: e.element for t, e in events if e is not None and e.what is What.REPAIRED}
         # One search without any repair shows most sets; the others get one of their own.
-        self.unrepaired = ~evidence.carrying(graph, list(self.repairs))
-        self.far = evidence.distances(graph, self.goal, self.unrepaired)
+        self.unrepaired = losing.edges & ~evidence.carrying(graph, list(self.repairs))
+        self.far = evidence.distances(graph, losing.goal, self.unrepaired)
 
     def surviving(self, lost: list[str]) -> dict[str, Any]:
-        """A set of hardware with a run to an end, and after how many events all of it is lost."""
+        """A set of hardware with a run to the goal, and after how many events all of it is lost."""
         graph = self.graph
         out = [evidence.marking(graph, self.net.by_role["oos", name]) for name in lost]
-        starts: Mask = reduce(and_, out, self.before)
+        starts: Mask = reduce(and_, out, self.losing.moments)
         edges, far = self.unrepaired, self.far
         if not (starts & (far >= 0)).any():
-            edges = ~evidence.carrying(graph, [t for t, name in self.repairs.items() if name in lost])
-            far = evidence.distances(graph, self.goal, edges)
+            repaired = evidence.carrying(graph, [t for t, name in self.repairs.items() if name in lost])
+            edges = self.losing.edges & ~repaired
+            far = evidence.distances(graph, self.losing.goal, edges)
         start = int(np.flatnonzero(starts & (far >= 0))[0])
         there = np.zeros(graph.states, np.bool_)
         there[start] = True

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from mcpn.certificates import certcheck, corecheck
+from mcpn.certificates import certcheck, corecheck, furthercheck
 from mcpn.certificates.core_entry import OBJECTIVES
 
 if TYPE_CHECKING:
@@ -48,7 +48,8 @@ class Verified(NamedTuple):
         """What is known of how a claim is known: ``checked``, ``refuted``, ``not checked`` or ``trusted``."""
         if key in self.found:
             how, why = self.found[key]
-            by = "corecheck" if key == OBJECTIVES else "certcheck"
+            further = any(key == claim["key"] for claim in self.certificate.further)
+            by = "corecheck" if key == OBJECTIVES else "furthercheck" if further else "certcheck"
             return f"checked by {by}" if how == "proved" else f"{how} by {by}: {why}"
         _, why = self.certificate.trusted.get(key, ("", "no evidence is written for it"))
         return f"trusted, not checked by certcheck: {why}"
@@ -80,9 +81,19 @@ def verified(certificate: Certificate, file: Path, seconds: float = SECONDS) -> 
         report = certcheck.checked(str(file), seconds=seconds)
     except GAVE_UP as error:
         report = [("not checked", claim["key"], _why(error)) for claim in certificate.claims]
+    if certificate.further:
+        report += _further(certificate, file, seconds)
     if certificate.core is not None:
         report.append(_played(file, seconds))
     return Verified(certificate, file, {key: (how, why) for how, key, why in report})
+
+
+def _further(certificate: Certificate, file: Path, seconds: float) -> certcheck.Report:
+    """What furthercheck says of the claims that it reads."""
+    try:
+        return furthercheck.checked(str(file), seconds=seconds)
+    except GAVE_UP as error:
+        return [("not checked", claim["key"], _why(error)) for claim in certificate.further]
 
 
 def _played(file: Path, seconds: float) -> tuple[str, str, str]:

@@ -18,8 +18,10 @@ from mcpn.answers.verdicts.nominal import NominalRuns, meant_to_be_entered
 from mcpn.certificates import evidence
 from mcpn.certificates.certcheck import ENDS, VERSION
 from mcpn.certificates.core_entry import OBJECTIVES, PLAYED, Unplayed, core_entry
-from mcpn.certificates.cut_sets import certified_cut_sets
+from mcpn.certificates.cut_sets import before_the_start, can_fail, survived
+from mcpn.certificates.entries import Trusted, entry
 from mcpn.certificates.formula_entry import formula_entry
+from mcpn.certificates.moments_entry import CRASHES, MomentClaims
 from mcpn.certificates.net_entry import net_entry
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import ConfluenceError, InputError, LimitError
@@ -57,6 +59,7 @@ class Certificate(NamedTuple):
         claims: Those with evidence, as ``claims.json`` holds them.
         trusted: By key of a claim without: its sentence, and why there is no evidence.
         core: The entry ``core.json``, where the mission's objectives can be played beside the net.
+        further: The claims of the entry ``further.json``, which furthercheck judges.
     """
 
     mission: str
@@ -64,6 +67,7 @@ class Certificate(NamedTuple):
     claims: list[dict[str, Any]]
     trusted: dict[str, tuple[str, str]]
     core: dict[str, Any] | None = None
+    further: tuple[dict[str, Any], ...] = ()
 
     @property
     def said(self) -> dict[str, Any]:
@@ -80,12 +84,17 @@ class Certificate(NamedTuple):
             "claims": self.claims,
             "trusted": trusted,
         }
+        further = None
+        if self.further:
+            further = {"format": "mcpn-certificate", "version": VERSION, "claims": self.further}
+        entries = {"net.json": self.net, "claims.json": claims, "core.json": self.core}
+        entries["further.json"] = further
         written = BytesIO()
         with zipfile.ZipFile(written, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
-            for name, entry in (("net.json", self.net), ("claims.json", claims), ("core.json", self.core)):
-                if entry is None:
+            for name, document in entries.items():
+                if document is None:
                     continue
-                text = json.dumps(entry, separators=(",", ":"))
+                text = json.dumps(document, separators=(",", ":"))
                 archive.writestr(zipfile.ZipInfo(name, WHEN), text, zipfile.ZIP_DEFLATED)
         return written.getvalue()
 
@@ -122,23 +131,29 @@ def certificate_of_causes(causes: Causes, max_states: int | None = None) -> Cert
     graph = _listed(spaces_of(mission_net), causes.prospects.space, max_states)
     made = _Writer(mission_net, graph, {}).certificate(claims_of_losses(causes.prospects))
     asked = [(causes.mission.cut_sets, "success")]
-    trusted = dict[str, tuple[str, str]]()
+    trusted = list[Trusted]()
     if causes.safety is not None and not causes.unsafe_aborts:
         asked.append((causes.safety.cut_sets, "success or abort"))
     elif causes.safety is not None:
-        trusted["cut_sets: success or abort"] = "All minimal cut sets of a safe end.", UNSAFE
-    entries = [
-        _entry(
-            f"cut_sets: {ends}",
-            "cut_sets",
-            (),
-            True,
-            f"All minimal cut sets: lost before the start, each leaves no way to {ends}.",
-            *certified_cut_sets(graph, mission_net, cuts, ends.split(" or ")),
-        )
-        for cuts, ends in asked
-    ]
-    return made._replace(claims=[*made.claims, *entries], trusted=made.trusted | trusted)
+        trusted.append(Trusted("cut_sets: success or abort", "All minimal cut sets of a safe end.", UNSAFE))
+    claims, further = list(made.claims), list[dict[str, Any]]()
+    for cut_sets, ends in asked:
+        sentence = f"All minimal cut sets: lost before the start, each leaves no way to {ends}."
+        if mission_net.mission.crashes:
+            trusted.append(Trusted(f"cut_sets: {ends}", sentence, CRASHES))
+            continue
+        losing = before_the_start(graph, mission_net, ends.split(" or "))
+        cuts = sorted(sorted(names) for names in cut_sets)
+        said = {"ends": ends.split(" or "), "hardware": can_fail(mission_net), "cuts": cuts}
+        shown = {"survived": survived(graph, mission_net, cuts, losing)}
+        claims.append(entry(f"cut_sets: {ends}", "cut_sets", (), True, sentence, said, shown))
+    for each in MomentClaims(causes, graph).all():
+        if isinstance(each, Trusted):
+            trusted.append(each)
+        else:
+            further.append(each)
+    known = made.trusted | {each.key: (each.sentence, each.why) for each in trusted}
+    return made._replace(claims=claims, trusted=known, further=tuple(further))
 
 
 def _listed(spaces: MissionSpaces, space: Space[Any], max_states: int | None) -> AlternativesGraph:
@@ -165,7 +180,7 @@ class _Writer:
         """All claims, those without evidence apart."""
         claims, trusted = dict[str, dict[str, Any]](), dict[str, tuple[str, str]]()
         for name, sentence in SENTENCES.items():
-            claims[name] = _entry(name, name, (), True, sentence, {}, {})
+            claims[name] = entry(name, name, (), True, sentence, {}, {})
         for claim in made:
             if claim.key in claims or claim.key in trusted:
                 continue
@@ -175,7 +190,7 @@ class _Writer:
                 trusted[claim.key] = claim.sentence, str(why)
             else:
                 assert claim.holds is not None, "evidence refuses what is not known"
-                claims[claim.key] = _entry(
+                claims[claim.key] = entry(
                     claim.key,
                     _kind(claim, said),
                     claim.subject,
@@ -278,23 +293,3 @@ def _kind(claim: Claim, said: dict[str, Any]) -> str:
     """The kind of a claim in the certificate: of a formula where an abort may be no safe end."""
     kind = LISTED.get(claim.of.verdict, claim.kind)
     return "formula" if kind in ENDS and "formula" in said else kind
-
-
-def _entry(
-    key: str,
-    kind: str,
-    subject: tuple[str, ...],
-    holds: bool,
-    sentence: str,
-    statement: dict[str, Any],
-    shown: dict[str, Any],
-) -> dict[str, Any]:
-    return {
-        "key": key,
-        "kind": kind,
-        "subject": list(subject),
-        "holds": holds,
-        "sentence": sentence,
-        "statement": statement,
-        "evidence": shown,
-    }
