@@ -33,7 +33,7 @@ OBJECTIVE = {"name": str, "duration": str, "failures": [[str]]}
 EVENT = {"event": [str], "rate": [str]}
 CHANCE = {"end": str, "low": str, "high": str, "hardware": [HARDWARE], "objectives": [OBJECTIVE]}
 CHANCE |= {"events": [EVENT], "stopped": STOPPED}
-UNIT = 10**15
+UNIT = 10**17
 """What the numbers of a vector are parts of."""
 DECIMAL = re.compile(r"[0-9]{1,40}(\.[0-9]{1,40})?", re.ASCII)
 

@@ -19,7 +19,7 @@ from mcpn.certificates import evidence
 from mcpn.certificates.certcheck import ENDS, VERSION
 from mcpn.certificates.core_entry import OBJECTIVES, PLAYED, Unplayed, core_entry
 from mcpn.certificates.cut_sets import before_the_start, can_fail, survived
-from mcpn.certificates.entries import Trusted, entry
+from mcpn.certificates.entries import Claimed, Trusted, entry
 from mcpn.certificates.formula_entry import formula_entry
 from mcpn.certificates.moments_entry import CRASHES, MomentClaims
 from mcpn.certificates.net_entry import net_entry
@@ -117,12 +117,15 @@ def certificate_of(check: MissionCheck, max_states: int | None = None) -> Certif
     return _Writer(check.mission_net, graph, asked).certificate(claims_of(check))
 
 
-def certificate_of_causes(causes: Causes, max_states: int | None = None) -> Certificate:
+def certificate_of_causes(
+    causes: Causes, max_states: int | None = None, *, chances: bool = False
+) -> Certificate:
     """The certificate of the minimal cut sets of a mission, and of what single losses do.
 
     Args:
         causes: What makes it fail.
         max_states: As of :func:`certificate_of`.
+        chances: Whether it says how probable the ends are too.
 
     Raises:
         LimitError: As there; or there are too many sets that the mission survives.
@@ -147,7 +150,13 @@ def certificate_of_causes(causes: Causes, max_states: int | None = None) -> Cert
         said = {"ends": ends.split(" or "), "hardware": can_fail(mission_net), "cuts": cuts}
         shown = {"survived": survived(graph, mission_net, cuts, losing)}
         claims.append(entry(f"cut_sets: {ends}", "cut_sets", (), True, sentence, said, shown))
-    for each in MomentClaims(causes, graph).all():
+    moments = MomentClaims(causes, graph)
+    every: list[Claimed | Trusted] = [*moments.all()]
+    if chances:
+        from mcpn.certificates.chances_entry import chance_claims  # needs scipy
+
+        every += chance_claims(causes, graph, moments)
+    for each in every:
         if isinstance(each, Trusted):
             trusted.append(each)
         else:

@@ -33,7 +33,8 @@ MOST_TOLD = 50
     "--certificate",
     type=FILE,
     metavar="OUT",
-    help="Write the minimal cut sets to OUT, with evidence, and have certcheck check it.",
+    help="Write the minimal cut sets to OUT, with --rates how probable the ends are, with evidence, and have "
+    "it checked.",
 )
 @click.option(
     "--rates",
@@ -125,7 +126,7 @@ def causes(
         from mcpn.certificates.writing import certificate_of_causes
 
         with question.progress():
-            evidence = certificate_of_causes(every, question.max_states)
+            evidence = certificate_of_causes(every, question.max_states, chances=numbers is not None)
             write_atomically(certificate, evidence.to_bytes())
             written = verified(evidence, certificate)
     if openpsa is not None:

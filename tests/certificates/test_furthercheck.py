@@ -11,15 +11,18 @@ from typing import Any, cast
 
 import pytest
 from hypothesis import given
+from hypothesis import strategies as st
 
 from mcpn.certificates import furthercheck
 from mcpn.certificates.writing import certificate_of_causes
-from mcpn.errors import ConfluenceError, LimitError, UnsafeError
+from mcpn.errors import ConfluenceError, LimitError, SemanticsError, UnsafeError
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.study import Study
 from mcpn.testing import missions
+from tests.answers.dense import any_missions, interrupted_missions
+from tests.answers.test_whole_chain import with_intervals
 from tests.certificates.files import rewritten
 from tests.conftest import ROOT, ULYSSE
 from tests.draws import fewer
@@ -131,3 +134,100 @@ def test_a_kind_that_is_not_known_is_malformed(ulysse: bytes, capsys: pytest.Cap
     with rewritten(ulysse, "further.json", rename) as path:
         assert furthercheck.main([path]) == 2
     assert "cut_sets_some_day" in capsys.readouterr().out
+
+
+# Probabilities.
+
+RATED = """
+<mission xmlns="urn:mcpn:mission:1" name="rated">
+  <robot name="boat">
+    <event name="recall" rate="0.05"/>
+    <hardware name="gps" failure_rate="0.02" repair_rate="0.5"/>
+    <hardware name="sonar" failure_rate="0.01 .. 0.04" repairable="false"/>
+    <activity name="navigate"><alternative name="by_gps" consumes="gps"/></activity>
+    <activity name="look"><alternative name="by_sonar" consumes="sonar"/></activity>
+  </robot>
+  <objective name="go" activities="navigate" duration="1.5" failure_probability="0.1">
+    <on event="recall" goto="abort"/>
+  </objective>
+  <objective name="see" activities="look" duration="2"/>
+</mission>
+"""
+
+
+@pytest.fixture(scope="module")
+def rated(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """The certificate of the numbers of a small mission."""
+    path = tmp_path_factory.mktemp("rated") / "mission.xml"
+    path.write_text(RATED.lstrip())
+    return certificate_of_causes(Study(read_mission(path)).causes(), chances=True).to_bytes()
+
+
+def test_chances_are_proved_within_a_billionth(rated: bytes) -> None:
+    found = further_of(rated)
+    assert {how for key, how in found.items() if key.startswith(("chance", "bounds"))} == {"proved"}
+    assert {
+        f"{key}: {end}" for key in ("chance", "bounds") for end in ("success", "failure", "abort")
+    } <= set(found)
+
+    def narrow(document: dict[str, Any]) -> None:
+        widths = {}
+        for claim in document["claims"]:
+            if claim["kind"] == "chance":
+                said = claim["statement"]
+                widths[claim["key"]] = float(said["high"]) - float(said["low"])
+        assert max(widths[f"chance: {end}"] for end in ("success", "failure", "abort")) < 1e-9
+        assert widths["bounds: success"] > 1e-3
+
+    further_of(rated, narrow)
+
+
+def _higher(claim: dict[str, Any]) -> None:
+    claim["statement"]["low"] = claim["statement"]["high"]
+    claim["statement"]["high"] = "1"
+
+
+def _lower(claim: dict[str, Any]) -> None:
+    claim["statement"]["high"] = claim["statement"]["low"]
+
+
+def _worse(claim: dict[str, Any]) -> None:
+    claim["statement"]["hardware"][0]["fails"] = ["0.03", "0.03"]
+
+
+def _slower(claim: dict[str, Any]) -> None:
+    claim["statement"]["objectives"][0]["duration"] = "1.6"
+
+
+def _oftener(claim: dict[str, Any]) -> None:
+    claim["statement"]["events"][0]["rate"] = ["0.04", "0.04"]
+
+
+def _certain(claim: dict[str, Any]) -> None:
+    claim["evidence"]["above"] = [0] * len(claim["evidence"]["above"])
+
+
+def _other(claim: dict[str, Any]) -> None:
+    claim["statement"]["end"] = "failure"
+
+
+@pytest.mark.parametrize("change", [_higher, _lower, _worse, _slower, _oftener, _certain, _other])
+def test_another_probability_is_refuted(rated: bytes, change: Callable[[dict[str, Any]], None]) -> None:
+    found = further_of(rated, lambda document: change(claim_of(document, "chance: success")))
+    assert [key for key, how in found.items() if how == "refuted"] == ["chance: success"]
+
+
+@fewer(0.1)
+@given(any_missions() | interrupted_missions(), st.sampled_from([1.0, 10.0]))
+def test_chances_of_drawn_missions_are_proved(mission: Mission, share: float) -> None:
+    study = Study(with_intervals(mission, share))
+    try:
+        direct(study.mission_net.net, max_states=300)
+        certificate = certificate_of_causes(study.causes(), chances=True)
+    except (LimitError, SemanticsError) as error:
+        return returns_early(type(error).__name__)
+    if not any(claim["kind"] == "chance" for claim in certificate.further):
+        assert "chance: success" in certificate.trusted
+        return returns_early("trusted")
+    assert set(further_of(certificate.to_bytes()).values()) == {"proved"}
+    return None

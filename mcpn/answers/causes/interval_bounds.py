@@ -34,6 +34,8 @@ MOST_ROUNDS = 100
 
 ENLARGED = 10.0 ** np.arange(-13, -4)
 """How much, relative to itself, a solution is enlarged to prove it: the first that is enough."""
+ABSOLUTE = 10.0 ** np.arange(-15, -6, 0.5)
+"""How much it is enlarged by each step, where it is rounded afterwards."""
 
 
 def bounds(prospects: Prospects[Any], max_states: int | None = None) -> Mapping[str, tuple[float, float]]:
@@ -51,18 +53,29 @@ def bounds(prospects: Prospects[Any], max_states: int | None = None) -> Mapping[
     high = whole_chain(prospects, max_states, lambda rate: getattr(rate, "high", rate))
     found = dict[str, tuple[float, float]]()
     for end, goal in low.ends.items():
-        least, most = (_proved(low, high, goal, up=up) for up in (False, True))
+        least, most = (float(proved_values(low, high, goal, up=up)[0]) for up in (False, True))
         found[end] = max(0.0, least), min(1.0, most)
     return found
 
 
-def _proved(low: WholeChain, high: WholeChain, goal: Mask, *, up: bool) -> float:
-    """A bound on the probability of some states, from the first state."""
+def proved_values(low: WholeChain, high: WholeChain, goal: Mask, *, up: bool, parts: int = 0) -> Floats:
+    """Bounds on the probability of some states, from each state, such that no step leads beyond them.
+
+    Args:
+        low: The chain with the least rates.
+        high: The chain with the largest.
+        goal: The states.
+        up: Whether the bounds are above, else below.
+        parts: Where given, the bounds may be rounded away to so many parts of 1, and are still some.
+
+    Raises:
+        LimitError: Floats prove none.
+    """
     states, sources, targets = low.states, low.sources, low.targets
     # From elsewhere the probability is 0 whatever the rates are.
     inner = np.flatnonzero(leading(low, goal) & ~low.ended)
     if not len(inner) or inner[0] != 0:
-        return float(goal[0])
+        return goal.astype(np.float64)
     number = np.full(states, -1, np.int64)
     number[inner] = np.arange(len(inner))
 
@@ -78,7 +91,7 @@ def _proved(low: WholeChain, high: WholeChain, goal: Mask, *, up: bool) -> float
         return np.asarray(gained[inner] / leaving[inner])
 
     def solved(rates: Floats) -> tuple[Floats, Floats]:
-        """The probabilities at some rates; and their sum over all further steps."""
+        """The probabilities at some rates; and their sum, or how many there are, of all further steps."""
         share = rates / np.bincount(sources, rates, states)[sources]
         among = (number[sources] >= 0) & (number[targets] >= 0)
         ways = number[sources[among]], number[targets[among]]
@@ -87,7 +100,7 @@ def _proved(low: WholeChain, high: WholeChain, goal: Mask, *, up: bool) -> float
         solve = splu(csc_array(identity - step)).solve
         values, total = goal.astype(np.float64), np.zeros(states)
         values[inner] = solve(after(rates, goal.astype(np.float64)))
-        total[inner] = solve(values[inner])
+        total[inner] = solve(np.ones(len(inner)) if parts else values[inner])
         return values, total
 
     rates = np.sqrt(low.rates * high.rates)
@@ -98,11 +111,14 @@ def _proved(low: WholeChain, high: WholeChain, goal: Mask, *, up: bool) -> float
         if np.all(np.abs(change) <= 1e-14 * values[inner]):
             break
     most = int(np.bincount(sources).max())
-    for enlarged in ENLARGED:
+    for enlarged in ABSOLUTE if parts else ENLARGED:
         tried = values + enlarged * total if up else values - enlarged * total
         # What is compared is off by sums over as many edges as a state has, and by rates that are rounded.
-        lost = (2 * most + 16) * 2.0**-53 * np.abs(tried[inner])
+        lost = (2 * most + 16) * 2.0**-53 * np.abs(tried[inner]) + (2 / parts if parts else 0.0)
         beyond = after(best(tried), tried) - tried[inner]
-        if np.all((beyond if up else -beyond) <= -lost) and np.all(tried >= 0):
-            return float(tried[0])
+        fine = (beyond if up else -beyond) <= -lost
+        if parts and not up:
+            tried, fine = np.maximum(tried, 0.0), fine | (tried[inner] <= 0)
+        if np.all(fine) and np.all(tried >= 0):
+            return np.asarray(tried, np.float64)
     raise LimitError(f"no bounds could be proved: rates of {states} states differ too much for floats")
