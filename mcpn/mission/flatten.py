@@ -2,7 +2,7 @@
 
 Copies are written out before, by the passes of :mod:`mcpn.mission.passes`. Here routes find the sections that
 they lead to: through the exits of blocks, past guards, as facts and reasons decide; handlers come to the
-sections that they interrupt; and siblings are copied that run for other blocks.
+sections that they interrupt; and siblings are copied that run while others pause.
 
 Parallel blocks are kept as sections, each branch with a graph of its own. Routes that facts choose
 (``<route when="door=open">``) become the cases of sections in :meth:`_Flattening.deciding`, by
@@ -32,6 +32,7 @@ from mcpn.mission.expansion.recovery import entered, following, helping
 from mcpn.mission.expansion.routes import Becoming, Condition, Interruption, Setting
 from mcpn.mission.expansion.scope import Scope
 from mcpn.mission.graph import (
+    UNNAMED,
     Branch,
     ElementarySection,
     ObjectivesGraph,
@@ -51,7 +52,7 @@ from mcpn.mission.model import (
     Recursive,
 )
 from mcpn.mission.passes import core
-from mcpn.mission.passes.copying import copied, one_copy
+from mcpn.mission.passes.copying import copied
 from mcpn.mission.passes.limits import MAX_NESTING, MAX_OBJECTIVES, MAX_PARAMETERS, Counted
 from mcpn.mission.reasons import probabilities, reasons_of
 from mcpn.mission.robot import BOOLEAN_VALUES
@@ -102,7 +103,7 @@ class _Flattening:
         self.copied: set[str] = set()
         """Names of copies of siblings that are run while blocks pause."""
         self.helping: set[str] = set()
-        """Names of siblings of which such copies are made, or copies by which blocks recover."""
+        """Names of siblings of which such copies are made."""
         self.counted = Counted()
 
     def mission(self) -> ObjectivesGraph:
@@ -116,7 +117,7 @@ class _Flattening:
         handlers: tuple[Handler, ...] = (),
     ) -> ObjectivesGraph:
         sections: list[Section] = []
-        exits = {exit_: Destination(exit_) for exit_ in (SUCCEED, FAIL, ABORT)}
+        exits = {exit_: Destination(exit_) for exit_ in (SUCCEED, FAIL, ABORT)} | {UNNAMED: Destination(FAIL)}
         self.series(blocks, scope, exits, sections, handlers)
         return ObjectivesGraph(tuple(sections), self.entry(blocks[0])).reachable()
 
@@ -138,6 +139,7 @@ class _Flattening:
         after, siblings = following(blocks), {block.name: block for block in blocks}
         aside = helping(blocks)
         aside -= entered(blocks, around) if aside else aside
+        waiting = dict[str, tuple[int, dict[str, Block]]]()  # by last run of a block the pauses of others
         for block in sorted(blocks, key=lambda block: block.name in aside):
             if block.name in aside & self.helping:
                 continue  # of one that helps none it is said that it is never entered
@@ -152,14 +154,17 @@ class _Flattening:
             else:
                 leads = self.deciding(block, routes, leads, exits)
             leads = leads._replace(becoming=self.becoming(block, routes))
-            if block.recover is None:
-                self.block(block, inner, leads, sections)
-            else:
-                recovery = siblings[block.recover], scope, routes
-                self.recovered(block, inner, leads, recovery, sections)
+            self.block(block, inner, leads, sections)
             own = inner.handlers[: len(inner.handlers) - len(scope.handlers)]
-            if runs := {i.target: siblings[self.pauses[i.target]] for i in own if i.target in self.pauses}:
-                self.paused(before, runs, (scope, routes), leads.failure, sections)
+            found = {i.target: siblings[self.pauses[i.target]] for i in own if i.target in self.pauses}
+            if not found:
+                continue
+            last = next((each.fails_as for each in block.handlers if each.fails_as), block.name)
+            begin, others = waiting.pop(last, (before, {}))
+            if last == block.name:
+                self.paused(begin, others | found, (scope, routes), leads.failure, sections)
+            else:
+                waiting[last] = begin, others | found
 
     def deciding(
         self,
@@ -193,27 +198,6 @@ class _Flattening:
         return Destinations(
             success, failure, leads.abort, leads.timed_out if block.timeout_goto else failure, found
         )
-
-    def recovered(
-        self,
-        block: Block,
-        scope: Scope,
-        leads: Destinations,
-        recovery: tuple[Block, Scope, Mapping[str, Destination]],
-        sections: list[Section],
-    ) -> None:
-        """Adds the runs of a block that recovers, and between them copies of the sibling that it names."""
-        by, around, routes = recovery
-        self.helping.add(by.name)
-        run, again = first_run(block), one_copy(block)
-        for number in range(1, block.times + 1):
-            helper = copied(by, f"{block.written}{number}")
-            failing = leads.failing(Destination(self.entry(helper)))
-            self.series((run,), scope, failing.exits, sections, whole=(block.stem, failing.named))
-            run = copied(again, f"run{number + 1}")
-            back = Destination(self.entry(run))
-            self.helper(helper, around, routes, (back, leads.failure), sections)
-        self.series((run,), scope, leads.exits, sections, whole=(block.stem, leads.named))
 
     def paused(
         self,
@@ -301,11 +285,9 @@ class _Flattening:
 
     def entry(self, block: Block) -> str:
         """The name of the section that is entered when the block is."""
-        while True:
-            block = first_run(block) if block.recover is not None else block
-            if not isinstance(block, Recursive):
-                return block.name
+        while isinstance(block, Recursive):
             block = block.blocks[0]
+        return block.name
 
     def block(self, block: Block, scope: Scope, leads: Destinations, sections: list[Section]) -> None:
         """Adds the sections of a block, which its outcomes lead out of."""
@@ -376,8 +358,3 @@ class _Flattening:
         said = tuple(Setting(change.fact, change.to, change.occasion) for change in block.sets)
         done = f"done({block.written})"
         return (*said, Setting(done, BOOLEAN_VALUES[True], "success")) if done in self.facts else said
-
-
-def first_run(block: Block) -> Block:
-    """The first run of a block that recovers."""
-    return copied(one_copy(block), "run1")

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 TIMED_OUT = "timed out"
 """The outcome of a section whose time is over, and the route that leads there: no block is called so."""
+UNNAMED = "fail without reason"
+"""The route of what fails without a reason, whatever it failed for itself; nothing is called so."""
 
 
 def failed_for(reason: str) -> str:

@@ -96,6 +96,9 @@ class Handler(Described):
         "In place of goto: a sibling that runs; then what was stopped is entered again. Its copy for the "
         "objective travel is named shelter_at_travel.",
     ] = None
+    fails_as: Annotated[
+        Route, Core(), "With pause: a further run of the block, whose failure is that of what runs meanwhile."
+    ] = None
     once: Annotated[
         bool,
         "true: it is taken at most once in the whole mission, in whichever copy of the block; then the next "

@@ -16,7 +16,7 @@ from mcpn.mission.expansion.pauses import no_siblings, pause_problems
 from mcpn.mission.expansion.recovery import problems as recoveries
 from mcpn.mission.fact_errors import fact_errors
 from mcpn.mission.field_types import wrong_types
-from mcpn.mission.graph import TIMED_OUT
+from mcpn.mission.graph import TIMED_OUT, UNNAMED
 from mcpn.mission.language.datatypes import CORE_NAME, NAME, Interval
 from mcpn.mission.language.forms import form_of
 from mcpn.mission.language.references import cycles, duplicates, repeats, unseen
@@ -299,7 +299,7 @@ class _Checks:
     def route(
         self, source: Source | None, what: str, route: str, names: Mapping[str, None]
     ) -> Iterator[Problem]:
-        exits = (SUCCEED, FAIL, ABORT, *([TIMED_OUT] if self.mission.core else ()))
+        exits = (SUCCEED, FAIL, ABORT, *([TIMED_OUT, UNNAMED] if self.mission.core else ()))
         if route not in exits and route not in names:
             shown = [*names] if len(names) <= 10 else [f"its {len(names)} siblings"]
             expected = f"expected one of {', '.join([*shown, *exits])}"
@@ -334,6 +334,9 @@ class _Checks:
             elif handler.event in handled:
                 yield Problem(handler.source, f"{owner} handles the event {handler.event} twice")
             handled.add(handler.event or "")
+            if handler.fails_as is not None and not self.mission.core:
+                message = f"{what} has fails_as, though the mission is no core mission"
+                yield Problem(handler.source, message)
             if (handler.goto is None) == (handler.pause is None):
                 found = "nowhere" if handler.goto is None else f"to {handler.goto} and pauses"
                 yield Problem(handler.source, f"{what} leads {found}; expected one of goto and pause")

@@ -459,6 +459,9 @@ VALUES = " ".join(f"v{number}" for number in range(50_001))
         '<objective name="r" repeat="2"><objective name="o" activities="go" repeat="100000"/></objective>',
         '<objective name="o" activities="go" retries="100000"/>',
         f'<each name="e" in="{VALUES}"><objective name="o" activities="go" repeat="2"/></each>',
+        '<objective name="o" activities="go" recover="b" times="60000"/>'
+        '<objective name="b"><objective name="p" activities="go" recover="q" times="2"/>'
+        '<objective name="q" activities="go"/></objective>',
     ],
 )
 def test_more_copies_than_there_may_be_are_refused_before_one_is_made(

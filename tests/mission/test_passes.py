@@ -82,6 +82,39 @@ def test_words_of_core_missions_are_refused_in_others(tmp_path: Path, attribute:
         read_mission(tmp_path / "m.xml")
 
 
+RECOVERING = """<objective name="take" activities="a" recover="back" times="2" failure="give_up">
+    <route on="success" when="sunny" goto="give_up"/>
+    <route on="failure" when="sunny" goto="fail"/>
+    <on event="stop" pause="shelter"/>
+  </objective>
+  <objective name="back" activities="a"/>
+  <objective name="shelter" activities="a"/>
+  <objective name="give_up" activities="a"/>"""
+
+
+def test_a_block_that_recovers_becomes_its_runs_with_copies_of_the_sibling_between_them(
+    tmp_path: Path,
+) -> None:
+    robot = '<robot name="r"><fact name="sunny"/><event name="stop"/><activity name="a"/></robot>'
+    path = tmp_path / "m.xml"
+    path.write_text(f'<mission name="m" xmlns="urn:mcpn:mission:1">{robot}{RECOVERING}</mission>')
+    written = core(read_mission(path), until="recovery")
+    assert [(b.name, b.success, b.failure, [(r.on, r.goto) for r in b.routes]) for b in written.blocks] == [
+        ("take_run1", "give_up", "back_take1", [("success", "give_up")]),
+        ("back_take1", "take_run2", "give_up", [("failure", "fail without reason")]),
+        ("take_run2", "give_up", "back_take2", [("success", "give_up")]),
+        ("back_take2", "take_run3", "give_up", [("failure", "fail without reason")]),
+        ("take_run3", "give_up", "give_up", [("success", "give_up"), ("failure", "fail")]),
+        ("shelter", "give_up", None, []),
+        ("give_up", "succeed", None, []),
+    ]
+    pauses = [[handler.fails_as for handler in block.handlers] for block in written.blocks]
+    assert pauses == [["take_run3"], [], ["take_run3"], [], [None], [], []]
+    path.write_bytes(write_mission(written).replace(b'fails_as="take_run3"', b'fails_as="shelter"'))
+    with pytest.raises(InputError, match="fails_as of take_run1 names shelter; expected"):
+        read_mission(path)
+
+
 def test_a_mission_built_in_python_says_that_it_is_a_core_mission() -> None:
     built = mission(robot((), activity("a", ())), Objective(name="visit.o", activities=("a",)))
     assert [section.name for section in flatten(replace(built, core=True)).sections] == ["visit.o"]

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 from mcpn.mission.expansion.routes import Becoming, Condition, FactCase, left_by
-from mcpn.mission.graph import TIMED_OUT, failed_for
+from mcpn.mission.graph import TIMED_OUT, UNNAMED, failed_for
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 
 
@@ -74,7 +74,8 @@ def failing_for(reason: str) -> str:
 
 def reasons_led(exits: Iterable[str]) -> list[str]:
     """The reasons that some exits have, of the names of all exits."""
-    return [exit_.removeprefix(f"{FAIL} ") for exit_ in exits if exit_.startswith(f"{FAIL} ")]
+    named = (exit_ for exit_ in exits if exit_.startswith(f"{FAIL} ") and exit_ != UNNAMED)
+    return [exit_.removeprefix(f"{FAIL} ") for exit_ in named]
 
 
 class Destinations(NamedTuple):
@@ -136,6 +137,6 @@ class Destinations(NamedTuple):
     @property
     def exits(self) -> dict[str, Destination]:
         """For the blocks inside: by the name of an exit as their routes say it, where that exit leads."""
-        exits = {SUCCEED: self.success, FAIL: self.failure, ABORT: self.abort}
+        exits = {SUCCEED: self.success, FAIL: self.failure, ABORT: self.abort, UNNAMED: self.failure}
         exits |= {failing_for(reason): each.lead for reason, each in self.named.items()}
         return exits | {TIMED_OUT: self.timed_out}

@@ -1,8 +1,9 @@
-"""Blocks that recover: when one fails, a sibling is run and the block entered again, so many times at most.
+"""Siblings that run for others, in pauses or as these recover: which they are, and what is wrong with them.
 
-It is written out: the runs of the block one after the other, and between them copies of the sibling. So the
-copies count the recoveries since the block was entered. No route may lead back to the block, so it is entered
-at most once in a run of the block around it: the same number is the count that ``times`` limits.
+A block that recovers is written out (:mod:`mcpn.mission.passes.recovery`): its runs, and between them copies
+of the sibling. So the copies count the recoveries since the block was entered. No route
+may lead back to the block, so it is entered at most once in a run of the block around it: the same number is
+the count that ``times`` limits.
 """
 
 from __future__ import annotations
@@ -61,7 +62,8 @@ def entered(siblings: Sequence[Block], around: Sequence[Handler]) -> set[str]:
 def problems(siblings: Sequence[Block], around: Sequence[Handler]) -> Iterator[Problem]:
     """What is wrong with the recoveries among siblings that stand under some handlers."""
     named = {block.name: block for block in siblings}
-    for block in siblings:
+    for number, block in enumerate(siblings):
+        yield from _last_runs(block, siblings[number + 1 :])
         if block.recover is None:
             if block.times != 1:
                 yield Problem(block.source, f"{block.name} has times, though it has no recover")
@@ -81,6 +83,16 @@ def problems(siblings: Sequence[Block], around: Sequence[Handler]) -> Iterator[P
             message = f"{block.name} recovers by {by.name}, and a route leads back to {block.name}"
             remedy = "put it into an objective of its own, whose runs are counted one by one"
             yield Problem(block.source, f"{message}: {remedy}")
+
+
+def _last_runs(block: Block, further: Sequence[Block]) -> Iterator[Problem]:
+    """Pauses of a run, as core missions say them, that fail as a block which is no last run of the same."""
+    runs = [each for each in further if each.stem == block.stem]
+    last = {run.name for run in runs if any(h.pause and not h.fails_as for h in run.handlers)}
+    for handler in block.handlers:
+        if handler.fails_as is not None and (handler.pause is None or handler.fails_as not in last):
+            expected = "expected, with pause, a later run of the block that pauses and has none"
+            yield Problem(handler.source, f"fails_as of {block.name} names {handler.fails_as}; {expected}")
 
 
 def _behind(name: str, routes: Mapping[str, Sequence[str]], around: Sequence[Handler]) -> Collection[str]:

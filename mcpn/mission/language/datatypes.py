@@ -71,10 +71,10 @@ NAME = Datatype(
 )
 CORE_NAME = replace(
     NAME,
-    pattern=rf"{_LETTER}{_CHARACTER}*(\.{_CHARACTER}+)*|timed out",
+    pattern=rf"{_LETTER}{_CHARACTER}*(\.{_CHARACTER}+)*|timed out|fail without reason",
     expected="letters, digits and _, no digit first, perhaps qualified by other names: visit_12.travel",
 )
-"""A name in core missions, or the exit by which a copy of a block is left whose time is over."""
+"""A name in core missions, or an exit of copies alone: their time is over, or they fail for no reason."""
 NAMES = Datatype(
     "names",
     "names",

@@ -6,8 +6,8 @@ one after the other, parallel blocks and elementary objectives, each with the na
 qualified, and blocks say by ``copy`` which copy of what is written they are.
 
 What no mission says remains for the objectives graph (:mod:`mcpn.mission.flatten`): that a guard holds for
-handlers, which have one target alone; for which reason blocks fail; and copies of siblings that run for
-others, in pauses and to recover: they stand outside the block that they lead back into.
+handlers, which have one target alone; for which reason blocks fail; and copies of siblings that run while
+others pause: they stand outside the block that they lead back into.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from mcpn.mission.model import Mission
 from mcpn.mission.passes.each import each
 from mcpn.mission.passes.limits import measure
 from mcpn.mission.passes.parameters import parameters
+from mcpn.mission.passes.recovery import recovery
 from mcpn.mission.passes.repeat import repeat
 from mcpn.mission.passes.retries import retries
 from mcpn.mission.passes.uses import uses
@@ -31,6 +32,7 @@ PASSES: tuple[Callable[[Mission], Mission], ...] = (
     retries,
     each,
     timeouts,
+    recovery,
     parameters,
 )
 """In the order in which they run."""

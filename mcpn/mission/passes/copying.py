@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from mcpn.mission.graph import TIMED_OUT
-from mcpn.mission.model import WHOLE, Block, Each, Parallel, Recursive
+from mcpn.mission.model import WHOLE, Block, Each, Handler, Parallel, Recursive
 from mcpn.mission.passes.rewriting import alone, common
 
 
@@ -88,15 +88,26 @@ def led(block: Block, names: Mapping[str, str]) -> dict[str, Any]:
             replace(each, goto=names.get(each.goto, each.goto)) for each in block.routes
         )
     if block.handlers:
-        changes["handlers"] = tuple(
-            replace(
-                handler,
-                goto=handler.goto and names.get(handler.goto, handler.goto),
-                pause=handler.pause and names.get(handler.pause, handler.pause),
-            )
-            for handler in block.handlers
-        )
+        changes["handlers"] = handled(block.handlers, names)
     return changes
+
+
+def handled(handlers: Iterable[Handler], names: Mapping[str, str]) -> tuple[Handler, ...]:
+    """Handlers whose targets are called otherwise.
+
+    Args:
+        handlers: The handlers.
+        names: By target its other name.
+    """
+    return tuple(
+        replace(
+            handler,
+            goto=handler.goto and names.get(handler.goto, handler.goto),
+            pause=handler.pause and names.get(handler.pause, handler.pause),
+            fails_as=handler.fails_as and names.get(handler.fails_as, handler.fails_as),
+        )
+        for handler in handlers
+    )
 
 
 def one_copy(block: Block, **without: Any) -> Block:

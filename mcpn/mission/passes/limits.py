@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from math import prod
 
 from mcpn.errors import LimitError, Problem, Source
+from mcpn.mission.expansion.recovery import recovering
 from mcpn.mission.model import Block, Each, Mission, Objective, Protocol, Use
 
 MAX_NESTING = 128
@@ -40,7 +41,7 @@ class Counted:
 
 
 def measure(mission: Mission) -> None:
-    """Refuses a mission that would be too deep or too large; copies for pauses and recoveries come on top.
+    """Refuses a mission that would be too deep or too large; copies for pauses come on top.
 
     Raises:
         LimitError: It would be, with the line of a block that is too deep or one too many.
@@ -58,6 +59,8 @@ class _Measuring:
         """By protocol how deep it is."""
         self.sizes: dict[str, int] = {}
         """By protocol how many objectives one use of it is."""
+        self.helping: dict[int, int] = {}
+        """By identity of a block of how many recoveries of its siblings it runs in."""
 
     def inside(self, block: Block) -> tuple[Block, ...]:
         """What a block holds, or uses."""
@@ -82,11 +85,18 @@ class _Measuring:
         return found
 
     def series(self, blocks: Iterable[Block]) -> int:
-        """How many objectives some blocks are."""
-        return sum(self.size(block) for block in blocks)
+        """How many objectives some siblings are."""
+        for by, recovered in recovering(siblings := tuple(blocks)).items():
+            recoveries = sum(block.times for block in recovered)
+            self.helping |= {id(block): recoveries for block in siblings if block.name == by}
+        return sum(self.size(block) for block in siblings)
 
     def size(self, block: Block) -> int:
-        return _copies(block) * self.of_copy(block)
+        return self.copies(block) * self.of_copy(block)
+
+    def copies(self, block: Block) -> int:
+        """How many copies a block has, the one counted that it is without any."""
+        return prod(number or 1 for number in _kinds(block)) * max(1, self.helping.get(id(block), 0))
 
     def of_copy(self, block: Block) -> int:
         """How many objectives one copy of a block is."""
@@ -107,7 +117,7 @@ class _Measuring:
         left = MAX_OBJECTIVES  # so many may still come
         while True:
             for block in blocks:
-                if max(_copies(block), *_kinds(block)) > MAX_OBJECTIVES or self.size(block) > left:
+                if max(self.copies(block), *_kinds(block)) > MAX_OBJECTIVES or self.size(block) > left:
                     break
                 left -= self.size(block)
             if max(_kinds(block)) > MAX_OBJECTIVES or isinstance(block, Objective):
@@ -120,7 +130,3 @@ def _kinds(block: Block) -> tuple[int, int, int, int]:
     runs = block.times + 1 if block.recover is not None else 0
     tries = block.retries + 1 if block.retries else 0
     return runs, block.repeat or 0, tries, len(block.values) if isinstance(block, Each) else 0
-
-
-def _copies(block: Block) -> int:
-    return prod(number or 1 for number in _kinds(block))

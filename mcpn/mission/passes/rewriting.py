@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import fields, replace
 from typing import Any
 
-from mcpn.mission.model import Block, BlockElement, Each, Mission, Parallel, Recursive
+from mcpn.mission.model import Block, BlockElement, Each, Handler, Mission, Parallel, Recursive
 
 _EVERY = tuple(field.name for field in fields(BlockElement))
 
@@ -32,6 +32,27 @@ def _rewritten(block: Block, rewrite: Callable[[Block], Block]) -> Block:
         inside = _everywhere(block.blocks, rewrite)
         block = block if inside is block.blocks else replace(block, blocks=inside)
     return rewrite(block)
+
+
+def in_series(
+    mission: Mission, rewrite: Callable[[tuple[Block, ...], tuple[Handler, ...]], tuple[Block, ...]]
+) -> Mission:
+    """A mission in which all series of siblings are rewritten, those inside first; the same where none is.
+
+    Args:
+        mission: The mission, without blocks for values.
+        rewrite: Gives what stands in the place of siblings under the handlers of the mission, or of none.
+    """
+
+    def inside(block: Block) -> Block:
+        if not isinstance(block, Recursive):
+            return block
+        made = rewrite(block.blocks, ())
+        return block if made is block.blocks else replace(block, blocks=made)
+
+    mission = rewritten(mission, inside)
+    blocks = rewrite(mission.blocks, mission.handlers)
+    return mission if blocks is mission.blocks else replace(mission, blocks=blocks)
 
 
 def common(block: Block, **also: Any) -> dict[str, Any]:

@@ -221,10 +221,10 @@ class _Writing:
             node.copy = parent.written == block.written and parent.name.startswith(block.stem)
             if block.recover is not None:
                 self.recoveries(node, block, by_name[block.recover], scope)
-            for name in {h.pause for h in block.handlers if h.pause is not None}:
-                self.pauses(node, by_name[name], scope)
+            for name, fails in {h.pause: h.fails_as for h in block.handlers if h.pause is not None}.items():
+                self.pauses(node, by_name[name], scope, by_name[fails] if fails else block)
 
-    def pauses(self, node: WrittenBlock, by: Block, scope: _Scope) -> None:
+    def pauses(self, node: WrittenBlock, by: Block, scope: _Scope, failing: Block) -> None:
         """Gives each objective in a block what is run when it is stopped, which leads back to it.
 
         A parallel block in it has one for all of its objectives.
@@ -232,7 +232,7 @@ class _Writing:
         assert node.parent is not None
         for leaf in stopped(node):
             at = leaf.name.removeprefix(scope.prefix).replace(".", "_")
-            shelter = self.helper(node, by, scope.copy(f"at_{at}"), leaf)
+            shelter = self.helper(node, (by, failing), scope.copy(f"at_{at}"), leaf)
             node.pauses[by.name, leaf.name] = shelter
             node.parent.children[f"{by.name} at {leaf.name}"] = shelter
 
@@ -241,17 +241,20 @@ class _Writing:
         assert node.parent is not None
         runs = list(node.children.values())
         for number, (run, again) in enumerate(pairwise(runs), 1):
-            recovery = self.helper(node, by, scope.copy(f"{block.name}{number}"), again)
+            recovery = self.helper(node, (by, block), scope.copy(f"{block.name}{number}"), again)
             run.failure = recovery
             node.parent.children[f"{block.name} {number}"] = recovery
 
-    def helper(self, node: WrittenBlock, by: Block, scope: _Scope, success: WrittenBlock) -> WrittenBlock:
-        """A copy of a sibling that is run for a block, and by its success leads back into it."""
+    def helper(
+        self, node: WrittenBlock, which: tuple[Block, Block], scope: _Scope, success: WrittenBlock
+    ) -> WrittenBlock:
+        """A copy of a sibling that is run for a block: its success leads back, its failure fails a block."""
         assert node.parent is not None
+        by, failing = which
         found = self.block(by, node.parent, scope)
-        found.success, found.failure = success, node.failure
+        found.success, found.failure = success, failing.failure or FAIL
         found.abort, found.handlers, found.helper = by.abort or ABORT, by.handlers, True
-        on_failure = (route for route in node.deciding if route.on == "failure")
+        on_failure = (route for route in failing.routes if route.on == "failure")
         found.deciding = tuple(route for route in on_failure if route.reason is None)
         found.timed_out = by.timeout_goto
         return found
