@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from string import Formatter
+from tracemalloc import get_traced_memory, start, stop
 
 import pytest
 from hypothesis import event, given
@@ -15,7 +17,7 @@ from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.claims import KINDS, Claim, claims_of, claims_of_causes, entries, found
 from mcpn.answers.claims.parts import FormulaParts
 from mcpn.errors import ConfluenceError, LimitError, UnsafeError
-from mcpn.mission.model import Mission, Objective
+from mcpn.mission.model import SUCCEED, Mission, Objective
 from mcpn.mission.requirement import Requirement
 from mcpn.mission.xml import read_mission
 from mcpn.spaces.engine_names import Engine
@@ -28,6 +30,7 @@ from tests.judge.nominal import said
 from tests.logic.asked import ENGINES
 from tests.logic.oracle import coming_home, fragile_missions
 from tests.shares import returns_early
+from tests.small import activity, hw, mission, robot
 
 
 def made(study: Study, engine: Engine) -> list[Claim]:
@@ -304,3 +307,22 @@ def test_kinds_without_a_formula_say_why() -> None:
         for sentence in kind.sentences:
             named = {name for _, name, _, _ in Formatter().parse(sentence) if name is not None}
             assert named <= {"0", "1", "2", "3", "4", "5", "others", "given", "moments"}
+
+
+def test_what_claims_keep_grows_as_their_objectives_do() -> None:
+    """None keeps what may happen in the whole mission, which has as many events as it has objectives."""
+    kept = []
+    for sites in (10, 40):
+        names = [*(f"visit{i}" for i in range(sites)), SUCCEED]
+        visits = (
+            Objective(name=one, activities=("look",), success=then, failure=then)
+            for one, then in pairwise(names)
+        )
+        checked = Study(mission(robot(hw("camera"), activity("look", ("camera",))), *visits)).verdicts()
+        claims_of(checked)  # what is computed once for a mission
+        start()
+        claims = claims_of(checked)
+        kept.append(get_traced_memory()[0])
+        stop()
+        assert [c.holds for c in claims if c.kind == "succeeds_without"] == [True] * sites
+    assert kept[1] < 4 * kept[0]

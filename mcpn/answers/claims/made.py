@@ -85,9 +85,12 @@ class _Made(Generic[S]):
         reached = self.space.reaches_without(self.prospects.mission.won, list(needed.values()))
         for name, holds in zip(needed, reached, strict=True):
             formula = KINDS["succeeds_without"].formula.format(name)
-            without = self.prospects.everything - needed[name]
-            run = partial(self.parts.run_to, self.prospects.mission.won, without) if holds else None
+            run = partial(self._run_without, needed[name]) if holds else None
             yield Claim("succeeds_without", (name,), holds, Assumes(moment="start"), formula, find_run=run)
+
+    def _run_without(self, left_out: frozenset[int]) -> Run | None:
+        """A run to success without some transitions."""
+        return self.parts.run_to(self.prospects.mission.won, self.prospects.everything - left_out)
 
     # --- events ---
 
