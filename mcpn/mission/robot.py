@@ -162,9 +162,14 @@ class DeclaredEvent(Element):
     sets: tuple[FactChange, ...] = ()
 
     @property
+    def changed_facts(self) -> tuple[str, ...]:
+        """The facts that it changes, whatever runs, as often as it says so."""
+        return tuple(change.fact for change in self.sets)
+
+    @property
     def changes_facts(self) -> bool:
-        """Whether it changes facts, whatever runs; then no block handles it."""
-        return bool(self.sets)
+        """Whether it changes facts; then no block handles it."""
+        return bool(self.changed_facts)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)

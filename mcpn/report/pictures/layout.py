@@ -394,7 +394,7 @@ def _robot(picture: Picture, mission: Mission, width: float) -> None:
     cells = []
     for fact in mission.facts:
         rows = [(shown(f"{' or '.join(fact.values)}, at first {fact.start}"), ())]
-        setting = [e.name for e in mission.events if any(each.fact == fact.name for each in e.sets)]
+        setting = [e.name for e in mission.events if fact.name in e.changed_facts]
         rows += [(shown(f"set by {' '.join(setting)}"), ())] if setting else []
         title = f"fact {fact.name}" + (f": {fact.description}" if fact.description else "")
         cells.append((fact.name, rows, Rectangle(0, 0, 0, 0, "block robot", shown(title, 1000))))

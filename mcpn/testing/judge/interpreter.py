@@ -131,7 +131,7 @@ class Interpreter:
         self.late = {h.name for h in hardware if h.detected == "late"}
         out = frozenset(h.name for h in hardware if h.initial == "oos")
         self.initial = State(out=out, facts=frozenset(values.items()))
-        self.changing = {e.name: {c.fact: c.to for c in e.sets} for e in mission.events if e.sets}
+        self.changing = {e.name: {c.fact: c.to for c in e.sets} for e in mission.events if e.changes_facts}
 
     @cached_property
     def faulty(self) -> tuple[str, ...]:
