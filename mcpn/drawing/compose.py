@@ -176,13 +176,17 @@ def compose(mission: Mission, templates: TemplateSet | None = None) -> MissionNe
         InputError: The mission is not valid, with every problem; or templates of the caller's name a place
             that none of them draws.
     """
-    graph = flatten(mission)
-    usage = Usage(mission, graph)
+    return compose_usage(Usage(mission, flatten(mission)), templates)
+
+
+def compose_usage(usage: Usage, templates: TemplateSet | None = None) -> MissionNet:
+    """Composes the Petri net of a mission whose objectives graph is there; see :func:`compose`."""
+    mission = usage.mission
     activities = [a for a in mission.activities if a.name in set(usage.started)]
     produced = {s for a in activities for s in a.produces}
     software = [s for s in mission.software if s.name in produced]
     facts = tuple(usage.world.facts.values())
-    parts = Parts(graph, mission.hardware, tuple(software), tuple(activities), facts)
+    parts = Parts(usage.graph, mission.hardware, tuple(software), tuple(activities), facts)
     return compose_parts(usage, parts, templates)
 
 

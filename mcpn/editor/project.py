@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from functools import cache, partial
 from pathlib import Path
 
 from mcpn.answers.formula_errors import with_formulas
 from mcpn.answers.requirements import asked_of
-from mcpn.drawing.compose import MissionNet, compose
+from mcpn.drawing.compose import MissionNet, compose_usage
 from mcpn.editor.scan import Scan, scan
 from mcpn.errors import InputError, LimitError, Problem
 from mcpn.files import file_inside, read_bounded
@@ -102,9 +103,10 @@ class Project:
         for mission in missions:
             try:
                 valid = read_mission(mission, unsaved=self.unsaved, draft=self.memory.drafts[mission])
-                errors |= dict.fromkeys(self._misread(mission, valid, at_once=at_once))
+                usage = cache(partial(_usage, valid))
+                errors |= dict.fromkeys(self._misread(mission, valid, usage, at_once=at_once))
                 if not at_once:
-                    self.memory.warnings[mission] = static_warnings(Usage(valid, flatten(valid)))
+                    self.memory.warnings[mission] = static_warnings(usage())
                 warnings |= dict.fromkeys(self.memory.warnings.get(mission, ()))
             except InputError as error:
                 errors |= dict.fromkeys(with_formulas(error).problems)
@@ -114,18 +116,20 @@ class Project:
             errors |= dict.fromkeys(misfits_of(file, unsaved=self.unsaved))
         return list(errors), list(warnings)
 
-    def _misread(self, file: Path, mission: Mission, *, at_once: bool) -> list[Problem]:
+    def _misread(
+        self, file: Path, mission: Mission, usage: Callable[[], Usage], *, at_once: bool
+    ) -> list[Problem]:
         """What is wrong with the formulas of a valid mission's requirements."""
         if not (mission.requirements or any(p.requirements for p in mission.protocols)):
             return []
         known = self.memory.nets.get(file)
         if known is not None and known[0] == _asked_nothing(mission):
             # What formulas alone have changed is another mission around the same net.
-            net, required = replace(known[1], mission=mission), flatten(mission).requirements
+            net, required = replace(known[1], mission=mission), usage().graph.requirements
         elif at_once and sum(len(self.scan(f).elements) for f in self.files(file)) > MOST_TYPED:
             return []
         else:
-            net, required = compose(mission), None
+            net, required = compose_usage(usage()), None
             self.memory.nets[file] = _asked_nothing(mission), net
         try:
             asked_of(net, required)
@@ -148,6 +152,10 @@ def _inside(name: str, folder: Path, root: Path) -> Path | None:
         return file_inside(name, folder, root).resolve()
     except InputError:
         return None
+
+
+def _usage(mission: Mission) -> Usage:
+    return Usage(mission, flatten(mission))
 
 
 def _asked_nothing(mission: Mission) -> Mission:

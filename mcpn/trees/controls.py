@@ -6,6 +6,7 @@ Reactive nodes ask earlier children again at each tick, while a later one runs.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 from mcpn.errors import Problem
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block, Handler, Objective, Recursive
@@ -14,41 +15,38 @@ from mcpn.trees.ledger import Kind
 from mcpn.trees.nodes.forest import tree_of
 from mcpn.trees.nodes.node import TreeNode
 from mcpn.trees.pieces import Part, Result, marked, placed, tidied, wrapped
-from mcpn.trees.translator import Context, Translator, called, parallel
+from mcpn.trees.translator import Context, Rule, Translator, called, parallel
 
 
-def sequence(at: Translator, node: TreeNode, context: Context) -> Result:
-    """Children one after the other, up to the first that fails."""
-    return _series(at, node, context, stops=False)
+def _series(
+    at: Translator, node: TreeNode, context: Context, *, stops: bool, returns: bool = False
+) -> Result:
+    """Children one after the other, up to the first that returns ``stops``.
 
-
-def fallback(at: Translator, node: TreeNode, context: Context) -> Result:
-    """Children one after the other, up to the first that succeeds."""
-    return _series(at, node, context, stops=True)
-
-
-def _series(at: Translator, node: TreeNode, context: Context, *, stops: bool) -> Result:
-    """Children one after the other, up to the first that returns ``stops``."""
+    Args:
+        at: What is translated.
+        node: The node.
+        context: Around it.
+        stops: Which result ends it.
+        returns: Whether it returns between its children.
+    """
     name = at.names.fresh(called(node))
-    result = series(at, name, [at.piece(child, context) for child in node.children], context, stops=stops)
+    results = [at.piece(child, context) for child in node.children]
+    if returns:
+        return _between(at, node, name, results, context, stops=stops)
+    result = series(at, name, results, context, stops=stops)
     at.note(node, became(result), Kind.EXACT)
     return result
 
 
-def async_sequence(at: Translator, node: TreeNode, context: Context) -> Result:
-    """A sequence that returns between its children."""
-    return _returning(at, node, context, stops=False)
-
-
-def async_fallback(at: Translator, node: TreeNode, context: Context) -> Result:
-    """A fallback that returns between its children."""
-    return _returning(at, node, context, stops=True)
-
-
-def _returning(at: Translator, node: TreeNode, context: Context, *, stops: bool) -> Result:
-    name = at.names.fresh(called(node))
-    results = [at.piece(child, context) for child in node.children]
-    return _between(at, node, name, results, context, stops=stops)
+sequence: Rule = partial(_series, stops=False)
+"""Children one after the other, up to the first that fails."""
+fallback: Rule = partial(_series, stops=True)
+"""Children one after the other, up to the first that succeeds."""
+async_sequence: Rule = partial(_series, stops=False, returns=True)
+"""A sequence that returns between its children."""
+async_fallback: Rule = partial(_series, stops=True, returns=True)
+"""A fallback that returns between its children."""
 
 
 def series(at: Translator, name: str, results: list[Result], context: Context, *, stops: bool) -> Result:

@@ -8,6 +8,7 @@ again.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 from mcpn.mission.model import FAIL, SUCCEED, Block, Handler, Recursive
 from mcpn.mission.robot import FactChange
@@ -38,16 +39,6 @@ BETWEEN_CONDITIONS = "when conditions answer, of a child that returns between th
 
 ONE_TICK = "behind a child that runs on whenever it is asked again, a later one has no more than a tick"
 """Why such a node has more runs: in the mission later children go on."""
-
-
-def reactive_sequence(at: Translator, node: TreeNode, context: Context) -> Result:
-    """Later children run only as long as earlier ones succeed."""
-    return _reactive(at, node, context, stops=False)
-
-
-def reactive_fallback(at: Translator, node: TreeNode, context: Context) -> Result:
-    """Later children run only as long as earlier ones fail."""
-    return _reactive(at, node, context, stops=True)
 
 
 def _reactive(at: Translator, node: TreeNode, context: Context, *, stops: bool) -> Result:
@@ -86,6 +77,12 @@ def _reactive(at: Translator, node: TreeNode, context: Context, *, stops: bool) 
         why = "what an earlier child remembers when it is asked again, and answers at once, is not modelled"
     at.note(node, became(result), kind, why)
     return result
+
+
+reactive_sequence: Rule = partial(_reactive, stops=False)
+"""Later children run only as long as earlier ones succeed."""
+reactive_fallback: Rule = partial(_reactive, stops=True)
+"""Later children run only as long as earlier ones fail."""
 
 
 def _guarded(
