@@ -4,9 +4,8 @@ Copies are written out before, by the passes of :mod:`mcpn.mission.passes`. Here
 they lead to: through the exits of blocks, past guards, as facts and reasons decide; handlers come to the
 sections that they interrupt; and siblings are copied that run while others pause.
 
-Parallel blocks are kept as sections, each branch with a graph of its own. Routes that facts choose
-(``<route when="door=open">``) become the cases of sections in :meth:`_Flattening.deciding`, by
-:func:`mcpn.mission.expansion.destinations.by_facts`.
+Parallel blocks are kept as sections, each branch with a graph of its own. Routes that facts choose become
+cases of sections (:func:`mcpn.mission.expansion.destinations.deciding`).
 """
 
 from __future__ import annotations
@@ -17,19 +16,12 @@ from dataclasses import replace
 from mcpn.errors import InputError
 from mcpn.mission.conditions import facts_of, resolved
 from mcpn.mission.expansion.copies import Copies
-from mcpn.mission.expansion.destinations import (
-    Destination,
-    Destinations,
-    Named,
-    by_facts,
-    failing_for,
-    reasons_led,
-)
+from mcpn.mission.expansion.destinations import Destination, Destinations, Named, deciding
 from mcpn.mission.expansion.guards import guarded
 from mcpn.mission.expansion.left_by_facts import refuse_paused
 from mcpn.mission.expansion.pauses import PAUSE, end_of_pause, suffix_at, with_pause_graph
 from mcpn.mission.expansion.recovery import entered, following, helping
-from mcpn.mission.expansion.routes import Becoming, Condition, Interruption, Setting
+from mcpn.mission.expansion.routes import Becoming, Interruption, Setting
 from mcpn.mission.expansion.scope import Scope
 from mcpn.mission.graph import (
     UNNAMED,
@@ -152,7 +144,7 @@ class _Flattening:
             if whole and whole[1] and whole[0] == block.stem:
                 leads = leads.of_copy(whole[1], last=failure == FAIL)
             else:
-                leads = self.deciding(block, routes, leads, exits)
+                leads = deciding(block, routes, leads, exits, self.facts)
             leads = leads._replace(becoming=self.becoming(block, routes))
             self.block(block, inner, leads, sections)
             own = inner.handlers[: len(inner.handlers) - len(scope.handlers)]
@@ -165,39 +157,6 @@ class _Flattening:
                 self.paused(begin, others | found, (scope, routes), leads.failure, sections)
             else:
                 waiting[last] = begin, others | found
-
-    def deciding(
-        self,
-        block: Block,
-        routes: Mapping[str, Destination],
-        leads: Destinations,
-        exits: Mapping[str, Destination],
-    ) -> Destinations:
-        """The leads of a block, its routes with a condition on facts or a reason put before the others."""
-        own: dict[str, list[tuple[Condition, str]]] = {"success": [], "failure": []}
-        named = {reason: list[tuple[Condition, str]]() for reason in reasons_led(exits)}
-        for route in block.routes:
-            decided = own[route.on] if route.reason is None else named.setdefault(route.reason, [])
-            decided.append((resolved(route.when, self.facts), route.goto))
-        if not block.routes and not named:
-            return leads
-
-        def led(
-            cases: list[tuple[Condition, str]], failing: Destination
-        ) -> tuple[tuple[Condition, Destination], ...]:
-            return tuple((when, failing if goto == FAIL else routes[goto]) for when, goto in cases)
-
-        success = by_facts(led(own["success"], routes[FAIL]), leads.success)
-        failure = by_facts(led(own["failure"], routes[FAIL]), leads.failure)
-        found = dict[str, Named]()
-        for reason, cases in named.items():
-            # What fails so fails the block around for the same reason.
-            around = exits.get(failing_for(reason), routes[FAIL])
-            default = around if block.failure in (None, FAIL) else leads.failure
-            found[reason] = Named(led(cases, around), by_facts(led(own["failure"], around), default))
-        return Destinations(
-            success, failure, leads.abort, leads.timed_out if block.timeout_goto else failure, found
-        )
 
     def paused(
         self,

@@ -6,10 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from mcpn.editor.project import Project
+from mcpn.editor.project import Memory, Project
 from mcpn.editor.scan import scan
 from mcpn.errors import InputError
 from mcpn.mission.flatten import flatten
+from mcpn.mission.graph import ObjectivesGraph
+from mcpn.mission.model import Mission
 from mcpn.mission.static.resource_use import Usage
 from mcpn.mission.static.warnings import static_warnings
 from mcpn.mission.xml import read_mission
@@ -58,6 +60,22 @@ def test_warnings_are_those_of_check(tmp_path: Path) -> None:
     assert [problem.message for problem in warnings] == ["resource spare is never used"]
     valid = read_mission(mission)
     assert Project({}).problems(mission) == ([], static_warnings(Usage(valid, flatten(valid))))
+
+
+def test_an_objectives_graph_is_made_once_for_formulas_and_warnings(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = list[str]()
+
+    def counted(mission: Mission) -> ObjectivesGraph:
+        made.append(mission.name)
+        return flatten(mission)
+
+    for module in ("mcpn.editor.project", "mcpn.drawing.compose"):
+        monkeypatch.setattr(f"{module}.flatten", counted)
+    memory = Memory()
+    for _ in range(2):  # the second time the net is known, and only the formulas are looked at
+        assert Project({}, memory).problems(ULYSSE / "mission.xml") == ([], [])
+        assert made.pop() == "ulysse"
+        assert made == []
 
 
 def test_a_file_of_no_mission_is_held_to_the_language(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
-"""Where the outcomes of blocks lead once routes are resolved, and how facts choose between routes.
+"""Where the outcomes of blocks lead: by default, and by routes that facts and reasons choose.
 
-:mod:`mcpn.mission.flatten` makes leads of the routes of blocks; :func:`by_facts` puts conditions before them.
+:mod:`mcpn.mission.flatten` says where the routes of a block lead by default; :func:`deciding` puts its own
+routes before them, with their conditions on facts and their reasons.
 """
 
 from __future__ import annotations
@@ -8,9 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
+from mcpn.mission.conditions import resolved
 from mcpn.mission.expansion.routes import Becoming, Condition, FactCase, left_by
 from mcpn.mission.graph import TIMED_OUT, UNNAMED, failed_for
-from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, Block
+from mcpn.mission.robot import Fact
 
 
 class Destination(NamedTuple):
@@ -140,3 +143,37 @@ class Destinations(NamedTuple):
         exits = {SUCCEED: self.success, FAIL: self.failure, ABORT: self.abort, UNNAMED: self.failure}
         exits |= {failing_for(reason): each.lead for reason, each in self.named.items()}
         return exits | {TIMED_OUT: self.timed_out}
+
+
+def deciding(
+    block: Block,
+    routes: Mapping[str, Destination],
+    leads: Destinations,
+    exits: Mapping[str, Destination],
+    facts: Mapping[str, Fact],
+) -> Destinations:
+    """The leads of a block, its routes with a condition on facts or a reason put before the others."""
+    own: dict[str, list[tuple[Condition, str]]] = {"success": [], "failure": []}
+    named = {reason: list[tuple[Condition, str]]() for reason in reasons_led(exits)}
+    for route in block.routes:
+        decided = own[route.on] if route.reason is None else named.setdefault(route.reason, [])
+        decided.append((resolved(route.when, facts), route.goto))
+    if not block.routes and not named:
+        return leads
+
+    def led(
+        cases: list[tuple[Condition, str]], failing: Destination
+    ) -> tuple[tuple[Condition, Destination], ...]:
+        return tuple((when, failing if goto == FAIL else routes[goto]) for when, goto in cases)
+
+    success = by_facts(led(own["success"], routes[FAIL]), leads.success)
+    failure = by_facts(led(own["failure"], routes[FAIL]), leads.failure)
+    found = dict[str, Named]()
+    for reason, cases in named.items():
+        # What fails so fails the block around for the same reason.
+        around = exits.get(failing_for(reason), routes[FAIL])
+        default = around if block.failure in (None, FAIL) else leads.failure
+        found[reason] = Named(led(cases, around), by_facts(led(own["failure"], around), default))
+    return Destinations(
+        success, failure, leads.abort, leads.timed_out if block.timeout_goto else failure, found
+    )
