@@ -18,9 +18,9 @@ from mcpn.mission.conditions import facts_of, resolved
 from mcpn.mission.expansion.copies import Copies
 from mcpn.mission.expansion.destinations import Destination, Destinations, Named, deciding
 from mcpn.mission.expansion.guards import guarded
+from mcpn.mission.expansion.helpers import entered, following, helping
 from mcpn.mission.expansion.left_by_facts import refuse_paused
 from mcpn.mission.expansion.pauses import PAUSE, end_of_pause, suffix_at, with_pause_graph
-from mcpn.mission.expansion.recovery import entered, following, helping
 from mcpn.mission.expansion.routes import Becoming, Interruption, Setting
 from mcpn.mission.expansion.scope import Scope
 from mcpn.mission.graph import (

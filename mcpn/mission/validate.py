@@ -11,9 +11,9 @@ from mcpn.mission.expansion.crashes import Crash, crash_errors
 from mcpn.mission.expansion.detection import detected_twice, detection_errors
 from mcpn.mission.expansion.faults import failure_errors
 from mcpn.mission.expansion.guards import guard_problems, of_branches
+from mcpn.mission.expansion.helpers import problems as recoveries
 from mcpn.mission.expansion.left_by_facts import becoming_problems, of_missions
 from mcpn.mission.expansion.pauses import no_siblings, pause_problems
-from mcpn.mission.expansion.recovery import problems as recoveries
 from mcpn.mission.fact_errors import fact_errors
 from mcpn.mission.field_types import wrong_types
 from mcpn.mission.graph import TIMED_OUT, UNNAMED

@@ -8,9 +8,9 @@ from typing import Literal, TypeVar
 from hypothesis import strategies as st
 
 from mcpn.mission.expansion.guards import guard_problems
+from mcpn.mission.expansion.helpers import helping, problems
 from mcpn.mission.expansion.left_by_facts import becoming_problems, left_by_facts
 from mcpn.mission.expansion.pauses import pause_problems
-from mcpn.mission.expansion.recovery import helping, problems
 from mcpn.mission.model import (
     ABORT,
     FAIL,

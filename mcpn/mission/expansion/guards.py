@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from mcpn.errors import Problem
 from mcpn.mission.conditions import resolved
 from mcpn.mission.expansion.destinations import Destination, by_facts
-from mcpn.mission.expansion.recovery import helping
+from mcpn.mission.expansion.helpers import helping
 from mcpn.mission.language.references import cycles
 from mcpn.mission.model import Block, Parallel
 from mcpn.mission.robot import Fact

@@ -14,7 +14,7 @@ from functools import partial
 from itertools import chain
 
 from mcpn.errors import Problem
-from mcpn.mission.expansion.recovery import pausing
+from mcpn.mission.expansion.helpers import pausing
 from mcpn.mission.expansion.routes import GO_ON, Interruption
 from mcpn.mission.graph import ObjectivesGraph, ParallelSection, PauseGraph, rerouted
 from mcpn.mission.model import Block, Handler, walk

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from mcpn.mission.expansion.recovery import following
+from mcpn.mission.expansion.helpers import following
 from mcpn.mission.model import SUCCEED, Block, Each, Mission, Recursive
 from mcpn.mission.passes.copying import copied, led
 from mcpn.mission.passes.parameters import with_parameter

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from math import prod
 
 from mcpn.errors import LimitError, Problem, Source
-from mcpn.mission.expansion.recovery import recovering
+from mcpn.mission.expansion.helpers import recovering
 from mcpn.mission.model import Block, Each, Mission, Objective, Protocol, Use
 
 MAX_NESTING = 128

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from mcpn.mission.expansion.recovery import entered, following, helping, pausing, recovering
+from mcpn.mission.expansion.helpers import entered, following, helping, pausing, recovering
 from mcpn.mission.graph import UNNAMED
 from mcpn.mission.model import FAIL, Block, Handler, Mission
 from mcpn.mission.passes.copying import copied, handled, led

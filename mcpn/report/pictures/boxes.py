@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from mcpn.mission.expansion.copies import Path
-from mcpn.mission.expansion.recovery import entered, following, helping
+from mcpn.mission.expansion.helpers import entered, following, helping
 from mcpn.mission.graph import ObjectivesGraph
 from mcpn.mission.model import (
     SUCCEED,
