@@ -23,7 +23,7 @@ from operator import or_
 from typing import Any, NoReturn
 
 VERSION, MOST_BYTES = 1, 1 << 26  # of all entries together, once they are unpacked
-MOST_EXCLUSIONS = 2_000  # places up to which it is found out which are never marked together
+MOST_APART = 2_000  # places up to which it is found out which are never marked together
 Json = Any
 State = int
 ENTRIES = "net", "claims", "core", "further", "diagrams"
@@ -36,13 +36,9 @@ class Malformed(Exception):
 class Refuted(Exception):
     """The evidence of a claim does not prove it."""
 
-    how = "refuted"
-
 
 class Limit(Exception):
     """A limit was hit, so that something is not checked."""
-
-    how = "not checked"
 
 
 def need(holds: object, why: str, error: type[Exception] = Refuted) -> None:
@@ -58,8 +54,9 @@ FORMAT = {"format": "mcpn-certificate", "version": VERSION}
 NET = {**FORMAT, "places": [PLACE], "transitions": [TRANSITION]}
 CLAIM = {"key": str, "kind": str, "subject": [str], "holds": bool, "sentence": str}
 CLAIM |= {"statement": dict, "evidence": dict}
-TRUSTED = {"key": str, "sentence": str, "why": str}
+TRUSTED = dict.fromkeys(("key", "sentence", "why"), str)
 CLAIMS = {**FORMAT, "mission": str, "claims": [CLAIM], "trusted": [TRUSTED]}
+HOW: dict[type[Exception], str] = {Refuted: "refuted", Limit: "not checked"}
 TYPES: dict[Json, str] = {str: "a text", int: "a number", bool: "true or false", dict: "an object"}
 
 
@@ -106,16 +103,14 @@ def parsed(entries: dict[str, bytes], name: str) -> Json:
     def refused(text: str) -> NoReturn:
         raise Malformed(f"{name}: found the number {text[:20]}, expected a whole one of at most 18 digits")
 
-    def whole(text: str) -> int:
-        return int(text) if len(text) <= 18 else refused(text)
-
     def members(pairs: list[tuple[str, Json]]) -> dict[str, Json]:
         need(len(dict(pairs)) == len(pairs), f"{name}: a key is there twice in an object", Malformed)
         return dict(pairs)
 
     need(name in entries, f"there is no entry {name}", Malformed)
     try:
-        hooks: Json = {"parse_int": whole, "parse_float": refused, "parse_constant": refused}
+        hooks: Json = {"parse_float": refused, "parse_constant": refused}
+        hooks["parse_int"] = lambda text: int(text) if len(text) <= 18 else refused(text)
         return json.loads(entries[name].decode(), object_pairs_hook=members, **hooks)
     except (ValueError, RecursionError) as error:
         raise Malformed(f"{name}: no JSON: {error}") from error
@@ -156,9 +151,8 @@ class Net:
                 need(len(role) == 2, f"net.json: the role {role} of a place, expected two texts", Malformed)
                 self.roles[tuple(role)] = self.roles.get(tuple(role), 0) | 1 << number
         self.name = [each["name"] for each in transitions]
-        for names in (self.names, self.name):
-            why = "net.json: two places or transitions have one name"
-            need(len(set(names)) == len(names), why, Malformed)
+        fine = all(len(set(names)) == len(names) for names in (self.names, self.name))
+        need(fine, "net.json: two places or transitions have one name", Malformed)
         self.event = [tuple(each["event"]) for each in transitions]
         self.rank = [each["rank"] for each in transitions]
         self.consume, self.produce, read = (
@@ -169,8 +163,8 @@ class Net:
         self.events = [t for t, event in enumerate(self.event) if event]
         self.internal = [t for t, event in enumerate(self.event) if not event]
         for t, event in enumerate(self.event):
-            fine = 2 <= len(event) <= 3 and not self.rank[t] if event else self.pre[t]
-            need(fine, f"net.json: transition {self.name[t]}: its event, rank or tokens", Malformed)
+            well = 2 <= len(event) <= 3 and not self.rank[t] if event else self.pre[t]
+            need(well, f"net.json: transition {self.name[t]}: its event, rank or tokens", Malformed)
         needing = dict[int, list[int]]()
         for t in self.internal:
             for place in indices(self.pre[t]):
@@ -193,7 +187,7 @@ class Net:
     def exclusions(self) -> list[int]:
         """Of each place those that are never marked with it: no firing puts both, or one beside the other."""
         size, before = len(self.names), list[int]()
-        every = (1 << size) - 1 if size <= MOST_EXCLUSIONS else 0
+        every = (1 << size) - 1 if size <= MOST_APART else 0
         apart = [every & ~self.initial if self.initial >> p & 1 else every for p in range(size)]
         while before != apart:
             before = list(apart)
@@ -233,26 +227,23 @@ class Listing:
         self.net, self.most, self.until = net, most, until
         self.number, self.ends = dict[int, State](), dict[int, int | None]()
         start = self.settled(net.initial, [t for t in net.internal if net.pre[t] & ~net.initial == 0])
-        self.number[start], self.stable = 0, [start]
-        self.edges: list[list[tuple[int, State]]] = []
-        for marking in self.stable:  # grows while it is walked
+        self.number[start], self.stable, self.edges = 0, [start], list[list[tuple[int, State]]]()
+        self.firing = {t: dict[State, State]() for t in net.events}
+        for state, marking in enumerate(self.stable):  # grows while it is walked
             edges, lacking = list[tuple[int, State]](), ~marking
             for t in net.events:
                 if not net.pre[t] & lacking:
                     after = net.fired(marking, t)
                     end = self.settled(after, self.covered(after, [], t))
-                    if end not in self.number:
-                        self.number[end] = len(self.stable)
-                        self.stable.append(end)
-                    edges.append((t, self.number[end]))
+                    self.firing[t][state] = n = self.number.setdefault(end, len(self.stable))
+                    self.stable += [end] * (n == len(self.stable))
+                    edges.append((t, n))
             self.edges.append(edges)
             self.within()
         self.back: list[list[tuple[int, State]]] = [[] for _ in self.stable]
-        self.firing = {t: dict[State, State]() for t in net.events}
         for state, edges in enumerate(self.edges):
             for t, after in edges:
                 self.back[after].append((t, state))
-                self.firing[t][state] = after
         self.stuck = {state for state, edges in enumerate(self.edges) if not edges}
         self.formulas = Formulas(self)
 
@@ -349,7 +340,7 @@ class Formulas:
 
     def __init__(self, graph: Listing) -> None:
         self.graph, self.all = graph, set(range(len(graph.stable)))
-        self.known, self.ways = dict[Form, set[State]](), dict[Obligations, list[Way]]()
+        self.states, self.ways = cache(self.satisfying), dict[Obligations, list[Way]]()
         self.solved: dict[Obligations, set[State]] = {frozenset(): self.all}
 
     def read(self, said: Json, paths: bool = False) -> Form:
@@ -379,21 +370,16 @@ class Formulas:
             return set(self.graph.net.events) - self.fired(literal[1])
         return {t for t in self.graph.net.events if self.graph.net.event[t] in literal[1:]}
 
-    def states(self, form: Form) -> set[State]:
+    def satisfying(self, form: Form) -> set[State]:
         """The states that satisfy a formula on states."""
-        if form not in self.known:
-            self.known[form] = self._states(*form)
-        return self.known[form]
-
-    def _states(self, operator: str, *of: Any) -> set[State]:
-        graph = self.graph
+        graph, (operator, *of) = self.graph, form
         match operator:
             case "says":
                 return graph.saying(*of)
             case "at most":
                 most, weights = of
                 sums = (sum(weight for p, weight in weights if m >> p & 1) for m in graph.stable)
-                return {s for s, weight in enumerate(sums) if weight <= most}
+                return {s for s, total in enumerate(sums) if total <= most}
             case "fires":
                 return set[State]().union(*(graph.firing[t] for t in self.fired((operator, *of))))
             case "deadlock":
@@ -559,9 +545,9 @@ def judge(graph: Listing, claim: Json) -> None:
         need(not stuck if holds else last in stuck, "a state is stuck, or the run leads to none that is")
     elif holds:
         numbers = numbered(graph, claim)
-        for state in graph.formulas.all - goal:
-            falls = any(0 <= numbers[after] < numbers[state] for _, after in graph.edges[state])
-            need(falls, f"the number of state {state} falls along no edge")
+        for s in graph.formulas.all - goal:
+            falls = any(0 <= numbers[after] < numbers[s] for _, after in graph.edges[s])
+            need(falls, f"the number of state {s} falls along no edge")
     else:
         need(not graph.closure([last]) & goal, "an end can be reached after the run")
 
@@ -656,17 +642,25 @@ Report = list[tuple[str, str, str]]
 """Of each claim what became of it (``proved``, ``refuted``, ``not checked``), its key, and why."""
 
 
-def checked(path: str, *, most: int = 2_000_000, seconds: float = 600) -> Report:
-    """Checks a certificate, in some time, keeping some markings at most; raises Malformed and Limit."""
-    until, entries, report = time.monotonic() + seconds, unpacked(path), Report()
+def read(path: str) -> tuple[dict[str, bytes], Net, list[Json]]:
+    """The entries of a certificate, its net, and its claims; raises Malformed and Limit."""
+    entries = unpacked(path)
     net = Net(parsed(entries, "net.json"))
     claims = shaped(parsed(entries, "claims.json"), CLAIMS, "claims.json")["claims"]
     keys = {claim["key"] for claim in claims}
     need(len(keys) == len(claims), "claims.json: two claims have one key", Malformed)
+    return entries, net, claims
+
+
+def judged(listing: Callable[[], Listing], claims: list[Json]) -> Report:
+    """What becomes of claims on states that are listed."""
+    report = Report()
     try:
-        graph = Listing(net, most, until)
+        graph = listing()
     except (Refuted, Limit) as error:
-        how = {str(error).partition(":")[0]: error.how}  # safe or confluent; nothing is known of others
+        how = {
+            str(error).partition(":")[0]: HOW[type(error)]
+        }  # safe or confluent; nothing is known of others
         return [(how.get(claim["kind"], "not checked"), claim["key"], str(error)) for claim in claims]
     for claim in claims:
         try:
@@ -674,8 +668,14 @@ def checked(path: str, *, most: int = 2_000_000, seconds: float = 600) -> Report
             judge(graph, claim)
             report.append(("proved", claim["key"], claim["sentence"]))
         except (Refuted, Limit) as error:
-            report.append((error.how, claim["key"], str(error)))
+            report.append((HOW[type(error)], claim["key"], str(error)))
     return report
+
+
+def checked(path: str, *, most: int = 2_000_000, seconds: float = 600) -> Report:
+    """Checks a certificate, in some time, keeping some markings at most; raises Malformed and Limit."""
+    until, (_, net, claims) = time.monotonic() + seconds, read(path)
+    return judged(lambda: Listing(net, most, until), claims)
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -1,64 +1,75 @@
-"""The entry ``core.json`` of a certificate: the objectives graph of a mission, if corecheck can play it."""
+"""The entry ``core.json`` of a certificate: a mission's objectives graph and robot, without its net."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 from mcpn.certificates.certcheck import VERSION
-from mcpn.mission.expansion.routes import Interruption
+from mcpn.drawing.compose import MissionNet
+from mcpn.mission.expansion.crashes import Crash
+from mcpn.mission.expansion.routes import Condition, FactCase, Interruption
 from mcpn.mission.graph import TIMED_OUT, ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.robot import Activity, Hardware
+from mcpn.mission.static.resource_use import Usage
 
-OBJECTIVES = "objectives"
-"""The key of what corecheck shows."""
-PLAYED = "In the net the objectives run, end and follow each other as the mission says."
-
-
-class Unplayed(Exception):
-    """The mission has an element that corecheck does not play."""
+Entry = dict[str, Any]
 
 
-def core_entry(graph: ObjectivesGraph) -> dict[str, Any]:
-    """The objectives graph as the certificate holds it.
+def core_entry(mission_net: MissionNet) -> Entry:
+    """The core mission of a net as the certificate holds it.
 
     Args:
-        graph: That of the whole mission.
-
-    Raises:
-        Unplayed: It has an element that corecheck does not play.
+        mission_net: The net of a whole mission.
     """
-    return {"format": "mcpn-certificate", "version": VERSION, "graph": _graph(graph)}
+    graph, robot = _graph(mission_net.graph), _robot(mission_net.usage)
+    return {"format": "mcpn-certificate", "version": VERSION, "graph": graph, "robot": robot}
 
 
-def _graph(graph: ObjectivesGraph) -> dict[str, Any]:
+def _graph(graph: ObjectivesGraph) -> Entry:
     return {"entry": graph.entry, "sections": [_section(section) for section in graph.sections]}
 
 
-def _section(section: Section) -> dict[str, Any]:
-    if section.becomes:
-        raise Unplayed(f"{section.name} is left as facts become so")
-    entry: dict[str, Any] = {"name": section.name, "routes": {}, "handlers": []}
-    for outcome, target in section.outcomes:
-        by_facts = [case.target for case in section.cases_of(outcome)]
-        entry["routes"]["timeout" if outcome == TIMED_OUT else outcome] = list(
-            dict.fromkeys([target, *by_facts])
-        )
-    entry["handlers"] = [_handler(section, each) for each in section.interruptions]
-    return entry if isinstance(section, ElementarySection) else entry | _block(section)
-
-
-def _handler(section: Section, interruption: Interruption) -> dict[str, Any]:
-    if interruption.pauses is not None:
-        raise Unplayed(f"{section.name} pauses")
-    return {
-        "event": interruption.event,
-        "once": interruption.once or "",
-        "to": list(dict.fromkeys(interruption.routes)),
+def _section(section: Section) -> Entry:
+    left = {outcome for outcome, _ in section.becoming}
+    routes = {
+        "timeout" if outcome == TIMED_OUT else outcome: _cases(section.cases_of(outcome), target)
+        for outcome, target in section.outcomes
+        if outcome not in left
     }
+    entry = {
+        "name": section.name,
+        "routes": routes,
+        "handlers": [_handler(each) for each in section.interruptions],
+        "left": [
+            {"when": _pairs(each.when), "to": _cases(section.cases_of(outcome), each.target)}
+            for outcome, each in section.becoming
+        ],
+    }
+    return entry | (_objective(section) if isinstance(section, ElementarySection) else _block(section))
 
 
-def _block(section: ParallelSection) -> dict[str, Any]:
-    if section.timed_out is not None:
-        raise Unplayed(f"the block {section.name} has a timeout")
+def _pairs(when: Condition) -> list[list[str]]:
+    return [[fact, value] for fact, value in when]
+
+
+def _cases(cases: Iterable[FactCase], otherwise: str) -> list[Entry]:
+    """Where something leads by facts: the first case counts whose facts are so."""
+    return [{"when": _pairs(case.when), "to": case.target} for case in (*cases, FactCase((), otherwise))]
+
+
+def _handler(handler: Interruption) -> Entry:
+    pauses = 0 if handler.pauses is None else handler.pauses + 1
+    to = [] if pauses else _cases(handler.cases, handler.target)
+    return {"event": handler.event, "once": handler.once or "", "to": to, "pauses": pauses}
+
+
+def _objective(section: ElementarySection) -> Entry:
+    sets = [[setting.fact, setting.value, setting.on] for setting in section.sets]
+    return {"activities": list(section.activities), "sets": sets}
+
+
+def _block(section: ParallelSection) -> Entry:
     needed = len(section.branches) + 1 if section.needed is None else section.needed
     failing = len(section.branches) + 1 if section.failing is None else section.failing
     return {
@@ -68,5 +79,52 @@ def _block(section: ParallelSection) -> dict[str, Any]:
         "branches": [
             {"name": branch.name, "mandatory": branch.mandatory, "graph": _graph(branch.graph)}
             for branch in section.branches
+        ],
+        "pauses": [
+            {"graph": _graph(pause.graph), "handlers": [_handler(each) for each in pause.interruptions]}
+            for pause in section.pause_graphs
+        ],
+    }
+
+
+def _robot(usage: Usage) -> Entry:
+    mission, started = usage.mission, [usage.activities[name] for name in usage.started]
+    changing = [(event.name, event.sets) for event in mission.events if event.changes_facts]
+    return {
+        "hardware": [_hardware(each) for each in mission.hardware],
+        "software": [{"name": each.name, "exclusive": each.exclusive} for each in mission.software],
+        "facts": [{"name": name, "initial": fact.start} for name, fact in usage.world.facts.items()],
+        "events": [
+            {"name": name, "sets": [[change.fact, change.to] for change in sets]} for name, sets in changing
+        ],
+        "activities": [_activity(each, usage) for each in started],
+    }
+
+
+def _hardware(hardware: Hardware) -> Entry:
+    return {
+        "name": hardware.name,
+        "faulty": hardware.faulty,
+        "shared": hardware.shared,
+        "repairable": hardware.repairable,
+        "out": hardware.initial == "oos",
+        "late": hardware.detected == "late",
+        "crash": isinstance(hardware, Crash),
+    }
+
+
+def _activity(activity: Activity, usage: Usage) -> Entry:
+    return {
+        "name": activity.name,
+        "produces": list(activity.produces),
+        "switch_back": activity.switch_back,
+        "detects": list(activity.detects),
+        "alternatives": [
+            {
+                "name": way.name,
+                "consumes": list(way.consumes),
+                "requires": _pairs(usage.world.requires(activity.name, number)),
+            }
+            for number, way in enumerate(activity.alternatives)
         ],
     }

@@ -1,11 +1,12 @@
-"""corecheck: plays the objectives of a mission beside the net of its certificate, and draws no net.
+"""corecheck: plays the core mission of a certificate beside its net, and draws no net.
 
-``python corecheck.py OUT`` reads the entry ``core.json`` as docs/certificates.md describes it, and walks the
-states of the net and what the objectives graph says in pairs: in each pair the same objectives run, every
-event of the net is one that the graph knows there, and leads where its routes lead. It needs certcheck.py
-beside it, and Python's standard library. Of activities and hardware it says nothing.
+``python corecheck.py OUT`` reads the entry ``core.json`` as docs/certificates.md describes it: the objectives
+graph of the mission, and its robot. It walks the states of the net and what they say in pairs: in each pair
+the same objectives and alternatives run, the same waits and is out of service, and the same events are
+possible; and each event leads to such a pair. It needs certcheck.py, coregraph.py and corerobot.py beside it,
+and Python's standard library.
 
-Exit code 0: the net does what the objectives graph says. 1: it does not. 2: it is not checked.
+Exit code 0: the net does what the mission says. 1: it does not. 2: it is not checked.
 """
 
 from __future__ import annotations
@@ -15,219 +16,253 @@ import sys
 import time
 from collections.abc import Iterator
 from functools import cache
-from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 try:
     from mcpn.certificates import certcheck
-except ImportError:  # both files alone, beside each other
+    from mcpn.certificates.coregraph import ENDS, CoreGraph, Event, Json, Place
+    from mcpn.certificates.corerobot import RUNS, CoreRobot, Facts, Names, RobotMoment
+except ImportError:  # the files alone, beside each other
     import certcheck  # type: ignore[import-not-found, no-redef]
+    from coregraph import (  # type: ignore[import-not-found, no-redef]
+        ENDS,
+        CoreGraph,
+        Event,
+        Json,
+        Place,
+    )
+    from corerobot import (  # type: ignore[import-not-found, no-redef]
+        RUNS,
+        CoreRobot,
+        Facts,
+        Names,
+        RobotMoment,
+    )
 
-Json = dict[str, Any]
-Place = str | tuple[str, tuple[Any, ...]]
-"""Where a graph is: at an objective, or an exit; or in a block, with where each branch is."""
-EXITS = {"succeed": "success", "fail": "failure", "abort": "abort"}
-HANDLER = {"event": str, "once": str, "to": [str]}
+
+class CoreState(NamedTuple):
+    """A state of a core mission.
+
+    Args:
+        at: Where it is: ``begin``, an exit, or a place.
+        had: The handlers that happen once and have.
+        facts: The value of every fact.
+        acts: What activities do that are not idle.
+        out: Hardware out of service.
+        unnoticed: That of it which is not known to be.
+        suspected: That of it which will be, as soon as nobody has it.
+    """
+
+    at: Place
+    had: Names
+    facts: Facts
+    acts: frozenset[tuple[str, tuple[str, int]]]
+    out: Names
+    unnoticed: Names
+    suspected: Names
 
 
-class CoreGraph:
-    """A graph of sections: that of the mission, or of a branch."""
+class CoreMission:
+    """A core mission, as ``core.json`` holds it."""
 
-    def __init__(self, document: Json, where: str) -> None:
-        shape = {"entry": str, "sections": [dict]}
-        certcheck.shaped(document, shape, where)
-        self.entry, self.sections = document["entry"], dict[str, Json]()
-        self.branches = dict[str, list[CoreGraph]]()
-        for section in document["sections"]:
-            shape = {"name": str, "routes": dict, "handlers": [HANDLER]}
-            if "branches" in section:
-                shape |= {"needed": int, "failing": int, "hasty": bool}
-                shape["branches"] = [{"name": str, "mandatory": bool, "graph": dict}]
-            certcheck.shaped(section, shape, f"{where}: a section")
-            name = section["name"]
-            certcheck.need(name not in self.sections, f"{where}: {name} is there twice", certcheck.Malformed)
-            self.sections[name] = section
-            inside = section.get("branches", ())
-            self.branches[name] = [CoreGraph(each["graph"], f"{where}: {each['name']}") for each in inside]
-            for outcome, routes in section["routes"].items():
-                certcheck.shaped(routes, [str], f"{where}: {name}: {outcome}")
-        for section in self.sections.values():
-            leads = [*section["routes"].values(), *(each["to"] for each in section["handlers"])]
-            for target in {self.entry, *(to for routes in leads for to in routes)} - EXITS.keys():
-                certcheck.need(
-                    target in self.sections, f"{where}: no section {target[:60]}", certcheck.Malformed
-                )
+    def __init__(self, document: Json) -> None:
+        certcheck.shaped(document, {**certcheck.FORMAT, "graph": dict, "robot": dict}, "core.json")
+        self.graph = CoreGraph(document["graph"], "core.json: graph", {*ENDS})
+        every = [*self.graph.every()]
+        self.objectives = {each["name"]: each for each in every}
+        fine = len(every) == len(self.objectives)
+        certcheck.need(fine, "core.json: two objectives have one name", certcheck.Malformed)
+        own = {name: each["activities"] for name, each in self.objectives.items()}
+        self.robot = CoreRobot(document["robot"], own)
+        out = frozenset(name for name, each in self.robot.hardware.items() if each["out"])
+        none = frozenset[str]()
+        self.first = CoreState("begin", none, self.robot.facts, frozenset(), out, none, none)
+        self.moved = cache(self._moved)
 
-    def enter(self, target: str) -> Place:
-        """Where a route leads: an exit, an objective, or a block with its branches at their entries."""
-        if target in EXITS or not self.branches[target]:
-            return target
-        return target, tuple(level.enter(level.entry) for level in self.branches[target])
+    def runs(self, at: Place, states: tuple[str, ...] = ("runs",)) -> Names:
+        """The objectives that are in some states."""
+        return frozenset(name for name, state in self.graph.leaves(at) if state in states)
 
-    def running(self, at: Place) -> Iterator[str]:
-        """The objectives that run, or are about to."""
-        if isinstance(at, tuple):
-            for level, inside in zip(self.branches[at[0]], at[1], strict=True):
-                yield from level.running(inside)
-        elif at not in EXITS:
-            yield at
+    def possible(self, core: CoreState) -> set[Event]:
+        """The events that may happen in a stable state."""
+        robot, acts = self.robot, dict(core.acts)
+        runs = {name: way for name, (does, way) in acts.items() if does == RUNS}
+        used = {k for name, way in runs.items() for k in robot.ways(name)[way]["consumes"]}
+        found = set[Event]()
+        for name, each in robot.hardware.items():
+            if name not in core.out:
+                if each["faulty"] and (not each["crash"] or name in used):
+                    found.add(("out of service", name))
+            elif each["repairable"] and name not in core.unnoticed:
+                found.add(("repaired", name))
+        for name in runs:
+            detects = robot.activities[name]["detects"]
+            found |= {("detected", k) for k in detects if k in core.unnoticed}
+        for name, changes in robot.changing.items():
+            if not core.facts >= changes.items():
+                found.add(("declared", name))
+        if core.at == "begin":
+            return found | {("start", "")}
+        found.update(self.graph.possible(core.at, core.had))
+        misused = robot.held(core.acts) & core.unnoticed
+        for name in self.runs(core.at):
+            if runs.keys() >= set(robot.objectives[name]) and not misused & robot.may_use[name]:
+                found.add(("success", name))
+        return found
 
-    def due(self, at: Place, running: frozenset[str], before: frozenset[str]) -> Iterator[tuple[str, ...]]:
-        """Events that must be possible: all ends of objectives that run but success, and what is handled."""
-        if at in EXITS:
-            return
-        section = self.sections[at[0] if isinstance(at, tuple) else at]
-        for handler in section["handlers"]:
-            if handler["once"] not in before:
-                yield "declared", handler["event"]
-        if isinstance(at, tuple):
-            for level, inside in zip(self.branches[at[0]], at[1], strict=True):
-                yield from level.due(inside, running, before)
-        elif at in running:
-            for outcome in section["routes"].keys() - {"success"}:
-                what, _, reason = outcome.partition(" ")
-                yield (what, at, reason) if reason else (what, at)
+    def after(self, core: CoreState, event: Event) -> Iterator[CoreState]:
+        """The stable states to which an event that is possible may lead: one, or by who comes first."""
+        what, name, out, unnoticed, suspected = *event[:2], core.out, core.unnoticed, core.suspected
+        one = {name} if name else set[str]()
+        if what == "out of service":
+            out |= one
+            unnoticed |= one if self.robot.hardware[name]["late"] else set()
+        elif what == "repaired":
+            out -= one
+        elif what == "detected":
+            unnoticed, suspected = unnoticed - one, suspected - one
+        elif what in ("failure", "timeout") and name in self.objectives:
+            suspected |= self.robot.held(core.acts) & unnoticed & self.robot.may_use[name]
+        at, had, facts = core.at, core.had, core.facts
+        if what not in ("out of service", "repaired", "detected"):
+            at, had, facts = self.moved(at, had, facts, event)
+        stops = {a for each in self.runs(core.at) - self.runs(at) for a in self.robot.objectives[each]}
+        acts = frozenset(each for each in core.acts if each[0] not in stops)
+        begin = self.runs(at, ("enters", "waits"))
+        rest = self.robot.at_rest(RobotMoment(acts, begin, out - unnoticed, suspected))
+        running = dict.fromkeys((name for name, _ in self.graph.leaves(at)), "runs")
+        for end in self.robot.settled(rest, facts):
+            begun = self.graph.becoming(at, {**running, **dict.fromkeys(end.begin, "waits")}.__getitem__)
+            yield CoreState(begun, had, facts, end.acts, out, unnoticed - end.known, end.suspected)
 
-    def ended(self, at: Place, objective: str, outcome: str) -> set[Place]:
-        """Where an objective's end may lead; nowhere if it does not run, or cannot end so."""
-        if isinstance(at, tuple):
-            found, levels = set[Place](), self.branches[at[0]]
-            for i, (level, inside) in enumerate(zip(levels, at[1], strict=True)):
-                for after in level.ended(inside, objective, outcome):
-                    found |= self.decided(at[0], (*at[1][:i], after, *at[1][i + 1 :]))
-            return found
-        routes = self.sections[at]["routes"].get(outcome, []) if at == objective and at not in EXITS else []
-        return set(map(self.enter, routes))
-
-    def decided(self, block: str, branches: tuple[Place, ...]) -> set[Place]:
-        """A block in which branches have ended: it goes on, or is left."""
-        section = self.sections[block]
-        well, badly = branches.count("succeed"), branches.count("fail")
-        must = [where for where, each in zip(branches, section["branches"], strict=True) if each["mandatory"]]
-        over = well + badly == len(branches)
-        whole = section["needed"] > len(branches)  # all are awaited
-        if "abort" in branches:
-            outcome = "abort"
-        elif well >= section["needed"] or (whole and over and all(where == "succeed" for where in must)):
-            outcome = "success"
-        elif over or badly >= section["failing"] or (section["hasty"] and "fail" in must):
-            outcome = "failure"
+    def _moved(self, at: Place, had: Names, facts: Facts, event: Event) -> tuple[Place, Names, Facts]:
+        """Where the mission comes to by an event, what has happened once, and how facts are then."""
+        what, name, before = *event[:2], facts
+        if what == "start":
+            at = self.graph.enter(self.graph.entry)
+        elif what == "declared" and name in self.robot.changing:
+            facts = changed(facts, self.robot.changing[name])
+        elif what == "declared":
+            at, had = self.graph.happens(at, name, had, facts) or (at, had)
         else:
-            return {(block, branches)}
-        return set(map(self.enter, section["routes"].get(outcome, [])))
+            on = "success" if what == "success" else "failure"
+            sets = self.objectives[name]["sets"] if name in self.objectives else ()
+            facts = changed(facts, {fact: value for fact, value, when in sets if when == on})
+            outcome = " ".join((what, *event[2:]))
+            at = self.graph.ended(at, name, outcome, facts) or at
+        if facts != before:
+            at = self.graph.left(at, facts, facts - before)
+        for name, state in self.graph.leaves(at):
+            sets = self.objectives[name]["sets"] if state == "enters" else ()
+            facts = changed(facts, {fact: value for fact, value, when in sets if when == "start"})
+        return at, had, facts
 
-    def happens(self, at: Place, event: str, before: frozenset[str]) -> set[tuple[Place, frozenset[str]]]:
-        """Where a declared event may lead, and what has happened then; nowhere if nothing handles it."""
-        if at in EXITS:
-            return set()
-        name = at[0] if isinstance(at, tuple) else at
-        if isinstance(at, tuple):
-            each = [
-                (level.happens(inside, event, before), inside)
-                for level, inside in zip(self.branches[name], at[1], strict=True)
-            ]
-            if any(moved for moved, _ in each):
-                found = set[tuple[Place, frozenset[str]]]()
-                for chosen in product(*(moved or {(inside, before)} for moved, inside in each)):
-                    now = before.union(*(had for _, had in chosen))
-                    found |= {(to, now) for to in self.decided(name, tuple(to for to, _ in chosen))}
-                return found
-        for handler in self.sections[name]["handlers"]:
-            if handler["event"] == event and handler["once"] not in before:
-                now = before | ({handler["once"]} if handler["once"] else set())
-                return {(self.enter(to), now) for to in handler["to"]}
-        return set()
-
-
-Core = tuple[Place, frozenset[str]]
-"""Where the mission is (``begin`` before the start), and the handlers that happen once and have."""
-
-
-def after(mission: CoreGraph, core: Core, event: tuple[str, ...]) -> set[Core]:
-    """What the objectives graph allows to be after an event; nothing if the event cannot happen there."""
-    (at, had), (what, element) = core, event[:2]
-    if what == "start":
-        return {(mission.enter(mission.entry), had)} if at == "begin" else set()
-    if at == "begin":
-        return {core} if what in ("out of service", "repaired", "declared") else set()
-    if what in ("success", "failure", "timeout"):
-        outcome = f"failure {event[2]}" if len(event) > 2 else what
-        return {(to, had) for to in mission.ended(at, element, outcome)}
-    return (mission.happens(at, element, had) if what == "declared" else set()) or {core}
+    def says(self, core: CoreState) -> frozenset[tuple[str, str]]:
+        """What places of the net say in such a state, as pairs of role and element."""
+        if isinstance(core.at, str):
+            said = {(ENDS.get(core.at, core.at), "")}
+        else:
+            said = {
+                ("objective" if state == "runs" else "pending", name)
+                for name, state in self.graph.leaves(core.at)
+            }
+            said |= {("done", name) for name in self.graph.done(core.at)}
+        for name, (does, way) in core.acts:
+            if does == "refused":
+                said.add(("refused", name))
+            else:
+                alternative = f"{name}.{self.robot.ways(name)[way]['name']}"
+                said.add(("active" if does == RUNS else "waits", alternative))
+        said |= {("oos", name) for name in core.out}
+        late = (name for name in core.out - core.unnoticed if self.robot.hardware[name]["late"])
+        said |= {("known", name) for name in late}
+        said |= {("fact", f"{fact}={value}") for fact, value in core.facts}
+        return frozenset(said | {("happened", handler) for handler in core.had})
 
 
-def walked(graph: certcheck.Listing, mission: CoreGraph) -> tuple[int, int]:
-    """Walks net and objectives graph in pairs; how many pairs there are, and how many events they have.
+def changed(facts: Facts, to: dict[str, str]) -> Facts:
+    """Facts of which some have other values."""
+    return frozenset({**dict(facts), **to}.items()) if to else facts
+
+
+NAMELESS = {"begin", *ENDS.values()}
+ROLES = {
+    role: role
+    for role in ("objective", "pending", "done", "active", "refused", "oos", "known", "fact", "happened")
+}
+ROLES |= {"wait": "waits", "want": "waits"} | {role: role for role in NAMELESS}
+
+
+def labels(graph: certcheck.Listing) -> list[frozenset[tuple[str, str]]]:
+    """Of each state what its places say, in the words of :meth:`CoreMission.says`."""
+    said = [
+        ((ROLES[role], "" if role in NAMELESS else own), places)
+        for (role, own), places in graph.net.roles.items()
+        if role in ROLES
+    ]
+    return [frozenset(word for word, places in said if marking & places) for marking in graph.stable]
+
+
+def walked(graph: certcheck.Listing, mission: CoreMission) -> tuple[int, int]:
+    """Walks net and core mission in pairs; how many pairs there are, and how many events they have.
 
     Raises:
         certcheck.Refuted: The net does something else.
     """
-    running, shown = by_state(graph, "objective"), by_state(graph, "objective", "pending")
-    ends = {role: graph.saying(role) for role in ("begin", *EXITS.values())}
-    ended = [frozenset(role for role, states in ends.items() if s in states) for s in range(len(shown))]
-
-    @cache
-    def says(core: Core) -> tuple[frozenset[str], frozenset[str]]:
-        """The objectives that run, or are about to, and how the mission has ended, if it has."""
-        if core[0] == "begin" or core[0] in EXITS:
-            return frozenset(), frozenset([EXITS.get(str(core[0]), "begin")])
-        return frozenset(mission.running(core[0])), frozenset()
-
-    @cache
-    def onward(core: Core, event: tuple[str, ...]) -> set[Core]:
-        return after(mission, core, event)
-
-    @cache
-    def due(core: Core, running: frozenset[str]) -> set[tuple[str, ...]]:
-        """Events that must be possible: all ends of what runs but success, and what is handled."""
-        return set() if core[0] == "begin" else {*mission.due(core[0], running, core[1])}
-
-    first: Core = ("begin", frozenset())
-    certcheck.need((shown[0], ended[0]) == says(first), "state 0 is not one before the start")
-    met, todo, events = {(0, first)}, [(0, first)], 0
+    shown, says, event_of = labels(graph), cache(mission.says), graph.net.event
+    first = (0, mission.first)
+    agree(shown[0], says(mission.first), "before the start")
+    met, todo, events = {first}, [first], 0
     for state, core in todo:  # grows while it is walked
         graph.within(len(met))
-        here = ", ".join(sorted(shown[state])) or "no objective"
-        for t, target in graph.edges[state]:
-            event, seen = graph.net.event[t], (shown[target], ended[target])
-            left = [each for each in onward(core, event) if says(each) == seen]
-            said = ", ".join(sorted(shown[target] | ended[target])) or "nothing"
-            certcheck.need(left, f"{here}: after {' '.join(event)} the net says {said}, the mission does not")
-            events += 1
-            for pair in ((target, each) for each in left):
-                if pair not in met:
-                    met.add(pair)
-                    todo.append(pair)
-        missing = due(core, running[state]) - {graph.net.event[t] for t, _ in graph.edges[state]}
-        certcheck.need(not missing, f"{here}: the net lacks {' '.join(min(missing, default=()))}")
+        here = ", ".join(sorted(name for name, _ in mission.graph.leaves(core.at))) or str(core.at)
+        possible, edges = mission.possible(core), {event_of[t]: target for t, target in graph.edges[state]}
+        certcheck.need(len(edges) == len(graph.edges[state]), f"{here}: the net has an event twice")
+        agree(frozenset(edges), frozenset(possible), f"{here}: possible")
+        for event, target in edges.items():
+            ends, events = [*mission.after(core, event)], events + 1
+            left = [each for each in ends if says(each) == shown[target]]
+            if not left:
+                agree(shown[target], says(ends[0]), f"{here}: after {' '.join(event)}")
+            new = {(target, each) for each in left} - met
+            met |= new
+            todo += new
     return len(met), events
 
 
-def by_state(graph: certcheck.Listing, *roles: str) -> list[frozenset[str]]:
-    """Of each state the elements that it marks with some roles."""
-    places = [(places, own) for (role, own), places in graph.net.roles.items() if role in roles]
-    return [frozenset(own for on, own in places if marking & on) for marking in graph.stable]
+def agree(net: frozenset[Any], mission: frozenset[Any], where: str) -> None:
+    """The net says what the mission does."""
+    if net != mission:
+        more, less = (
+            "; ".join(" ".join(each) for each in sorted(some)) for some in (net - mission, mission - net)
+        )
+        raise certcheck.Refuted(
+            f"{where}: the net alone says {more or 'nothing'}, the mission {less or 'nothing'}"
+        )
+
+
+def played(graph: certcheck.Listing, entries: dict[str, bytes]) -> tuple[int, int]:
+    """Walks the states of a certificate's net beside its core mission, as :func:`walked`."""
+    return walked(graph, CoreMission(certcheck.parsed(entries, "core.json")))
 
 
 def checked(path: str, seconds: float = 600, most: int = 2_000_000) -> tuple[int, int]:
-    """Checks the objectives of a certificate; how many pairs and events there are.
+    """Checks the net of a certificate; how many pairs and events there are.
 
     Raises:
         certcheck.Malformed: It has no entry that can be understood.
         certcheck.Refuted: The net does something else.
         certcheck.Limit: A limit was hit.
     """
-    until, entries = time.monotonic() + seconds, certcheck.unpacked(path)
-    shape = {**certcheck.FORMAT, "graph": dict}
-    core = certcheck.shaped(certcheck.parsed(entries, "core.json"), shape, "core.json")
-    mission = CoreGraph(core["graph"], "core.json: graph")
-    net = certcheck.Net(certcheck.parsed(entries, "net.json"))
-    return walked(certcheck.Listing(net, most, until), mission)
+    until, (entries, net, _) = time.monotonic() + seconds, certcheck.read(path)
+    return played(certcheck.Listing(net, most, until), entries)
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Checks the certificate that the command line names, and prints what became of it."""
-    parser = argparse.ArgumentParser("corecheck", description="Plays objectives beside a certificate's net.")
+    parser = argparse.ArgumentParser(
+        "corecheck", description="Plays a core mission beside a certificate's net."
+    )
     parser.add_argument("certificate")
     parser.add_argument("--max-states", type=int, default=2_000_000, help="markings to keep at most")
     parser.add_argument("--seconds", type=float, default=600.0, help="time after which to give up")
@@ -239,7 +274,7 @@ def main(arguments: list[str] | None = None) -> int:
         code, said = 1, f"refuted: {error}"
     except (certcheck.Malformed, certcheck.Limit, RecursionError, MemoryError) as error:
         code, said = 2, f"not checked: {error or 'there is not enough memory'}"
-    line = f"objectives  {said}".encode("ascii", "backslashreplace").decode()
+    line = f"net  {said}".encode("ascii", "backslashreplace").decode()
     sys.stdout.write(line.translate(dict.fromkeys(range(32), "?")) + "\n")
     return code
 

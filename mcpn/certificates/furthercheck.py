@@ -11,7 +11,7 @@ import argparse
 import re
 import sys
 import time
-from collections.abc import Container, Iterable
+from collections.abc import Callable, Container, Iterable
 from fractions import Fraction
 from math import lcm
 from typing import Any, NamedTuple
@@ -405,15 +405,13 @@ def judge(graph: LabelledStates, claim: Json) -> None:
     KINDS[claim["kind"]](graph, claim)
 
 
-def checked(path: str, *, most: int = 2_000_000, seconds: float = 600) -> certcheck.Report:
-    """Checks the further claims of a certificate; raises Malformed and Limit as certcheck does."""
-    until, entries, report = time.monotonic() + seconds, certcheck.unpacked(path), certcheck.Report()
-    net = certcheck.Net(certcheck.parsed(entries, "net.json"))
+def judged(listing: Callable[[], certcheck.Listing], entries: dict[str, bytes]) -> certcheck.Report:
+    """What becomes of the further claims, on states that are listed."""
     claims = certcheck.shaped(certcheck.parsed(entries, "further.json"), FURTHER, "further.json")["claims"]
-    keys = {claim["key"] for claim in claims}
+    keys, report = {claim["key"] for claim in claims}, certcheck.Report()
     certcheck.need(len(keys) == len(claims), "further.json: two claims have one key", certcheck.Malformed)
     try:
-        graph = LabelledStates(certcheck.Listing(net, most, until))
+        graph = LabelledStates(listing())
     except (certcheck.Refuted, certcheck.Limit) as error:
         return [("not checked", claim["key"], str(error)) for claim in claims]
     for claim in claims:
@@ -422,8 +420,15 @@ def checked(path: str, *, most: int = 2_000_000, seconds: float = 600) -> certch
             judge(graph, claim)
             report.append(("proved", claim["key"], claim["sentence"]))
         except (certcheck.Refuted, certcheck.Limit) as error:
-            report.append((error.how, claim["key"], str(error)))
+            report.append((certcheck.HOW[type(error)], claim["key"], str(error)))
     return report
+
+
+def checked(path: str, *, most: int = 2_000_000, seconds: float = 600) -> certcheck.Report:
+    """Checks the further claims of a certificate; raises Malformed and Limit as certcheck does."""
+    until, entries = time.monotonic() + seconds, certcheck.unpacked(path)
+    net = certcheck.Net(certcheck.parsed(entries, "net.json"))
+    return judged(lambda: certcheck.Listing(net, most, until), entries)
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from mcpn.certificates import certcheck, corecheck, furthercheck
-from mcpn.certificates.core_entry import OBJECTIVES
 
 if TYPE_CHECKING:
     from mcpn.certificates.writing import Certificate
 
 SECONDS = 60.0
 """Time that certcheck gets where a command runs it."""
+MOST = 2_000_000
+"""Markings that it may keep."""
+NET = "net"
+"""The key of what corecheck shows: that the net is the mission's."""
 STILL_TRUSTED = (
     "still trusted: reader and templates, which make the net of the mission, and that a formula says what "
     "its text says"
 )
-BUT_OBJECTIVES = (
-    "still trusted: the reader, the templates of activities and hardware (what those of objectives draw is "
-    "checked by corecheck), and that a formula says what its text says"
+BUT_NET = (
+    "still trusted: the reader (that the net does what the mission says is checked by corecheck), and that a "
+    "formula says what its text says"
 )
 """What no claim of a certificate is free of (docs/certificates.md)."""
 GAVE_UP = (certcheck.Malformed, certcheck.Limit, RecursionError, MemoryError)
@@ -49,7 +55,7 @@ class Verified(NamedTuple):
         if key in self.found:
             how, why = self.found[key]
             further = any(key == claim["key"] for claim in self.certificate.further)
-            by = "corecheck" if key == OBJECTIVES else "furthercheck" if further else "certcheck"
+            by = "corecheck" if key == NET else "furthercheck" if further else "certcheck"
             return f"checked by {by}" if how == "proved" else f"{how} by {by}: {why}"
         _, why = self.certificate.trusted.get(key, ("", "no evidence is written for it"))
         return f"trusted, not checked by certcheck: {why}"
@@ -58,8 +64,7 @@ class Verified(NamedTuple):
     def summary(self) -> str:
         """How many claims are checked, and what is trusted all the same."""
         checked, every = len(self.keys("proved")), len(self.found) + len(self.certificate.trusted)
-        played = self.found.get(OBJECTIVES, ("",))[0] == "proved"
-        still = BUT_OBJECTIVES if played else STILL_TRUSTED
+        still = BUT_NET if self.found[NET][0] == "proved" else STILL_TRUSTED
         return f"{checked} of {every} claims are checked; {still}"
 
     @property
@@ -77,34 +82,29 @@ def verified(certificate: Certificate, file: Path, seconds: float = SECONDS) -> 
         file: Where it has been written: this is what is read.
         seconds: After which time what is left is not checked.
     """
+    until, report = time.monotonic() + seconds, certcheck.Report()
     try:
-        report = certcheck.checked(str(file), seconds=seconds)
+        entries, net, claims = certcheck.read(str(file))
+        listing = cache(lambda: certcheck.Listing(net, MOST, until))
+        report += certcheck.judged(listing, claims)
+        if certificate.further:
+            report += furthercheck.judged(listing, entries)
+        report.append(_played(listing, entries))
     except GAVE_UP as error:
-        report = [("not checked", claim["key"], _why(error)) for claim in certificate.claims]
-    if certificate.further:
-        report += _further(certificate, file, seconds)
-    if certificate.core is not None:
-        report.append(_played(file, seconds))
+        known = {key for _, key, _ in report}
+        every = [*certificate.claims, *certificate.further]
+        keys = [*(claim["key"] for claim in every), NET]
+        report += [("not checked", key, _why(error)) for key in keys if key not in known]
     return Verified(certificate, file, {key: (how, why) for how, key, why in report})
 
 
-def _further(certificate: Certificate, file: Path, seconds: float) -> certcheck.Report:
-    """What furthercheck says of the claims that it reads."""
+def _played(listing: Callable[[], certcheck.Listing], entries: dict[str, bytes]) -> tuple[str, str, str]:
+    """What corecheck says of the net of a certificate, on the states that certcheck has listed."""
     try:
-        return furthercheck.checked(str(file), seconds=seconds)
-    except GAVE_UP as error:
-        return [("not checked", claim["key"], _why(error)) for claim in certificate.further]
-
-
-def _played(file: Path, seconds: float) -> tuple[str, str, str]:
-    """What corecheck says of the objectives of a certificate."""
-    try:
-        corecheck.checked(str(file), seconds)
+        corecheck.played(listing(), entries)
     except certcheck.Refuted as error:
-        return "refuted", OBJECTIVES, str(error)
-    except GAVE_UP as error:
-        return "not checked", OBJECTIVES, _why(error)
-    return "proved", OBJECTIVES, ""
+        return "refuted", NET, str(error)
+    return "proved", NET, ""
 
 
 def _why(error: BaseException) -> str:

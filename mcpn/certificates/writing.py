@@ -17,7 +17,7 @@ from mcpn.answers.verdicts.mission import MissionCheck
 from mcpn.answers.verdicts.nominal import NominalRuns, meant_to_be_entered
 from mcpn.certificates import evidence
 from mcpn.certificates.certcheck import ENDS, VERSION
-from mcpn.certificates.core_entry import OBJECTIVES, PLAYED, Unplayed, core_entry
+from mcpn.certificates.core_entry import core_entry
 from mcpn.certificates.cut_sets import before_the_start, can_fail, survived
 from mcpn.certificates.entries import Claimed, Trusted, entry
 from mcpn.certificates.formula_entry import formula_entry
@@ -58,7 +58,7 @@ class Certificate(NamedTuple):
         net: The entry ``net.json``.
         claims: Those with evidence, as ``claims.json`` holds them.
         trusted: By key of a claim without: its sentence, and why there is no evidence.
-        core: The entry ``core.json``, where the mission's objectives can be played beside the net.
+        core: The entry ``core.json``: the mission, to be played beside the net.
         further: The claims of the entry ``further.json``, which furthercheck judges.
     """
 
@@ -66,7 +66,7 @@ class Certificate(NamedTuple):
     net: dict[str, Any]
     claims: list[dict[str, Any]]
     trusted: dict[str, tuple[str, str]]
-    core: dict[str, Any] | None = None
+    core: dict[str, Any]
     further: tuple[dict[str, Any], ...] = ()
 
     @property
@@ -87,7 +87,11 @@ class Certificate(NamedTuple):
         further = None
         if self.further:
             further = {"format": "mcpn-certificate", "version": VERSION, "claims": self.further}
-        entries = {"net.json": self.net, "claims.json": claims, "core.json": self.core}
+        entries: dict[str, dict[str, Any] | None] = {
+            "net.json": self.net,
+            "claims.json": claims,
+            "core.json": self.core,
+        }
         entries["further.json"] = further
         written = BytesIO()
         with zipfile.ZipFile(written, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
@@ -208,13 +212,8 @@ class _Writer:
                     said,
                     shown,
                 )
-        core = None
-        try:
-            core = core_entry(self.mission_net.graph)
-        except Unplayed as why:
-            trusted[OBJECTIVES] = PLAYED, f"corecheck does not play what the mission has: {why}"
-        mission = self.mission_net.mission.name
-        return Certificate(mission, net_entry(self.mission_net), list(claims.values()), trusted, core)
+        net, core = net_entry(self.mission_net), core_entry(self.mission_net)
+        return Certificate(self.mission_net.mission.name, net, list(claims.values()), trusted, core)
 
     def evidence(self, claim: Claim) -> tuple[dict[str, Any], dict[str, Any]]:
         """What a claim states beside its kind, and its evidence.

@@ -25,7 +25,9 @@ def test_the_terminal_says_what_is_checked_and_what_is_trusted(tmp_path: Path) -
     proved, trusted = len(claims["claims"]) + 1, len(claims["trusted"])
     assert done.returncode == 0
     said = done.stdout
-    assert f"{proved} of {proved + trusted} claims are checked; still trusted: the reader, the temp" in said
+    assert (
+        f"{proved} of {proved + trusted} claims are checked; still trusted: the reader (that the net" in said
+    )
     assert "trusted, without evidence: requirement: transect.goes_on_without_GPS" in said
     assert NONE_CHECKED not in said
     assert NONE_CHECKED in mcpn("check", ULYSSE).stdout
@@ -55,7 +57,7 @@ def test_a_claim_that_is_refuted_fails_the_check(tmp_path: Path, monkeypatch: py
     assert found.keys("refuted") == ["can_always_end"]
     assert found.of("can_always_end").startswith("refuted by certcheck: the number of state")
     assert found.of("safe") == "checked by certcheck"
-    assert found.of("objectives") == "checked by corecheck"
+    assert found.of("net") == "checked by corecheck"
     assert found.of("something_unused").startswith("trusted, not checked by certcheck: ")
     monkeypatch.setattr(writing.Certificate, "to_bytes", lambda certificate: data)
     done = mcpn("check", ULYSSE, "--certificate", tmp_path / "cert")
@@ -68,7 +70,7 @@ def test_what_takes_too_long_is_not_checked(tmp_path: Path) -> None:
     out = tmp_path / "cert"
     out.write_bytes(certificate.to_bytes())
     found = verified(certificate, out, seconds=0)
-    assert found.keys("not checked") == [*(claim["key"] for claim in certificate.claims), "objectives"]
+    assert found.keys("not checked") == [*(claim["key"] for claim in certificate.claims), "net"]
     assert found.of("safe") == "not checked by certcheck: the time is over (--seconds)"
 
 
