@@ -1,4 +1,4 @@
-"""Block elimination against one dense system."""
+"""Block elimination, and factors of layers, against one dense system."""
 
 from __future__ import annotations
 
@@ -12,7 +12,14 @@ from hypothesis import strategies as st
 
 from mcpn.answers.causes import linear_systems
 from mcpn.answers.causes.block_elimination import Elimination
-from mcpn.answers.causes.linear_systems import Floats, resolvent, solver_of
+from mcpn.answers.causes.linear_systems import (
+    Floats,
+    LayeredSystem,
+    csc_array,
+    csr_array,
+    resolvent,
+    solver_of,
+)
 
 
 @given(st.data())
@@ -88,3 +95,34 @@ def test_iteration_is_as_exact_as_elimination(size: int, seed: int) -> None:
         patch.setattr(linear_systems, "MOST_DENSE", 0)
         iterated = solver_of(lambda columns: np.asarray(steps @ columns), lambda: leaving, size)
     assert iterated(right) == pytest.approx(inverse(right), rel=2e-14)
+
+
+@given(st.integers(1, 12), st.integers(0, 99), st.floats(0.0, 0.5))
+def test_layers_give_what_one_dense_system_gives(size: int, seed: int, filled: float) -> None:
+    """Drawn steps, of unknowns of which some lead to each other and others never back."""
+    random = np.random.default_rng(seed)
+    steps = random.random((size, size)) * (random.random((size, size)) < filled) * 0.99 / size
+    right, system = random.random(size), LayeredSystem(csr_array(steps))
+    np.testing.assert_allclose(system.solved(right), np.linalg.solve(np.eye(size) - steps, right))
+    forward = system.solved(right, forward=True)
+    np.testing.assert_allclose(forward, np.linalg.solve(np.eye(size) - steps.T, right))
+
+
+def test_of_what_is_never_come_back_to_nothing_is_filled_in(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rows of sections, each a cycle, that lead on to the next one: none has factors with another."""
+    sections, size, sizes = 8, 5, list[int]()
+    steps = np.zeros((sections * size,) * 2)
+    for unknown in range(len(steps)):
+        around = unknown + 1 if (unknown + 1) % size else unknown + 1 - size
+        steps[unknown, around] = 0.5
+        if unknown + size < len(steps):
+            steps[unknown, unknown + size] = 0.25
+    splu = linear_systems.splu
+
+    def counted(matrix: csc_array) -> object:
+        sizes.append(matrix.shape[0])
+        return splu(matrix)
+
+    monkeypatch.setattr(linear_systems, "splu", counted)
+    LayeredSystem(csr_array(steps))
+    assert sizes == [size] * sections

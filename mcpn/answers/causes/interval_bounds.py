@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from mcpn.answers.causes.linear_systems import Floats, csc_array, csr_array, splu
+from mcpn.answers.causes.linear_systems import Floats, LayeredSystem, csr_array
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.causes.whole_chain import WholeChain, leading, whole_chain
 from mcpn.errors import LimitError
@@ -96,8 +96,7 @@ def proved_values(low: WholeChain, high: WholeChain, goal: Mask, *, up: bool, pa
         among = (number[sources] >= 0) & (number[targets] >= 0)
         ways = number[sources[among]], number[targets[among]]
         step = csr_array((share[among], ways), shape=(len(inner),) * 2)
-        identity = csr_array((np.ones(len(inner)), (range(len(inner)),) * 2), shape=step.shape)
-        solve = splu(csc_array(identity - step)).solve
+        solve = LayeredSystem(step).solved
         values, total = goal.astype(np.float64), np.zeros(states)
         values[inner] = solve(after(rates, goal.astype(np.float64)))
         total[inner] = solve(np.ones(len(inner)) if parts else values[inner])

@@ -25,14 +25,15 @@ import numpy as np
 import numpy.typing as npt
 
 from mcpn.errors import LimitError
+from mcpn.spaces.components import strongly_connected
 
 try:
-    from scipy.sparse import csc_array, csr_array
+    from scipy.sparse import csc_array, csr_array, eye_array
     from scipy.sparse.linalg import splu
 except ModuleNotFoundError as error:
     raise LimitError("probabilities need scipy: pip install 'mcpn[risk]'") from error
 
-__all__ = ["StepSystem", "csc_array", "csr_array", "resolvent", "solver_of", "splu"]
+__all__ = ["LayeredSystem", "StepSystem", "csc_array", "csr_array", "resolvent", "solver_of", "splu"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -183,3 +184,43 @@ class StepSystem:
         scale = 1.0 / self._leaving[number]
         inverse = resolvent(self._rates.toarray() * scale[:, None], self._out[number] * scale)
         return np.asarray(inverse.T @ right if forward else inverse @ (right * scale[:, None]))
+
+
+class LayeredSystem:
+    """The sparse system ``x = N x + b``, layer by layer: of what is never come back to, nothing is filled in.
+
+    A layer holds unknowns that lead to each other, and others that have as many such components behind them.
+    Each has factors of its own.
+
+    Args:
+        steps: ``N``.
+    """
+
+    def __init__(self, steps: csr_array) -> None:
+        rows = [row.tolist() for row in np.split(steps.indices, steps.indptr[1:-1])]
+        height, layers = [-1] * len(rows), list[list[int]]()
+        for component in strongly_connected(rows):
+            above = 1 + max((height[target] for i in component for target in rows[i]), default=-1)
+            for i in component:
+                height[i] = above
+            layers += [[] for _ in range(above + 1 - len(layers))]
+            layers[above] += component
+        self._layers = [np.array(layer) for layer in layers]
+        self._ahead, self._back = steps, csr_array(steps.T)
+        self._solve: list[Callable[..., Floats]] = [  # whose stub does not know of transposing
+            splu(csc_array(eye_array(len(layer)) - steps[layer][:, layer])).solve for layer in self._layers
+        ]
+
+    def solved(self, right: Floats, *, forward: bool = False) -> Floats:
+        """The solution for a right side.
+
+        Args:
+            right: By unknown.
+            forward: Whether the system is the transposed one: of what has been, not of what is to come.
+        """
+        found = np.zeros(len(right))
+        both = list(zip(self._layers, self._solve, strict=True))
+        for layer, solve in reversed(both) if forward else both:
+            known = (self._back if forward else self._ahead)[layer] @ found
+            found[layer] = solve(right[layer] + known, trans="T" if forward else "N")
+        return found

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from mcpn.answers.causes.linear_systems import Floats, csc_array, csr_array, splu
+from mcpn.answers.causes.linear_systems import Floats, LayeredSystem, csr_array
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.causes.whole_chain import WholeChain, leading, whole_chain
 from mcpn.spaces.markings.graph import Mask
@@ -54,20 +54,18 @@ def slopes(chain: WholeChain) -> Mapping[str, float]:
     leaving = np.bincount(chain.sources, chain.rates, chain.states)
     step = chain.rates / leaving[chain.sources]
     jumps = csr_array((step, (chain.sources, chain.targets)), shape=(chain.states, chain.states))[inner]
-    among = jumps[:, inner]
-    identity = csr_array((np.ones(len(inner)), (range(len(inner)),) * 2), shape=among.shape)
-    factors = splu(csc_array(identity - among)) if len(inner) else None
+    system = LayeredSystem(jumps[:, inner]) if len(inner) else None
 
     def reaching(goal: Mask) -> Floats:
         """How probable some ends are, by state."""
         found = goal.astype(np.float64)
-        if factors is not None:
-            found[inner] = factors.solve(np.asarray(jumps @ found))
+        if system is not None:
+            found[inner] = system.solved(np.asarray(jumps @ found))
         return found
 
     hours = np.zeros(chain.states)
-    if factors is not None and inner[0] == 0:
-        visits = splu(csc_array((identity - among).T)).solve(np.eye(1, len(inner))[0])
+    if system is not None and inner[0] == 0:
+        visits = system.solved(np.eye(1, len(inner))[0], forward=True)
         hours[inner] = np.where(chain.hasty[inner], 0.0, visits / leaving[inner])
     # Where the mission is sure to end, success is lost by the other ends, which keep the digits when rare.
     sure = len(inner) + np.count_nonzero(ends) == chain.states
