@@ -77,7 +77,7 @@ class CoreMission:
         out = frozenset(name for name, each in self.robot.hardware.items() if each["out"])
         none = frozenset[str]()
         self.first = CoreState("begin", none, self.robot.facts, frozenset(), out, none, none)
-        self.moved = cache(self._moved)
+        self.moved, self.begun = cache(self._moved), cache(self._begun)
 
     def runs(self, at: Place, states: tuple[str, ...] = ("runs",)) -> Names:
         """The objectives that are in some states."""
@@ -123,20 +123,33 @@ class CoreMission:
             unnoticed, suspected = unnoticed - one, suspected - one
         elif what in ("failure", "timeout") and name in self.objectives:
             suspected |= self.robot.held(core.acts) & unnoticed & self.robot.may_use[name]
-        at, had, facts = core.at, core.had, core.facts
-        if what not in ("out of service", "repaired", "detected"):
-            at, had, facts = self.moved(at, had, facts, event)
-        stops = {a for each in self.runs(core.at) - self.runs(at) for a in self.robot.objectives[each]}
-        acts = frozenset(each for each in core.acts if each[0] not in stops)
-        begin = self.runs(at, ("enters", "waits"))
-        rest = self.robot.at_rest(RobotMoment(acts, begin, out - unnoticed, suspected))
-        running = dict.fromkeys((name for name, _ in self.graph.leaves(at)), "runs")
-        for end in self.robot.settled(rest, facts):
-            begun = self.graph.becoming(at, {**running, **dict.fromkeys(end.begin, "waits")}.__getitem__)
+        moves = () if what in ("out of service", "repaired", "detected") else event
+        at, had, facts, stops, begin = self.moved(core.at, core.had, core.facts, moves)
+        acts = frozenset(each for each in core.acts if each[0] not in stops) if stops else core.acts
+        for end in self.robot.settled(RobotMoment(acts, begin, out - unnoticed, suspected), facts):
+            begun = self.begun(at, end.begin)
             yield CoreState(begun, had, facts, end.acts, out, unnoticed - end.known, end.suspected)
 
-    def _moved(self, at: Place, had: Names, facts: Facts, event: Event) -> tuple[Place, Names, Facts]:
-        """Where the mission comes to by an event, what has happened once, and how facts are then."""
+    def _begun(self, at: Place, waiting: Names) -> Place:
+        """The same where all objectives under way run, but for some that wait."""
+        return self.graph.becoming(at, lambda name: "waits" if name in waiting else "runs")
+
+    def _moved(
+        self, before: Place, had: Names, facts: Facts, event: Event
+    ) -> tuple[Place, Names, Facts, Names, Names]:
+        """Where the mission comes to by an event, or by none, what has happened once, and how facts are then.
+
+        Last come the activities that stop, and the objectives that are about to begin.
+        """
+        at = before
+        if event:
+            at, had, facts = self.led(before, had, facts, event)
+        ended = self.runs(before) - self.runs(at)
+        stops = frozenset(a for each in ended for a in self.robot.objectives[each])
+        return at, had, facts, stops, self.runs(at, ("enters", "waits"))
+
+    def led(self, at: Place, had: Names, facts: Facts, event: Event) -> tuple[Place, Names, Facts]:
+        """Where an event leads, what has happened once, and how facts are then."""
         what, name, before = *event[:2], facts
         if what == "start":
             at = self.graph.enter(self.graph.entry)
@@ -209,7 +222,7 @@ def walked(graph: certcheck.Listing, mission: CoreMission) -> tuple[int, int]:
     Raises:
         certcheck.Refuted: The net does something else.
     """
-    shown, says, event_of = labels(graph), cache(mission.says), graph.net.event
+    shown, says, event_of = labels(graph), mission.says, graph.net.event
     first = (0, mission.first)
     agree(shown[0], says(mission.first), "before the start")
     met, todo, events = {first}, [first], 0
@@ -221,12 +234,13 @@ def walked(graph: certcheck.Listing, mission: CoreMission) -> tuple[int, int]:
         agree(frozenset(edges), frozenset(possible), f"{here}: possible")
         for event, target in edges.items():
             ends, events = [*mission.after(core, event)], events + 1
-            left = [each for each in ends if says(each) == shown[target]]
+            left = [each for each in ends if (target, each) in met or says(each) == shown[target]]
             if not left:
                 agree(shown[target], says(ends[0]), f"{here}: after {' '.join(event)}")
-            new = {(target, each) for each in left} - met
-            met |= new
-            todo += new
+            for pair in ((target, each) for each in left):
+                if pair not in met:
+                    met.add(pair)
+                    todo.append(pair)
     return len(met), events
 
 

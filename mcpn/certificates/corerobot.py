@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from functools import cache
 from typing import Any, NamedTuple
 
 try:
@@ -107,6 +108,7 @@ class CoreRobot:
             o: {k for a in certcheck.grown(own, suppliers.__getitem__) for k in consumed[a]}
             for o, own in objectives.items()
         }
+        self.relevant = cache(lambda facts: frozenset(each for each in facts if each[0] in self.asked))
         self.settled_from = dict[tuple[RobotMoment, Facts], set[RobotMoment]]()
 
     def ways(self, name: str) -> list[Json]:
@@ -156,11 +158,11 @@ class CoreRobot:
         return now._replace(known=now.known | found, suspected=now.suspected - found) if found else now
 
     def settled(self, start: RobotMoment, facts: Facts) -> set[RobotMoment]:
-        """Where a reaction ends: several where who comes first takes what several want."""
-        facts = frozenset(each for each in facts if each[0] in self.asked)
+        """Where a reaction ends, once what nobody needs has stopped: several if who comes first counts."""
+        facts = self.relevant(facts)
         if (start, facts) not in self.settled_from:
-            ends, reaction = set[RobotMoment](), RobotReaction(self, facts)
-            met, todo = {start}, [start]
+            ends, reaction, first = set[RobotMoment](), RobotReaction(self, facts), self.at_rest(start)
+            met, todo = {first}, [first]
             for now in todo:  # grows while it is walked
                 after = {self.noticed(each) for each in reaction.moves(now)}
                 ends |= set() if after else {now}
