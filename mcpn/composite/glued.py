@@ -214,8 +214,7 @@ class Glued:
 
     def ends_into(self, stage: Stage, parts: Mapping[str, Zdd]) -> Zdd:
         """States after the exits of a section from which a set is entered."""
-        routes = (route for route in stage.routes.values() if route in parts)
-        return stage.ends({route: self.stages[route].entries(parts[route]) for route in routes})
+        return stage.ends({r: self.stages[r].entries(parts[r]) for r in stage.routes.values() if r in parts})
 
     def leaving(
         self,
@@ -231,11 +230,12 @@ class Glued:
             names = [n for n in few if not into.keys().isdisjoint(self.stages[n].routes.values())]
         else:
             names = [n for n in dict.fromkeys(s for r in into for s in self.into[r]) if n in within.parts]
+        entered = ByKey[str, Zdd](lambda route: self.stages[route].entries(into[route]))
         for name in names:
-            stage = self.stages[name]
-            if stage.type.may_end(allowed(name).local):
-                ends = self.ends_into(stage, into)
-                sources.add(name, stage.type.before_step(ends, allowed(name)) & within.of(name))
+            stage, own = self.stages[name], allowed(name)
+            if stage.type.may_end(own.local):
+                ends = stage.ends({r: entered[r] for r in stage.routes.values() if r in into})
+                sources.add(name, stage.type.before_step(ends, own) & within.of(name))
         return sources
 
     def entering(self, states: Mapping[str, Zdd], within: CompositeSet, allowed: Filter) -> SectionSets:

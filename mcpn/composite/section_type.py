@@ -198,6 +198,14 @@ class SectionType:
             states = states.images([event([slot, *lost], gained)]) | states.subset(unmarked=[slot])
         return self.layout.opened(states, own)
 
+    @memoized
+    def ends(self, status: tuple[tuple[Exit, Zdd], ...], own: tuple[int, ...]) -> Zdd:
+        """The states after some exits, each with all elements in some status."""
+        states = self.layout.store.empty()
+        for exit_, there in status:
+            states |= self.from_slots(there, own, exit_)
+        return states
+
     def _idle(self, exit_: Exit | None) -> list[int]:
         """Marked levels before the entry, or after an exit, with all slots unmarked."""
         marking = list(self.net.net.initial)

@@ -122,11 +122,8 @@ class Stage(Levels):
 
     def ends(self, status: Mapping[str, Zdd]) -> Zdd:
         """States after its exits, with all elements in some status by the route."""
-        states = self.store.empty()
-        for exit_, route in self.routes.items():
-            if route in status:
-                states |= self.type.from_slots(status[route], self.slots, exit_)
-        return states
+        after = tuple((exit_, status[route]) for exit_, route in self.routes.items() if route in status)
+        return self.type.ends(after, self.slots)
 
     def leave(self, part: Zdd, allowed: Allowed = ALL) -> Iterator[tuple[str, Zdd]]:
         """By route, the status of all elements where one of its own events has ended it."""
