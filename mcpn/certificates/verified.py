@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from mcpn.certificates import certcheck, corecheck, furthercheck
+from mcpn.certificates import certcheck, corecheck, diagcheck, furthercheck
 
 if TYPE_CHECKING:
     from mcpn.certificates.writing import Certificate
@@ -56,6 +56,7 @@ class Verified(NamedTuple):
             how, why = self.found[key]
             further = any(key == claim["key"] for claim in self.certificate.further)
             by = "corecheck" if key == NET else "furthercheck" if further else "certcheck"
+            by = by if self.certificate.diagrams is None else "diagcheck"
             return f"checked by {by}" if how == "proved" else f"{how} by {by}: {why}"
         _, why = self.certificate.trusted.get(key, ("", "no evidence is written for it"))
         return f"trusted, not checked by certcheck: {why}"
@@ -64,7 +65,7 @@ class Verified(NamedTuple):
     def summary(self) -> str:
         """How many claims are checked, and what is trusted all the same."""
         checked, every = len(self.keys("proved")), len(self.found) + len(self.certificate.trusted)
-        still = BUT_NET if self.found[NET][0] == "proved" else STILL_TRUSTED
+        still = BUT_NET if self.found.get(NET, ("",))[0] == "proved" else STILL_TRUSTED
         return f"{checked} of {every} claims are checked; {still}"
 
     @property
@@ -82,6 +83,8 @@ def verified(certificate: Certificate, file: Path, seconds: float = SECONDS) -> 
         file: Where it has been written: this is what is read.
         seconds: After which time what is left is not checked.
     """
+    if certificate.diagrams is not None:
+        return Verified(certificate, file, _by_diagrams(certificate, file, seconds))
     until, report = time.monotonic() + seconds, certcheck.Report()
     try:
         entries, net, claims = certcheck.read(str(file))
@@ -96,6 +99,16 @@ def verified(certificate: Certificate, file: Path, seconds: float = SECONDS) -> 
         keys = [*(claim["key"] for claim in every), NET]
         report += [("not checked", key, _why(error)) for key in keys if key not in known]
     return Verified(certificate, file, {key: (how, why) for how, key, why in report})
+
+
+def _by_diagrams(certificate: Certificate, file: Path, seconds: float) -> dict[str, tuple[str, str]]:
+    """What diagcheck says of the claims of a mission whose states are too many to list."""
+    assert certificate.diagrams is not None, "asked where there are some"
+    try:
+        report = diagcheck.checked(str(file), seconds=seconds)
+    except GAVE_UP as error:
+        report = [("not checked", claim["key"], _why(error)) for claim in certificate.diagrams["claims"]]
+    return {key: (how, why) for how, key, why in report}
 
 
 def _played(listing: Callable[[], certcheck.Listing], entries: dict[str, bytes]) -> tuple[str, str, str]:

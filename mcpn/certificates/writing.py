@@ -28,6 +28,7 @@ from mcpn.errors import ConfluenceError, InputError, LimitError
 from mcpn.logic.syntax import parse
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.arrays import ArraySpace
+from mcpn.spaces.engine_names import SYMBOLIC
 from mcpn.spaces.markings.graph import Mask
 from mcpn.spaces.search.goal import Formula
 from mcpn.spaces.stable.alternatives import AlternativesGraph
@@ -40,6 +41,7 @@ WHEN = (1980, 1, 1, 0, 0, 0)
 UNSAFE = "an abort by the failure of a safing objective is no safe end"
 LISTED = {"safe": "safe", "bounded": "safe", "confluent": "confluent"}
 """By verdict that listing the states shows: the kind of the certificate's claim."""
+PLAYED = "The net does what the mission says."
 SENTENCES = {
     "safe": "No firing puts a second token in a place.",
     "confluent": "Each event has one outcome, whatever the order inside the net.",
@@ -60,6 +62,7 @@ class Certificate(NamedTuple):
         trusted: By key of a claim without: its sentence, and why there is no evidence.
         core: The entry ``core.json``: the mission, to be played beside the net.
         further: The claims of the entry ``further.json``, which furthercheck judges.
+        diagrams: The entry ``diagrams.json``, of missions whose states are too many to list.
     """
 
     mission: str
@@ -68,6 +71,7 @@ class Certificate(NamedTuple):
     trusted: dict[str, tuple[str, str]]
     core: dict[str, Any]
     further: tuple[dict[str, Any], ...] = ()
+    diagrams: dict[str, Any] | None = None
 
     @property
     def said(self) -> dict[str, Any]:
@@ -92,7 +96,7 @@ class Certificate(NamedTuple):
             "claims.json": claims,
             "core.json": self.core,
         }
-        entries["further.json"] = further
+        entries |= {"further.json": further, "diagrams.json": self.diagrams}
         written = BytesIO()
         with zipfile.ZipFile(written, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
             for name, document in entries.items():
@@ -116,9 +120,42 @@ def certificate_of(check: MissionCheck, max_states: int | None = None) -> Certif
     """
     if check.alternatives is None:
         raise ConfluenceError("no certificate: the mission is not safe or not confluent")
-    graph = _listed(check.spaces, check.alternatives, max_states)
+    try:
+        graph = _listed(check.spaces, check.alternatives, max_states)
+    except LimitError as error:
+        return _by_diagrams(check, error)
     asked = {answer.asked.name: answer.asked for answer in check.requirements}
     return _Writer(check.mission_net, graph, asked).certificate(claims_of(check))
+
+
+def _by_diagrams(check: MissionCheck, error: LimitError) -> Certificate:
+    """The certificate of a mission whose states are too many to list: of what its diagrams prove.
+
+    Raises:
+        LimitError: Its diagrams are too large too.
+    """
+    from mcpn.certificates.diagrams_entry import DiagramWriter
+
+    mission_net = check.mission_net
+    markings = check.spaces.space(SYMBOLIC)
+    writer = DiagramWriter(mission_net, check.spaces.symbolic(), markings)
+    claims, trusted = dict[str, dict[str, Any]](), dict[str, tuple[str, str]]()
+    for name, sentence in SENTENCES.items():
+        claims[name] = entry(name, name, (), True, sentence, {}, writer.evidence(name, True))
+    for claim in claims_of(check):
+        kind = LISTED.get(claim.of.verdict, claim.kind)
+        if claim.key in claims or claim.key in trusted:
+            continue
+        if kind not in ENDS or claim.holds is None or "happens(" in claim.formula:
+            trusted[claim.key] = claim.sentence, f"{error}; no diagram proves it"
+            continue
+        shown = writer.evidence(kind, claim.holds)
+        claims[claim.key] = entry(claim.key, kind, claim.subject, claim.holds, claim.sentence, {}, shown)
+    trusted["net"] = PLAYED, "corecheck lists the states, and they are too many"
+    diagrams = writer.document(claims.values())
+    return Certificate(
+        mission_net.mission.name, net_entry(mission_net), [], trusted, core_entry(mission_net), (), diagrams
+    )
 
 
 def certificate_of_causes(

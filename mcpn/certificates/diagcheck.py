@@ -1,0 +1,525 @@
+"""diagcheck: checks claims of a certificate whose states are too many to list, by sets as decision diagrams.
+
+``python diagcheck.py CERTIFICATE`` needs ``certcheck.py`` beside it and nothing else of mcpn. The entry
+``diagrams.json`` holds sets of markings, and of pairs of a marking and its stable end; that they hold what
+they must, and are closed under what may fire, proves each claim. The page docs/certificates.md describes it
+in full. Exit codes are those of ``certcheck``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Iterable
+from functools import cached_property
+from typing import Any
+
+try:
+    from mcpn.certificates import certcheck
+except ImportError:  # alone, beside the other file
+    import certcheck  # type: ignore[import-not-found, no-redef]
+
+Json = Any
+Literal = tuple[int, bool]
+"""A level, and whether it is marked."""
+Word = list[tuple[int, bool, bool]]
+"""What a firing needs and leaves: levels, ascending, whether marked before, and after."""
+Memo = dict[Any, Any]
+DIAGRAMS = {
+    **certcheck.FORMAT,
+    "order": [int],
+    "partners": [[int]],
+    "nodes": [[int]],
+    "pairs": [[int]],
+    "reached": int,
+    "ends": int,
+    "weights": [int],
+    "again": [int],
+    "layers": [int],
+    "claims": [certcheck.CLAIM],
+}
+ENDS = ("success", "failure", "abort")
+LONGEST = 100_000
+"""Internal firings after one event up to which a run is followed."""
+
+
+class Families:
+    """Zero-suppressed decision diagrams: sets of sets of levels. Node 0 holds none, node 1 the empty one."""
+
+    def __init__(self, levels: int, most: int, until: float) -> None:
+        self.levels, self.most, self.until, self.steps = levels, most, until, 0
+        self.level, self.low, self.high = [levels, levels], [0, 0], [0, 0]
+        self.known = dict[tuple[int, int, int], int]()
+
+    def step(self) -> None:
+        """Gives up where a limit is hit."""
+        self.steps += 1
+        if not self.steps % 4096:
+            certcheck.need(time.monotonic() <= self.until, "the time is over (--seconds)", certcheck.Limit)
+
+    def node(self, level: int, low: int, high: int) -> int:
+        """The sets of ``low``, and with the level those of ``high``."""
+        if not high:
+            return low
+        found = self.known.get((level, low, high))
+        if found is None:
+            found = self.known[level, low, high] = len(self.level)
+            why = f"more than {self.most} nodes (--max-nodes)"
+            certcheck.need(found < self.most, why, certcheck.Limit)
+            self.level.append(level)
+            self.low.append(low)
+            self.high.append(high)
+        return found
+
+    def read(self, rows: list[list[int]], where: str) -> list[int]:
+        """The nodes that rows describe, each of children before it."""
+        found = [0, 1]
+        for row in rows:
+            self.step()
+            fine = len(row) == 3 and all(0 <= child < len(found) for child in row[1:])
+            certcheck.need(fine, f"{where}: {row} is no node", certcheck.Malformed)
+            level, low, high = row[0], found[row[1]], found[row[2]]
+            ordered = 0 <= level < min(self.level[low], self.level[high]) and high > 0
+            certcheck.need(ordered, f"{where}: {row} is out of order", certcheck.Malformed)
+            found.append(self.node(level, low, high))
+        return found
+
+    def sides(self, a: int, level: int) -> tuple[int, int]:
+        """The sets without a level that is not below the first, and those with it."""
+        return (self.low[a], self.high[a]) if self.level[a] == level else (a, 0)
+
+    def union(self, a: int, b: int, memo: Memo) -> int:
+        """What is in one of two."""
+        if not a or not b or a == b:
+            return a or b
+        key = (a, b) if a < b else (b, a)
+        if key not in memo:
+            self.step()
+            level = min(self.level[a], self.level[b])
+            (a0, a1), (b0, b1) = self.sides(a, level), self.sides(b, level)
+            memo[key] = self.node(level, self.union(a0, b0, memo), self.union(a1, b1, memo))
+        return int(memo[key])
+
+    def without(self, a: int, cube: list[Literal]) -> int:
+        """What does not satisfy all of some literals, in the order of their levels."""
+        memo, last, node, step = dict[tuple[int, int], int](), len(cube), self.node, self.step
+        level, low, high = self.level, self.low, self.high
+
+        def at(a: int, i: int) -> int:
+            if not a or i == last:
+                return 0
+            found = memo.get((a, i))
+            if found is None:
+                step()
+                here, (asked, marked) = level[a], cube[i]
+                if here < asked:
+                    found = node(here, at(low[a], i), at(high[a], i))
+                elif here > asked:
+                    found = a if marked else at(a, i + 1)
+                elif marked:
+                    found = node(here, low[a], at(high[a], i + 1))
+                else:
+                    found = node(here, at(low[a], i + 1), high[a])
+                memo[a, i] = found
+            return found
+
+        return at(a, 0)
+
+    def some(self, a: int, cube: list[Literal]) -> bool:
+        """Whether something satisfies all of some literals."""
+        return self.without(a, cube) != a
+
+    def escaping(self, a: int, b: int, word: Word) -> int:
+        """What cannot fire a word, or is not in ``b`` after it."""
+        memo = Memo()
+
+        def at(a: int, b: int, i: int) -> int:
+            if not a or not b:
+                return a
+            if (a, b, i) not in memo:
+                self.step()
+                asked, before, after = word[i] if i < len(word) else (self.levels, False, False)
+                level = min(self.level[a], self.level[b], asked)
+                if level == self.levels:
+                    return 0
+                (a0, a1), (b0, b1) = self.sides(a, level), self.sides(b, level)
+                if level < asked:
+                    found = self.node(level, at(a0, b0, i), at(a1, b1, i))
+                elif before:
+                    found = self.node(level, a0, at(a1, b1 if after else b0, i + 1))
+                else:
+                    found = self.node(level, at(a0, b1 if after else b0, i + 1), a1)
+                memo[a, b, i] = found
+            return int(memo[a, b, i])
+
+        return at(a, b, 0)
+
+    def leads(self, a: int, b: int, word: Word) -> bool:
+        """Whether all that can fire a word is in ``b`` after it."""
+        memo, last, levels = Memo(), len(word), self.levels
+        level, low, high, step = self.level, self.low, self.high, self.step
+
+        def at(a: int, b: int, i: int) -> bool:
+            if not a or (i == last and a == b):
+                return True
+            found: bool | None = memo.get((a, b, i))
+            if found is None:
+                step()
+                asked, before, after = word[i] if i < last else (levels, False, False)
+                here, there = level[a], level[b]
+                top = here if here < there else there
+                if asked > top:
+                    a0, a1 = (low[a], high[a]) if here == top else (a, 0)
+                    b0, b1 = (low[b], high[b]) if there == top else (b, 0)
+                    found = at(a0, b0, i) and at(a1, b1, i)
+                elif asked == levels:
+                    found = bool(b)
+                else:
+                    a_on = (high[a] if before else low[a]) if here == asked else 0 if before else a
+                    b_on = (high[b] if after else low[b]) if there == asked else 0 if after else b
+                    found = at(a_on, b_on, i + 1)
+                memo[a, b, i] = found
+            return found
+
+        return at(a, b, 0)
+
+    def within(self, a: int, b: int) -> bool:
+        """Whether all of ``a`` is in ``b``."""
+        return self.leads(a, b, [])
+
+    def has(self, a: int, marked: Iterable[int]) -> bool:
+        """Whether one set of levels is there."""
+        for level in sorted(marked):
+            while self.level[a] < level:
+                a = self.low[a]
+            if self.level[a] != level:
+                return False
+            a = self.high[a]
+        while a > 1:
+            a = self.low[a]
+        return a == 1
+
+    def equals(self, a: int, memo: Memo) -> bool:
+        """Whether all are pairs of equals: level 2 l marked where 2 l + 1 is."""
+        if a < 2:
+            return True
+        if a not in memo:
+            self.step()
+            level, low, high = self.level[a], self.low[a], self.high[a]
+            memo[a] = (
+                level % 2 == 0
+                and self.level[high] == level + 1
+                and not self.low[high]
+                and self.equals(low, memo)
+                and self.equals(self.high[high], memo)
+            )
+        return bool(memo[a])
+
+    def firsts(self, a: int, into: Families, memo: Memo, unions: Memo) -> int:
+        """Of pairs the first ones, as sets of half as many levels."""
+        if a < 2:
+            return a
+        if a not in memo:
+            self.step()
+            low, high = (self.firsts(child, into, memo, unions) for child in (self.low[a], self.high[a]))
+            level = self.level[a]
+            memo[a] = into.union(low, high, unions) if level % 2 else into.node(level // 2, low, high)
+        return int(memo[a])
+
+
+class CertifiedSets:
+    """The sets of a certificate, and what they prove of its net."""
+
+    def __init__(self, net: certcheck.Net, document: Json, most: int, until: float) -> None:
+        self.net, self.document = net, document
+        places = len(net.names)
+        self.at = dict[int, Literal]()
+        for level, place in enumerate(document["order"]):
+            fine = 0 <= place < places and place not in self.at
+            certcheck.need(fine, f"order: place {place}", certcheck.Malformed)
+            self.at[place] = (level, True)
+        for pair in document["partners"]:
+            fine = len(pair) == 2 and pair[1] in self.at and 0 <= pair[0] < places and pair[0] not in self.at
+            certcheck.need(fine and self.at[pair[1]][1], f"partners: {pair}", certcheck.Malformed)
+            self.at[pair[0]] = (self.at[pair[1]][0], False)
+        certcheck.need(
+            len(self.at) == places, "a place is in neither order nor partners", certcheck.Malformed
+        )
+        size = len(document["order"])
+        self.sets, self.pairs = Families(size, most, until), Families(2 * size, most, until)
+        self.roots = self.sets.read(document["nodes"], "diagrams.json: nodes")
+        self.pair_roots = self.pairs.read(document["pairs"], "diagrams.json: pairs")
+        for dropped, kept in document["partners"]:
+            self.opposite(dropped, kept)
+        self.cube = [self.literals(net.pre[t]) for t in range(len(net.name))]
+        self.word = [self.word_of(t) for t in range(len(net.name))]
+        self.ranks = sorted({net.rank[t] for t in net.internal})
+        self.reached = self.root(document["reached"])
+
+    def root(self, number: int) -> int:
+        """The set that a number of the document names."""
+        fine = 0 <= number < len(self.roots)
+        certcheck.need(fine, f"diagrams.json: {number} is no node", certcheck.Malformed)
+        return self.roots[number]
+
+    def opposite(self, dropped: int, kept: int) -> None:
+        """Refutes a pair of places of which not always one alone is marked."""
+        net, p, q = self.net, 1 << dropped, 1 << kept
+        fine = bool(net.initial & p) != bool(net.initial & q)
+        for takes, puts in zip(net.consume, net.produce, strict=True):
+            gained, lost = bool(puts & p) - bool(takes & p), bool(takes & q) - bool(puts & q)
+            fine = fine and gained == lost
+        certcheck.need(fine, f"{net.names[dropped]} is not the reverse of {net.names[kept]}")
+
+    def literals(self, places: int) -> list[Literal] | None:
+        """That some places are marked; none where that contradicts itself."""
+        found = dict[int, bool]()
+        for place in certcheck.indices(places):
+            level, so = self.at[place]
+            if found.setdefault(level, so) != so:
+                return None
+        return sorted(found.items())
+
+    def word_of(self, t: int) -> Word | None:
+        """What a transition needs and leaves; none where it never fires without a second token in a place."""
+        net, cube = self.net, self.cube[t]
+        if cube is None:
+            return None
+        before, after = dict(cube), dict[int, bool]()
+        for place in certcheck.indices(net.produce[t] & ~net.consume[t]):
+            level, so = self.at[place]
+            if before.setdefault(level, not so) == so:
+                return None
+            after[level] = so
+        for place in certcheck.indices(net.consume[t] & ~net.produce[t]):
+            level, so = self.at[place]
+            after[level] = not so
+        return [(level, so, after.get(level, so)) for level, so in sorted(before.items())]
+
+    def split(self, states: int, sets: Families, scale: int = 1) -> tuple[dict[int, int], int]:
+        """By rank those of some markings in which it may fire; and the stable ones."""
+        allowed = dict[int, int]()
+        for rank in self.ranks:
+            allowed[rank] = states
+            for t in self.net.internal:
+                cube = self.cube[t]
+                if self.net.rank[t] == rank and cube is not None:
+                    states = sets.without(states, [(scale * level, so) for level, so in cube])
+        return allowed, states
+
+    def closed(self, states: int, into: int, events: Iterable[int], internal: Iterable[int], why: str) -> int:
+        """Refutes markings from which some firings do not lead into others; the stable ones."""
+        allowed, stable = self.split(states, self.sets)
+        for t in (*internal, *events):
+            here = stable if self.net.event[t] else allowed[self.net.rank[t]]
+            if (word := self.word[t]) is not None:
+                fine = self.sets.leads(here, into, word)
+                certcheck.need(fine, f"{why}: {self.net.name[t]} leads out of the set")
+        return stable
+
+    def marked(self, states: int, role: str, *of: str) -> list[list[Literal]]:
+        """The literals that say that a place is marked which has a role."""
+        found = list[list[Literal]]()
+        for (said, element), places in self.net.roles.items():
+            if said == role and (not of or element in of):
+                found += [self.literals(1 << place) or [] for place in certcheck.indices(places)]
+        return found
+
+    def minus(self, states: int, roles: Iterable[str]) -> int:
+        """Those of some markings that mark no place with one of some roles."""
+        for role in roles:
+            for cube in self.marked(states, role):
+                states = self.sets.without(states, cube)
+        return states
+
+    @cached_property
+    def stable(self) -> int:
+        """The stable ones of a set that holds all markings that are reached; refutes another set."""
+        net, sets = self.net, self.sets
+        marked = [self.at[p] for p in certcheck.indices(net.initial)]
+        levels = [level for level, so in marked if so]
+        certcheck.need(sets.has(self.reached, levels), "the initial marking is not in the set")
+        allowed, stable = self.split(self.reached, sets)
+        for t in range(len(net.name)):
+            here = stable if net.event[t] else allowed[net.rank[t]]
+            for place in (
+                certcheck.indices(net.produce[t] & ~net.consume[t]) if self.cube[t] is not None else ()
+            ):
+                cube = self.literals(net.pre[t] | 1 << place)
+                fine = cube is None or not sets.some(here, cube)
+                certcheck.need(fine, f"safe: {net.name[t]} puts a second token in a place")
+        return self.closed(self.reached, self.reached, net.events, net.internal, "reached")
+
+    @cached_property
+    def terminating(self) -> bool:
+        """That internal runs end: refutes weights that do not fall, and layers that are not left."""
+        assert self.stable is not None, "it is known what is reached"
+        net, document = self.net, self.document
+        weights, again = document["weights"], set(document["again"])
+        certcheck.need(len(weights) == len(net.names), "expected a weight for each place")
+        for t in net.internal:
+            lost, gained = (
+                sum(weights[p] for p in certcheck.indices(side[t])) for side in (net.consume, net.produce)
+            )
+            certcheck.need(t in again or gained < lost, f"{net.name[t]} does not lower the weight")
+        layers = [self.root(number) for number in document["layers"]]
+        others = [t for t in net.internal if t not in again]
+        for i, layer in enumerate(layers):
+            allowed, _ = self.split(layer, self.sets)
+            below = layers[i - 1] if i else 0
+            for t in net.internal:
+                if (word := self.word[t]) is not None:
+                    into = layer if t in others else below
+                    fine = self.sets.leads(allowed[net.rank[t]], into, word)
+                    certcheck.need(fine, f"{net.name[t]} leads out of layer {i}")
+        fine = self.sets.within(self.reached, layers[-1]) if layers else not again & set(net.internal)
+        certcheck.need(fine, "a marking is in no layer")
+        return True
+
+    @cached_property
+    def confluent(self) -> bool:
+        """That all internal runs from a marking end alike: refutes pairs that do not show it."""
+        certcheck.need(self.terminating, "internal runs end")
+        number, pairs = self.document["ends"], self.pairs
+        fine = 0 <= number < len(self.pair_roots)
+        certcheck.need(fine, f"diagrams.json: {number} is no node", certcheck.Malformed)
+        ends = self.pair_roots[number]
+        fine = self.sets.within(self.reached, pairs.firsts(ends, self.sets, {}, {}))
+        certcheck.need(fine, "confluent: a marking has no end")
+        allowed, stable = self.split(ends, pairs, 2)
+        certcheck.need(pairs.equals(stable, {}), "confluent: a stable marking has another end than itself")
+        for t in self.net.internal:
+            if (word := self.word[t]) is not None:
+                of_pairs = [(2 * level, before, after) for level, before, after in word]
+                fine = pairs.leads(allowed[self.net.rank[t]], ends, of_pairs)
+                certcheck.need(fine, f"confluent: {self.net.name[t]} changes the end")
+        return True
+
+    def run(self, run: list[int]) -> int:
+        """The stable marking to which a run leads, with internal firings in some order that is permitted."""
+        marking = self.settled(self.net.initial)
+        for t in run:
+            fine = t in self.net.events and not self.net.pre[t] & ~marking
+            certcheck.need(fine, f"the run cannot fire transition {t}")
+            marking = self.settled(self.net.fired(marking, t))
+        return marking
+
+    def settled(self, marking: int) -> int:
+        """The stable marking to which internal firings lead in some order that is permitted."""
+        net = self.net
+        for _ in range(LONGEST):
+            covered = [t for t in net.internal if not net.pre[t] & ~marking]
+            if not covered:
+                return marking
+            marking = net.fired(marking, min(covered, key=lambda t: net.rank[t]))
+        raise certcheck.Limit(f"more than {LONGEST} internal firings after an event")
+
+    def says(self, marking: int, *roles: str) -> bool:
+        """Whether a marking marks a place with one of some roles."""
+        return any(marking & places for (role, _), places in self.net.roles.items() if role in roles)
+
+    def stuck(self, stable: int) -> int:
+        """The stable markings in which no event may fire, and that are no end."""
+        for t in self.net.events:
+            cube = self.cube[t]
+            stable = stable if cube is None else self.sets.without(stable, cube)
+        return self.minus(stable, ENDS)
+
+
+def judge(of: CertifiedSets, claim: Json) -> None:
+    """Refutes a claim that its evidence does not prove."""
+    kind, holds = claim["kind"], claim["holds"]
+    known = certcheck.ENDS.keys()
+    certcheck.need(kind in known, f"diagrams.json: kind {kind[:60]!r}", certcheck.Malformed)
+    certcheck.part(claim, "statement")
+    goal = certcheck.ENDS[kind]
+    certcheck.need(of.stable is not None, "it is known what is reached")
+    if kind in ("safe", "confluent"):
+        certcheck.part(claim, "evidence")
+        certcheck.need(holds and (kind == "safe" or of.confluent), "that it fails is never certified")
+    elif kind == "can_always_go_on":
+        if holds:
+            certcheck.part(claim, "evidence")
+            certcheck.need(not of.stuck(of.stable), "some state is stuck")
+        else:
+            marking = of.run(certcheck.part(claim, "evidence", run=[int])["run"])
+            fine = not of.says(marking, *ENDS) and all(of.net.pre[t] & ~marking for t in of.net.events)
+            certcheck.need(fine, "the run does not lead to where nothing happens")
+    elif kind.startswith("can_always"):
+        always_ends(of, claim, goal)
+    elif holds:
+        marking = of.run(certcheck.part(claim, "evidence", run=[int])["run"])
+        certcheck.need(of.says(marking, *goal), "the run leads to no such end")
+    else:
+        certcheck.part(claim, "evidence")
+        certcheck.need(of.minus(of.stable, goal) == of.stable, "a state is such an end")
+
+
+def always_ends(of: CertifiedSets, claim: Json, goal: list[str]) -> None:
+    """From each marking an end can be reached, layer by layer; or from one, after a run, none can."""
+    if not claim["holds"]:
+        shown = certcheck.part(claim, "evidence", run=[int], closed=int)
+        marking, closed = of.run(shown["run"]), of.root(shown["closed"])
+        levels = [level for p in certcheck.indices(marking) for level, so in [of.at[p]] if so]
+        certcheck.need(of.sets.has(closed, levels), "the run does not lead into the closed set")
+        of.closed(closed, closed, of.net.events, of.net.internal, "closed")
+        certcheck.need(of.minus(closed, goal) == closed, "an end is in the closed set")
+        return
+    certcheck.need(of.terminating, "internal runs end")
+    layers = [of.root(number) for number in certcheck.part(claim, "evidence", layers=[int])["layers"]]
+    for i, layer in enumerate(layers):
+        left = of.minus(of.closed(layer, layer, (), of.net.internal, f"layer {i}"), goal)
+        if i:
+            left = of.sets.escaping(left, layers[i - 1], [])
+            for t in of.net.events:
+                if (word := of.word[t]) is not None:
+                    left = of.sets.escaping(left, layers[i - 1], word)
+        certcheck.need(not left, f"layer {i}: a state leads to none of the layer below")
+    certcheck.need(layers and of.sets.within(of.reached, layers[-1]), "a marking is in no layer")
+
+
+def checked(path: str, *, most: int = 5_000_000, seconds: float = 600) -> certcheck.Report:
+    """Checks the claims by diagrams of a certificate; raises Malformed and Limit as certcheck does."""
+    until, entries, report = time.monotonic() + seconds, certcheck.unpacked(path), certcheck.Report()
+    net = certcheck.Net(certcheck.parsed(entries, "net.json"))
+    document = certcheck.shaped(certcheck.parsed(entries, "diagrams.json"), DIAGRAMS, "diagrams.json")
+    claims = document["claims"]
+    keys = {claim["key"] for claim in claims}
+    certcheck.need(len(keys) == len(claims), "diagrams.json: two claims have one key", certcheck.Malformed)
+    deepest = sys.getrecursionlimit()
+    sys.setrecursionlimit(max(deepest, 20 * len(net.names) + 1000))
+    try:
+        of: CertifiedSets | None = None
+        for claim in claims:
+            try:
+                of = of or CertifiedSets(net, document, most, until)
+                judge(of, claim)
+                report.append(("proved", claim["key"], claim["sentence"]))
+            except (certcheck.Refuted, certcheck.Limit) as error:
+                report.append((certcheck.HOW[type(error)], claim["key"], str(error)))
+    finally:
+        sys.setrecursionlimit(deepest)
+    return report
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Checks the certificate that the command line names, and prints what became of each claim."""
+    parser = argparse.ArgumentParser("diagcheck", description="Checks claims by diagrams of a certificate.")
+    parser.add_argument("certificate")
+    parser.add_argument("--max-nodes", type=int, default=5_000_000, help="nodes of diagrams to keep at most")
+    parser.add_argument("--seconds", type=float, default=600.0, help="time after which to give up")
+    asked = parser.parse_args(arguments)
+    try:
+        report = checked(asked.certificate, most=asked.max_nodes, seconds=asked.seconds)
+    except (certcheck.Malformed, certcheck.Limit, RecursionError, MemoryError) as error:
+        report = [("not checked", asked.certificate, str(error) or "there is not enough memory")]
+    for how, key, why in report:  # of any text, without control characters
+        line = f"{how:11}  {key}: {why}".encode("ascii", "backslashreplace").decode()
+        sys.stdout.write(line.translate(dict.fromkeys(range(32), "?")) + "\n")
+    found = {how for how, _, _ in report}
+    return 1 if "refuted" in found else 2 if found - {"proved"} else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
