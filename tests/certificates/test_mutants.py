@@ -8,7 +8,8 @@ from types import ModuleType
 
 import pytest
 
-from mcpn.certificates import certcheck
+from experiments.faults import further_mutants
+from mcpn.certificates import certcheck, diagcheck
 from tests.conftest import ROOT
 
 
@@ -46,3 +47,22 @@ def test_a_checker_that_believes_everything_is_found_out(
 ) -> None:
     monkeypatch.setattr(certcheck, "judge", lambda graph, claim: None)
     assert len(script.campaign(25, 3)[1]) > 2
+
+
+@pytest.mark.parametrize("of", ["further", "diagrams"])
+def test_no_false_claim_of_the_other_entries_is_proved(of: str) -> None:
+    found, wrong = further_mutants.campaign(of, 6, 3)
+    assert wrong == []
+    assert sum(found.values()) == 6
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
+@pytest.mark.parametrize("of", ["further", "diagrams"])
+def test_no_false_claim_of_the_other_entries_is_proved_of_many(of: str) -> None:
+    assert further_mutants.campaign(of, 2_000, 5)[1] == []
+
+
+def test_a_checker_of_diagrams_that_believes_everything_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(diagcheck, "judge", lambda of, claim: None)
+    assert further_mutants.campaign("diagrams", 12, 3)[1]
