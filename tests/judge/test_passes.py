@@ -36,7 +36,13 @@ def pauses(mission: Mission) -> bool:
 
 def whole_names_copied(mission: Mission) -> bool:
     """Whether blocks have copies still that hold names written out: the page says no names of such copies."""
-    copied = [b for b in walk(mission.blocks) if isinstance(b, Each) or b.retries or b.repeat is not None]
+    every = [*walk(mission.blocks)]
+    helpers = {block.recover for block in every}
+    copied = [
+        b
+        for b in every
+        if isinstance(b, Each) or b.retries or b.repeat is not None or b.recover or b.name in helpers
+    ]
     return any(inner.copy or inner.own != inner.written for inner in walk(tuple(copied)))
 
 
