@@ -94,3 +94,14 @@ def test_what_is_not_decided_is_not_said_to_fail(contended: Path) -> None:
     assert undecided.startswith(
         "not decided: nominal_success, safe, bounded, deadlock_free, success_reachable, "
     )
+
+
+def test_an_objective_behind_a_gate_asks_last(contended: Path) -> None:
+    """With other tries it begins last; of two that have some chance decides again."""
+    contended.write_text(CONTENDED.replace('activities="film"', 'activities="film" retries="1"'))
+    assert json.loads(mcpn("check", contended, "--json").stdout)["verdicts"]["confluent"] is True
+    run = mcpn("simulate", contended, "--nominal")
+    (first,) = (line for line in run.stdout.splitlines() if "mission m starts" in line)
+    assert first.endswith("film waits")
+    contended.write_text(contended.read_text().replace('activities="photo"', 'activities="photo" retries="1"'))
+    assert mcpn("check", contended).returncode == 1
