@@ -103,5 +103,6 @@ def test_an_objective_behind_a_gate_asks_last(contended: Path) -> None:
     run = mcpn("simulate", contended, "--nominal")
     (first,) = (line for line in run.stdout.splitlines() if "mission m starts" in line)
     assert first.endswith("film waits")
-    contended.write_text(contended.read_text().replace('activities="photo"', 'activities="photo" retries="1"'))
+    both = contended.read_text().replace('activities="photo"', 'activities="photo" retries="1"')
+    contended.write_text(both)
     assert mcpn("check", contended).returncode == 1

@@ -77,8 +77,10 @@ class Truth:
                 self.roles.setdefault(tuple(role), set()).add(number)
         for t in document["transitions"]:
             event = Event(What(t["event"][0]), *t["event"][1:]) if t["event"] else None
-            arcs = {side: [names[p] for p in t[side]] for side in ("consume", "produce", "read")}
-            builder.transition(t["name"], event=event, rank=t["rank"] + 1000, **arcs)
+            consume, produce, read = ([names[p] for p in t[side]] for side in ("consume", "produce", "read"))
+            builder.transition(
+                t["name"], consume=consume, produce=produce, read=read, event=event, rank=t["rank"] + 1000
+            )
         self.net: PetriNet = builder.build()
         self.events = [tuple(t["event"]) for t in document["transitions"]]
         self.graph: AlternativesGraph = by_reduction(explore(self.net, max_states=20_000))
@@ -132,7 +134,7 @@ class Truth:
         if kind == "cut_sets":
             return bool(claim["holds"]) and self.cut_sets(said)
         formula = formulas[kind] if kind in formulas else self.formula(said["formula"])
-        return self.evaluation.holds(formula) == claim["holds"]
+        return self.evaluation.holds(formula) is claim["holds"]
 
     def edges(self, what: str, *of: str) -> Any:
         """The edges of an event, of some elements or of any."""
