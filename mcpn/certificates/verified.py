@@ -50,6 +50,14 @@ class Verified(NamedTuple):
         """The claims of which certcheck says so."""
         return [key for key, (said, _) in self.found.items() if said == how]
 
+    @property
+    def programs(self) -> list[str]:
+        """The programs that check it, each what it reads."""
+        if self.certificate.diagrams is not None:
+            return ["diagcheck"]
+        further = ["furthercheck"] if self.certificate.further else []
+        return ["certcheck", *further, "corecheck"]
+
     def of(self, key: str) -> str:
         """What is known of how a claim is known: ``checked``, ``refuted``, ``not checked`` or ``trusted``."""
         if key in self.found:
@@ -59,7 +67,7 @@ class Verified(NamedTuple):
             by = by if self.certificate.diagrams is None else "diagcheck"
             return f"checked by {by}" if how == "proved" else f"{how} by {by}: {why}"
         _, why = self.certificate.trusted.get(key, ("", "no evidence is written for it"))
-        return f"trusted, not checked by certcheck: {why}"
+        return f"trusted, without evidence: {why}"
 
     @property
     def summary(self) -> str:

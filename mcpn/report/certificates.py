@@ -36,7 +36,8 @@ def print_certificate(verified: Verified) -> None:
     for (how, why), keys in reasons.items():
         style = "red" if how == "refuted" else None
         terminal.print(f"{how}: {shortened(keys, MOST_TOLD)}: {why}", indent=2, style=style)
-    terminal.print(f"check it elsewhere: python -m mcpn.certificates.certcheck {verified.file}", style="dim")
+    commands = (f"python -m mcpn.certificates.{program} {verified.file}" for program in verified.programs)
+    terminal.print(f"check it elsewhere: {'; '.join(commands)}", style="dim")
 
 
 def _by_kind(keys: Iterable[str]) -> str:

@@ -29,6 +29,10 @@ def test_the_terminal_says_what_is_checked_and_what_is_trusted(tmp_path: Path) -
         f"{proved} of {proved + trusted} claims are checked; still trusted: the reader (that the net" in said
     )
     assert "trusted, without evidence: requirement: transect.goes_on_without_GPS" in said
+    both = ("certcheck", "corecheck")
+    assert [line for line in said.splitlines() if "elsewhere" in line] == [
+        f"check it elsewhere: {'; '.join(f'python -m mcpn.certificates.{p} {out}' for p in both)}"
+    ]
     assert NONE_CHECKED not in said
     assert NONE_CHECKED in mcpn("check", ULYSSE).stdout
 
@@ -58,7 +62,7 @@ def test_a_claim_that_is_refuted_fails_the_check(tmp_path: Path, monkeypatch: py
     assert found.of("can_always_end").startswith("refuted by certcheck: the number of state")
     assert found.of("safe") == "checked by certcheck"
     assert found.of("net") == "checked by corecheck"
-    assert found.of("something_unused").startswith("trusted, not checked by certcheck: ")
+    assert found.of("something_unused").startswith("trusted, without evidence: ")
     monkeypatch.setattr(writing.Certificate, "to_bytes", lambda certificate: data)
     done = mcpn("check", ULYSSE, "--certificate", tmp_path / "cert")
     assert done.returncode == 1
@@ -83,7 +87,7 @@ def test_the_page_says_it_under_each_verdict_and_below(tmp_path: Path) -> None:
     text = page(found, verified=verified(certificate, out))
     said = re.findall(r'<details class="verdict .*?</details>', text, re.DOTALL)
     assert len(said) == len(found.check.verdicts) + len(found.check.requirements)
-    assert all("checked by certcheck" in each for each in said)
+    assert all("checked by certcheck" in each or "trusted, without" in each for each in said)
     fair = [each for each in said if "<code>transect.comes_up</code>" in each]
-    assert "trusted, not checked by certcheck: fair requirements" in fair[0]
+    assert "trusted, without evidence: fair requirements" in fair[0]
     assert "claims are checked; still trusted: the reader" in text.partition("<footer>")[2]
