@@ -1,11 +1,12 @@
 """What certificates of missions cost: claims, bytes, seconds to write and to check, by each checker.
 
-Usage: ``python experiments/faults/certificate_costs.py [--missions NAME ...] [--second CHECKER]``
+Usage: ``certificate_costs.py [--missions NAME ...] [--seconds S] [--second CHECKER]``
 
-The worked missions, and generated ones, of which the largest has more states than are listed. ``check`` and
-``causes`` each write a certificate; certcheck, corecheck, furthercheck and diagcheck read it, and the checker
-in C++ where its program is named. A row that is refused says so; what is only trusted is counted. Seconds of
-CPU of one process. The worked missions take some five minutes.
+The worked missions, those of ``tests/natural``, generated ones, and families (``share 4``, ``sites 1000``):
+some have more states than are listed. ``check`` and ``causes`` each write a certificate; certcheck,
+corecheck, furthercheck and diagcheck read it, each for so many seconds at most, and the checker in C++ where
+its program is named. A row that is refused says so; what is only trusted is counted. Seconds of CPU of one
+process.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parents[2]))
 
+from experiments.growth.growth import FAMILIES
 from experiments.shared.missions import Parameters, generate
 from mcpn.certificates import certcheck, corecheck, diagcheck, furthercheck
 from mcpn.certificates.writing import Certificate, certificate_of, certificate_of_causes
@@ -30,7 +32,9 @@ from mcpn.study import Study, open_study
 from mcpn.version import VERSION
 
 ROOT = Path(__file__).resolve().parents[1]
-WORKED = ("ulysse", "courier", "drone", "glider", "rover")
+WORKED = {name: ROOT / name / "mission.xml" for name in ("ulysse", "courier", "drone", "glider", "rover")}
+NATURAL = {f"natural {p.stem}": p for p in sorted((ROOT.parent / "tests/natural").glob("*.xml"))}
+GROWING = ("share 4", "drivers 4", "data 8", "sites 5", "sites 1000", "sites 10000")
 GENERATED = {
     f"generated, {sections} sections": Parameters(
         sections=sections, types=sections, hardware=hardware, per_section=3, alternatives=2, depth=1
@@ -64,8 +68,11 @@ def studies(names: list[str]) -> Iterator[tuple[str, Study]]:
     for name in names:
         if name in GENERATED:
             yield name, Study(generate(GENERATED[name], 1))
+        elif name in {**WORKED, **NATURAL}:
+            yield name, open_study({**WORKED, **NATURAL}[name])
         else:
-            yield name, open_study(ROOT / name / "mission.xml")
+            family, size = name.split()
+            yield name, Study(FAMILIES[family][0](int(size)))
 
 
 def certified(study: Study, by: str) -> tuple[float, float, Certificate]:
@@ -87,9 +94,9 @@ def _of_causes(study: Study) -> Certificate:
         return certificate_of_causes(study.causes())
 
 
-def _played(path: str) -> certcheck.Report:
+def _played(path: str, seconds: float) -> certcheck.Report:
     try:
-        corecheck.checked(path)
+        corecheck.checked(path, seconds=seconds)
     except certcheck.Refuted as error:
         return [("refuted", "net", str(error))]
     except certcheck.Limit as error:
@@ -97,7 +104,7 @@ def _played(path: str) -> certcheck.Report:
     return [("proved", "net", "")]
 
 
-def row(study: Study, by: str, second: Path | None) -> list[str]:
+def row(study: Study, by: str, second: Path | None, seconds: float) -> list[str]:
     """One row of the table, but for the mission's name."""
     try:
         asked, written, made = certified(study, by)
@@ -109,12 +116,16 @@ def row(study: Study, by: str, second: Path | None) -> list[str]:
         file.flush()
         begun = time.process_time()
         if made.diagrams is not None:
-            report += diagcheck.checked(file.name)
+            report += diagcheck.checked(file.name, seconds=seconds)
         else:
-            report += certcheck.checked(file.name) + _played(file.name)
-            report += furthercheck.checked(file.name) if made.further else []
+            report += certcheck.checked(file.name, seconds=seconds) + _played(file.name, seconds)
+            report += furthercheck.checked(file.name, seconds=seconds) if made.further else []
         checked = time.process_time() - begun
-        other = "-" if second is None else f"{_seconds_of([str(second), file.name]):.2f}"
+        other = (
+            "-"
+            if second is None
+            else f"{_seconds_of([str(second), file.name, '--seconds', str(seconds)]):.2f}"
+        )
     counts = [sum(how == each for how, _, _ in report) for each in ("proved", "refuted", "not checked")]
     numbers = [*counts, len(made.trusted), len(data)]
     return [by, *map(str, numbers), f"{asked:.2f}", f"{written:.2f}", f"{checked:.2f}", other]
@@ -130,7 +141,8 @@ def _seconds_of(command: list[str]) -> float:
 def main() -> None:
     """Prints the table that the command line asks for."""
     parser = argparse.ArgumentParser(description="What certificates of missions cost.")
-    parser.add_argument("--missions", nargs="+", default=[*WORKED, *GENERATED])
+    parser.add_argument("--missions", nargs="+", default=[*WORKED, *NATURAL, *GENERATED, *GROWING])
+    parser.add_argument("--seconds", type=float, default=120, help="most that each checker takes")
     parser.add_argument("--second", type=Path, help="the program of tests/certificates/checker.cpp")
     asked = parser.parse_args()
     python = platform.python_version()
@@ -138,7 +150,7 @@ def main() -> None:
     print(f"| {' | '.join(HEAD)} |\n|{'---|' * len(HEAD)}")
     for name, study in studies(asked.missions):
         for by in ("check", "causes"):
-            print(f"| {name} | {' | '.join(row(study, by, asked.second))} |", flush=True)
+            print(f"| {name} | {' | '.join(row(study, by, asked.second, asked.seconds))} |", flush=True)
 
 
 if __name__ == "__main__":
