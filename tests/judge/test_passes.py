@@ -43,7 +43,8 @@ def whole_names_copied(mission: Mission) -> bool:
         for b in every
         if isinstance(b, Each) or b.retries or b.repeat is not None or b.recover or b.name in helpers
     ]
-    return any(inner.copy or inner.own != inner.written for inner in walk(tuple(copied)))
+    whole = any(block.name != block.own for block in copied)
+    return whole or any(inner.copy or inner.own != inner.written for inner in walk(tuple(copied)))
 
 
 def after(interpreter: Interpreter, state: State, happening: Happening) -> State | None:
