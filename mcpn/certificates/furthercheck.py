@@ -102,14 +102,16 @@ def goal_of(graph: LabelledStates, said: Json, within: bool = True) -> Certified
     if ends:
         won = graph.listing.ended(*ends)
         return CertifiedGoal(graph.all, won, set(), graph.all - won)
-    goal = of_objective(graph, name, stopping(said["stopped"]))
+    goal = of_objective(graph, name, stopping(graph, said["stopped"]))
     return goal if within else CertifiedGoal(graph.all, goal.won, set(), graph.all)
 
 
-def stopping(said: Json) -> dict[str, set[int]]:
+def stopping(graph: LabelledStates, said: Json) -> dict[str, set[int]]:
     """By objective the transitions that end its run and may begin it again at once, beside its own ends."""
     found = {each["objective"]: set(each["transitions"]) for each in said}
     certcheck.need(len(found) == len(said), "an objective is named twice")
+    fine = set[int]().union(*found.values()) <= set(graph.net.events)
+    certcheck.need(fine, "what stops an objective is no transition of an event")
     return found
 
 
@@ -147,7 +149,7 @@ def entered(graph: LabelledStates, said: Json) -> set[State]:
     for role in said["inside"]:
         certcheck.need(len(role) == 2, f"{role} is no role of an element")
         inside |= graph.listing.saying(*role)
-    stopped = stopping(said["stopped"])
+    stopped = stopping(graph, said["stopped"])
     again = set[int]().union(*(graph.ending(name) | stopped.get(name, set()) for name in said["again"]))
     start = {n for s, edges in enumerate(graph.edges) for t, n in edges if s not in inside or t in again}
     return graph.listing.closure(start & first, graph.net.carrying("out of service"))
@@ -212,7 +214,7 @@ class Forced:
     def __init__(self, graph: LabelledStates, said: Json) -> None:
         self.graph, net = graph, graph.net
         self.repairs, self.hopeless = net.carrying("repaired"), dict[str, set[State]]()
-        self.stopped = stopping(said["stopped"])
+        self.stopped = stopping(graph, said["stopped"])
         held = {block: names for block, *names in said["timed"]}
         certcheck.need(len(held) == len(said["timed"]), "a block is named twice")
         guards = dict[int, set[State]]()
@@ -301,7 +303,7 @@ class JumpStates:
         self.end = {t for t in net.events if net.event[t][0] in ("success", "failure")}
         self.of_state = dict[tuple[State, int], Rate]()
         self.hasty = dict[State, set[int]]()
-        self.stopped = stopping(said["stopped"])
+        self.stopped = stopping(graph, said["stopped"])
         names = [each["name"] for each in said["objectives"]]
         known = {net.event[t][1] for t in self.end}
         certcheck.need(len(set(names)) == len(names) and set(names) == known, "expected each objective once")

@@ -2,11 +2,10 @@
 //
 // checker FILE [--max-states N] [--seconds S] prints "VERDICT KEY" for each claim, where VERDICT is proved, refuted or not checked,
 // and ends with 0 if all are proved, 1 if some is refuted, else 2. What is malformed is told in one sentence, with exit code 2.
-#include "certificate.hpp"
+#include "cut_sets.hpp"
 
 // ---- claims
 
-using Set = std::vector<bool>;  // of states
 const std::set<std::string> kEnds{"success", "failure", "abort"};
 
 class Claims {
@@ -55,12 +54,7 @@ class Claims {
       texts(statement.at("ends"));
       texts(statement.at("hardware"));
       for (const Json& each : list(statement.at("cuts"))) texts(each);
-      for (const Json& each : list(evidence.at("survived"))) {
-        keys(each, {"lost", "by", "run"}, "a set that is survived");
-        texts(each.at("lost"));
-        whole(each.at("by"));
-        check_run(each.at("run"));
-      }
+      CutSets::shape_of_survived(evidence.at("survived"));
     }
     if (stated.count("formula")) {
       text(statement.at("text"));
@@ -168,95 +162,14 @@ class Claims {
 
   // ---- cut sets
 
-  using Mask = std::vector<bool>;
-  struct Counting {
-    std::map<std::pair<std::size_t, std::set<Mask>>, Wide> known;
-    std::size_t size;
-    const Clock& clock;
-    // Sets of the elements from one on that hold a set of some.
-    Wide above(std::size_t element, const std::set<Mask>& sets) {
-      if (sets.empty()) return 0;
-      if (sets.count(Mask(size))) return Wide(1) << (size - element);
-      const auto key = std::make_pair(element, sets);
-      if (const auto found = known.find(key); found != known.end()) return found->second;
-      clock.look(known.size());
-      std::set<Mask> without, with;
-      for (Mask each : sets) {
-        if (!each[element]) without.insert(each);
-        each[element] = false;
-        with.insert(each);
-      }
-      return known[key] = above(element + 1, without) + above(element + 1, with);
-    }
-  };
   bool cuts(const Json& statement, const Json& survived) const {
-    const Texts names = texts(statement.at("hardware"));
     const Texts given = texts(statement.at("ends"));
-    const std::set<std::string> goals(given.begin(), given.end());
-    std::map<std::string, std::size_t> number;
-    for (const std::string& name : names) if (!number.emplace(name, number.size()).second) return false;
-    std::set<std::string> hardware;
-    for (const Place& place : net_.places) for (const Role& role : place.roles) if (role.first == "oos") hardware.insert(role.second);
-    if (hardware != std::set<std::string>(names.begin(), names.end())) return false;
-    if (names.size() > 120) throw Limit("more than 120 hardware resources");
-    const auto mask = [&](const Texts& of, Mask& made) {
-      made.assign(names.size(), false);
-      for (const std::string& name : of) {
-        const auto found = number.find(name);
-        if (found == number.end() || made[found->second]) return false;
-        made[found->second] = true;
-      }
-      return true;
-    };
-    const auto is_start = [&](std::size_t s, const Texts& lost) {
-      return states_.ends(s, {"begin"}) && std::all_of(lost.begin(), lost.end(), [&](const std::string& name) { return states_.says(s, "oos", name); });
-    };
-    const auto kept = [&](const Edge& edge, const Texts& lost) { return !is(edge, "repaired", {lost.begin(), lost.end()}); };
-    std::set<Mask> cut_masks, lost_masks;
-    for (const Json& each : list(statement.at("cuts"))) {
-      const Texts cut = texts(each);
-      Mask made;
-      if (!mask(cut, made)) return false;
-      std::vector<std::size_t> starts;
-      for (std::size_t s = 0; s < count_; ++s) if (is_start(s, cut)) starts.push_back(s);
-      const Set reached = from(starts, [&](const Edge& edge) { return kept(edge, cut); });
-      for (std::size_t s = 0; s < count_; ++s) if (reached[s] && states_.ends(s, goals)) return false;
-      cut_masks.insert(made);
+    Search search{Set(count_), Set(count_), [](std::size_t, const Edge&) { return true; }};
+    for (std::size_t s = 0; s < count_; ++s) {
+      search.moments[s] = states_.ends(s, {"begin"});
+      search.won[s] = states_.ends(s, {given.begin(), given.end()});
     }
-    for (const Json& each : list(survived)) {
-      const Texts lost = texts(each.at("lost"));
-      Mask made;
-      if (!mask(lost, made)) return false;
-      const Numbers run = numbers(each.at("run"));
-      const Int by = std::clamp<Int>(whole(each.at("by")), 0, Int(run.size()));
-      std::size_t state = 0;
-      if (!follow({run.begin(), run.begin() + by}, state) || !is_start(state, lost)) return false;
-      for (auto t = run.begin() + by; t != run.end(); ++t) {
-        const auto& out = states_.edges[state];
-        const auto edge = std::find_if(out.begin(), out.end(), [&](const Edge& one) { return one.transition == *t; });
-        if (edge == out.end() || !kept(*edge, lost)) return false;
-        state = edge->to;
-      }
-      if (!states_.ends(state, goals)) return false;
-      lost_masks.insert(made);
-    }
-    const auto within = [&](const Mask& small, const Mask& large) {
-      for (std::size_t i = 0; i < names.size(); ++i) if (small[i] && !large[i]) return false;
-      return true;
-    };
-    for (const Mask& cut : cut_masks) {
-      for (const Mask& other : cut_masks) if (other != cut && within(cut, other)) return false;
-      for (std::size_t i = 0; i < names.size(); ++i) {
-        if (!cut[i]) continue;
-        Mask less = cut;
-        less[i] = false;
-        if (std::none_of(lost_masks.begin(), lost_masks.end(), [&](const Mask& lost) { return within(less, lost); })) return false;
-      }
-    }
-    std::set<Mask> others;  // part of a set is what holds, complemented, that set's complement
-    for (Mask each : lost_masks) { each.flip(); others.insert(each); }
-    Counting up{{}, names.size(), clock_}, down{{}, names.size(), clock_};
-    return up.above(0, cut_masks) + down.above(0, others) == Wide(1) << names.size();
+    return CutSets(net_, states_, clock_).proved(statement, survived, search);
   }
 
   // ---- formulas

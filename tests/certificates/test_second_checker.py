@@ -47,16 +47,20 @@ SMALL = """
 """
 
 
-@pytest.fixture(scope="module")
-def checker(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The program."""
+def compiled(name: str, folder: Path) -> Path:
+    """A program in C++ of this folder."""
     compiler = shutil.which("c++") or pytest.skip("needs a C++ compiler")
-    made = tmp_path_factory.mktemp("checker") / "checker"
-    source = Path(__file__).with_name("checker.cpp")
+    source, made = Path(__file__).with_name(f"{name}.cpp"), folder / name
     subprocess.run(
         [compiler, "-O1", "-std=c++17", "-Wall", "-Wextra", "-Werror", source, "-o", made], check=True
     )
     return made
+
+
+@pytest.fixture(scope="module")
+def checker(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The program."""
+    return compiled("checker", tmp_path_factory.mktemp("checker"))
 
 
 @pytest.fixture(scope="module")
@@ -140,11 +144,15 @@ def changed(value: Any, drawn: random.Random, document: Any) -> Any:
     return made
 
 
-def mutant(entries: dict[str, Any], drawn: random.Random) -> dict[str, Any]:
-    """A certificate of which a value or two are others."""
+def mutant(
+    entries: dict[str, Any],
+    drawn: random.Random,
+    names: tuple[str, ...] = ("net.json", "claims.json", "claims.json"),
+) -> dict[str, Any]:
+    """A certificate of which a value or two are others, in the documents with these names."""
     made = copy.deepcopy(entries)
     for _ in range(drawn.choice((1, 1, 1, 2))):
-        document = made[drawn.choice(("net.json", "claims.json", "claims.json"))]
+        document = made[drawn.choice(names)]
         *way, last = drawn.choice(list(paths_in(document)))
         at = document
         for key in way:
