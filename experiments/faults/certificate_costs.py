@@ -27,7 +27,7 @@ from experiments.growth.growth import FAMILIES
 from experiments.shared.missions import Parameters, generate
 from mcpn.certificates import certcheck, corecheck, diagcheck, furthercheck
 from mcpn.certificates.writing import Certificate, certificate_of, certificate_of_causes
-from mcpn.errors import InputError, LimitError
+from mcpn.errors import InputError, LimitError, SemanticsError
 from mcpn.study import Study, open_study
 from mcpn.version import VERSION
 
@@ -108,7 +108,7 @@ def row(study: Study, by: str, second: Path | None, seconds: float) -> list[str]
     """One row of the table, but for the mission's name."""
     try:
         asked, written, made = certified(study, by)
-    except LimitError as error:
+    except (LimitError, SemanticsError) as error:
         return [by, f"refused: {error}"]
     data, report = made.to_bytes(), certcheck.Report()
     with tempfile.NamedTemporaryFile() as file:
