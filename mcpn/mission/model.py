@@ -281,7 +281,7 @@ class Parallel(BlockElement):
     def decided(self) -> tuple[int | None, bool, int | None]:
         """The successes that decide it, whether one mandatory failure does, and the failures that do."""
         needed = None if self.success_when == "all" else int(self.success_when.replace("any", "1"))
-        failing = int(self.failure_when) if self.failure_when.isdigit() else None
+        failing = int(self.failure_when) if self.failure_when.isdecimal() else None
         if self.impossible == "fails" and needed is not None:
             doomed = len(self.blocks) - needed + 1
             failing = doomed if failing is None else min(failing, doomed)

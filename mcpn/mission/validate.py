@@ -383,7 +383,7 @@ class _Checks:
 
     def parallel(self, block: Parallel) -> Iterator[Problem]:
         for attribute in ("success_when", "failure_when"):
-            if (count := getattr(block, attribute)).isdigit() and int(count) > len(block.blocks):
+            if (count := getattr(block, attribute)).isdecimal() and int(count) > len(block.blocks):
                 children = f"{len(block.blocks)} children" if len(block.blocks) != 1 else "1 child"
                 message = f"{attribute} of {block.name} is {count}, though it has {children}"
                 yield Problem(block.source, message)

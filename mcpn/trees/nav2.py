@@ -18,7 +18,7 @@ def recovery(at: Translator, node: TreeNode, context: Context) -> Result:
     """The first child; when it fails the second is run, then the first again, so many times."""
     name = at.names.fresh(called(node))
     text = at.forest.choice.value(node, "number_of_retries")
-    count = int(text) if text.strip().lstrip("+").isdigit() else None
+    count = int(text) if text.strip().lstrip("+").isdecimal() else None
     inside = replace(context, again=True)
     main = at.piece(node.children[0], inside if count != 0 else context)
     back = at.piece(node.children[1], inside)

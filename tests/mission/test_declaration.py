@@ -19,13 +19,14 @@ from mcpn.errors import InputError
 from mcpn.mission.language.datatypes import NAME, Datatype, Interval
 from mcpn.mission.language.forms import NAMESPACE, Field, form_of, language
 from mcpn.mission.misfits import SCHEMA
-from mcpn.mission.model import FAIL, SUCCEED, Mission, Objective
+from mcpn.mission.model import FAIL, SUCCEED, Mission, Objective, Parallel
 from mcpn.mission.robot import Described, Hardware
 from mcpn.mission.validate import find_errors
 from mcpn.mission.writer import write_mission, written
 from mcpn.mission.xml import read_mission
 from mcpn.testing import missions
 from mcpn.testing.names import renamed
+from tests import small
 from tests.conftest import ROOT
 from tests.mission.test_built import nodes, put
 
@@ -362,3 +363,14 @@ def test_a_root_may_say_where_an_xsd_is(tmp_path: Path) -> None:
     path.write_text(LEG.replace(f" {XSI}", "").replace('<robot name="r"', f'<robot name="r" {XSI}'))
     with pytest.raises(InputError, match=r"found the attribute .*schemaLocation on <robot>"):
         read_mission(path)
+
+
+def test_a_digit_that_is_no_number_is_refused() -> None:
+    """Of a superscript ``isdigit`` is true, and ``int`` has no value."""
+    children = (Objective(name="o", activities=("a",)),)
+    of = small.mission(
+        small.robot((), small.activity("a", ())), Parallel(name="p", blocks=children, success_when="²")
+    )
+    assert [each.message for each in find_errors(of)] == [
+        "success_when of p is ², expected any, all or a whole number above 0"
+    ]

@@ -304,7 +304,7 @@ class _Writing:
             node.parallel, node.hasty = True, block.failure_when == "any"
             if block.success_when != "all":
                 node.needed = 1 if block.success_when == "any" else int(block.success_when)
-            if block.failure_when.isdigit():
+            if block.failure_when.isdecimal():
                 node.failing = int(block.failure_when)
             node.doomed = block.impossible == "fails"
             self.series(node, block.blocks, scope.inside(block))
