@@ -293,7 +293,6 @@ class _Flattening:
             Branch(child.name, child.mandatory, self.graph((child,), inner), child.source)
             for child in block.blocks
         )
-        needed, hasty, failing = block.decided
         return ParallelSection(
             block.name,
             branches,
@@ -303,10 +302,10 @@ class _Flattening:
             block.description,
             scope.interruptions,
             leads.abort.target if any(branch.graph.aborts for branch in branches) else None,
-            needed,
-            hasty,
+            None if block.success_when == "all" else int(block.success_when),
+            block.failure_when == "any",
             leads.cases,
-            failing=failing,
+            failing=block.failing,
             timeout=block.timeout,
             timed_out=None if block.timeout is None else leads.timed_out.target,
             becomes=leads.becomes,

@@ -29,6 +29,7 @@ from mcpn.mission.language.datatypes import (
     NOMINAL,
     OUTCOME,
     QUORUM,
+    ROUNDS,
     ROUTE,
     VALUES,
     Activities,
@@ -275,18 +276,10 @@ class Parallel(BlockElement):
         IMPOSSIBLE,
         "Once success_when can no longer be met. fails: it fails at once. waits: its other children run on.",
     ] = "waits"
+    failing: Annotated[
+        int | None, ROUNDS, Core(), "So many failed children, mandatory or not, fail it at once."
+    ] = None
     blocks: 'Annotated[tuple[Block, ...], Children(without=("parallel",))]'
-
-    @property
-    def decided(self) -> tuple[int | None, bool, int | None]:
-        """The successes that decide it, whether one mandatory failure does, and the failures that do."""
-        needed = None if self.success_when == "all" else int(self.success_when.replace("any", "1"))
-        failing = int(self.failure_when) if self.failure_when.isdecimal() else None
-        if self.impossible == "fails" and needed is not None:
-            doomed = len(self.blocks) - needed + 1
-            failing = doomed if failing is None else min(failing, doomed)
-        hasty = self.failure_when == "any" or (self.impossible == "fails" and needed is None)
-        return needed, hasty, failing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)

@@ -382,8 +382,8 @@ class _Checks:
                 yield Problem(parameter.source, f"{message} {protocol.name} does not have: {remedy}")
 
     def parallel(self, block: Parallel) -> Iterator[Problem]:
-        for attribute in ("success_when", "failure_when"):
-            if (count := getattr(block, attribute)).isdecimal() and int(count) > len(block.blocks):
+        for attribute in ("success_when", "failure_when", "failing"):
+            if (count := str(getattr(block, attribute))).isdecimal() and int(count) > len(block.blocks):
                 children = f"{len(block.blocks)} children" if len(block.blocks) != 1 else "1 child"
                 message = f"{attribute} of {block.name} is {count}, though it has {children}"
                 yield Problem(block.source, message)

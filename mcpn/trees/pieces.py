@@ -24,6 +24,7 @@ from mcpn.mission.model import (
     Recursive,
     Use,
 )
+from mcpn.mission.passes.early_ends import counted
 from mcpn.mission.robot import FactChange
 
 
@@ -190,9 +191,10 @@ def _ends(block: Block, protocols: Mapping[str, Protocol]) -> frozenset[str]:
         return frozenset((SUCCEED, FAIL))
     inside = [_targets(branch, SUCCEED, protocols) for branch in block.blocks]
     succeeding, failing = (sum(end in ends for ends in inside) for end in (SUCCEED, FAIL))
-    wanted, hasty, allowed = block.decided
-    wanted = len(inside) if wanted is None else wanted
-    losing = 1 if hasty else min(len(inside) - wanted + 1, allowed or len(inside))
+    decided = counted(block)
+    wanted = len(inside) if decided.success_when == "all" else int(decided.success_when)
+    allowed = 1 if decided.failure_when == "any" else decided.failing or len(inside)
+    losing = min(len(inside) - wanted + 1, allowed)
     return frozenset(end for end, may in ((SUCCEED, succeeding >= wanted), (FAIL, failing >= losing)) if may)
 
 

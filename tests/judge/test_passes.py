@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from mcpn.mission.model import Each, Mission, walk
 from mcpn.mission.passes import PASSES, core
 from mcpn.testing.elements import (
+    EARLY,
     GUARDED,
     IN_ROUNDS,
     IN_TIME,
@@ -20,10 +21,11 @@ from mcpn.testing.elements import (
 )
 from mcpn.testing.judge.interpreter import Happening, Interpreter, State, Undetermined
 from tests.draws import fewer
+from tests.judge.test_early import ANY, DOOMED, DOOMED_ALL, FAILS_ONE, FAILS_TWO, RACE, SECOND_FAILS
 
 MOST_STATES = 40
 WRITTEN_OUT = st.one_of(
-    IN_ROUNDS, IN_TIME, TIMED, LED, LEFT_BY_FACTS, NAMED, GUARDED, INTERRUPTED, RECOVERING
+    IN_ROUNDS, IN_TIME, TIMED, LED, LEFT_BY_FACTS, NAMED, GUARDED, INTERRUPTED, RECOVERING, EARLY
 )
 
 
@@ -83,3 +85,8 @@ def test_the_judge_gives_the_same_before_and_after_each_pass(mission: Mission) -
         if rewritten.blocks != last.blocks and not whole_names_copied(rewritten):
             alike(judge, Interpreter(rewritten))
         last = rewritten
+
+
+def test_the_judge_gives_the_same_before_and_after_early_ends_are_counted() -> None:
+    for mission in (ANY, RACE, FAILS_TWO, FAILS_ONE, SECOND_FAILS, DOOMED, DOOMED_ALL):
+        assert alike(Interpreter(mission), Interpreter(core(mission, until="early_ends"))) > 1

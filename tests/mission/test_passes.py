@@ -12,7 +12,7 @@ from hypothesis import given
 from mcpn.errors import InputError
 from mcpn.mission.expansion.copies import Copies
 from mcpn.mission.flatten import flatten
-from mcpn.mission.model import Each, Mission, Objective, Recursive, Use, walk
+from mcpn.mission.model import Each, Mission, Objective, Parallel, Recursive, Use, walk
 from mcpn.mission.passes import PASSES, core
 from mcpn.mission.writer import write_mission
 from mcpn.mission.xml import read_mission
@@ -126,3 +126,28 @@ def test_a_mission_built_in_python_says_that_it_is_a_core_mission() -> None:
     other = mission(robot((), activity("a", ())), Objective(name="o", copy=("try1",), activities=("a",)))
     with pytest.raises(InputError, match="the copy try1 of o is not what its name ends in"):
         flatten(replace(other, core=True))
+
+
+@pytest.mark.parametrize(
+    ("said", "counted"),
+    [
+        ({}, ("all", "all", None)),
+        ({"success_when": "any", "failure_when": "any"}, ("1", "any", None)),
+        ({"failure_when": "2"}, ("all", "all", 2)),
+        ({"impossible": "fails"}, ("all", "any", None)),
+        ({"failure_when": "2", "impossible": "fails"}, ("all", "any", 2)),
+        ({"success_when": "2", "impossible": "fails"}, ("2", "all", 2)),
+        ({"success_when": "any", "failure_when": "any", "impossible": "fails"}, ("1", "any", 3)),
+        ({"success_when": "2", "failure_when": "3", "impossible": "fails"}, ("2", "all", 2)),
+        ({"success_when": "2", "failure_when": "1", "impossible": "fails"}, ("2", "all", 1)),
+    ],
+)
+def test_what_ends_a_parallel_block_early_is_counted(
+    said: dict[str, str], counted: tuple[str, str, int | None]
+) -> None:
+    branches = tuple(Objective(name=name, activities=("a",)) for name in "xyz")
+    of = mission(robot((), activity("a", ())), Parallel(name="three", blocks=branches, **said))  # type: ignore[arg-type]
+    (block,) = core(of, until="early_ends").blocks
+    assert isinstance(block, Parallel)
+    assert (block.success_when, block.failure_when, block.failing) == counted
+    assert block.impossible == "waits"

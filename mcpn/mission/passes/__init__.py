@@ -17,6 +17,7 @@ from dataclasses import replace
 
 from mcpn.mission.model import Mission
 from mcpn.mission.passes.each import each
+from mcpn.mission.passes.early_ends import early_ends
 from mcpn.mission.passes.limits import measure
 from mcpn.mission.passes.parameters import parameters
 from mcpn.mission.passes.recovery import recovery
@@ -33,6 +34,7 @@ PASSES: tuple[Callable[[Mission], Mission], ...] = (
     each,
     timeouts,
     recovery,
+    early_ends,
     parameters,
 )
 """In the order in which they run."""

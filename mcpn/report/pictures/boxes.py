@@ -166,6 +166,8 @@ def _notes(block: Block, within: str) -> Iterator[str]:
             yield f"until {'one' if block.success_when == 'any' else block.success_when} succeeded"
         if block.failure_when != "all":
             yield f"until {'one' if block.failure_when == 'any' else block.failure_when} failed"
+        if block.failing is not None:
+            yield f"until {block.failing} failed"
         if block.impossible == "fails":
             yield "until it cannot succeed"
     elif isinstance(block, Each):

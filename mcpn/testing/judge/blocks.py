@@ -304,8 +304,8 @@ class _Writing:
             node.parallel, node.hasty = True, block.failure_when == "any"
             if block.success_when != "all":
                 node.needed = 1 if block.success_when == "any" else int(block.success_when)
-            if block.failure_when.isdecimal():
-                node.failing = int(block.failure_when)
+            limits = (number for number in (block.failure_when, str(block.failing)) if number.isdecimal())
+            node.failing = min(map(int, limits), default=None)
             node.doomed = block.impossible == "fails"
             self.series(node, block.blocks, scope.inside(block))
         elif isinstance(block, Recursive):
