@@ -28,6 +28,7 @@ from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.stable import big_steps
 from mcpn.spaces.stable.big_steps import BigStepSpace, reach_in_big_steps
 from mcpn.spaces.stable.run_to_completion import settled
+from mcpn.testing import elements as drawn
 from mcpn.testing import missions
 from mcpn.testing.stacked import stacked_missions
 from tests.draws import composed, fewer
@@ -127,7 +128,9 @@ def test_big_steps_of_nets(net: PetriNet, few: int, cases: int) -> None:
     missions()
     | missions(events=2, sections=4)
     | missions(crashes=True, faults=2, sections=4, own_hardware=True)
-    | stacked_missions(),
+    | stacked_missions()
+    | drawn.LEFT_BY_FACTS
+    | drawn.LEFT_BY_FACTS_APART,
     FEW,
     CASES,
     st.booleans(),

@@ -268,6 +268,8 @@ class _Reaching:
         for label, t in self._events:
             if t in self._fired:
                 asked, firings = self._fired[t]
+                if not asked:  # a function of no state is encoded as one that changes no state
+                    continue
                 function = self._kernel.function(asked, firings, wide=not self._known[t])
                 if function is not None:
                     self._steps[t] = function + self._steps.get(t, b"")
