@@ -84,18 +84,24 @@ def test_a_section_too_large_for_a_table_is_told_by_rules(tmp_path: Path) -> Non
     assert not (tmp_path / "none").exists()
 
 
-def test_what_a_mission_gets_is_said_by_check(tmp_path: Path) -> None:
+def test_what_a_mission_gets_is_said_by_check(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Forms as they are made then; sizes are bounds of theirs."""
     small, large = save(tmp_path / "small", 2, 3), save(tmp_path / "large", 2, 24)
     run = mcpn("check", small, "--engine", "local")
     assert f"controller: hierarchical, at most {states(2) + states(3)} states\n" in run.stdout
     run = mcpn("check", large, "--engine", "local")
+    many = r"modular, more than 8 rules for each of \d+ events before any is split; section s1 has .*"
+    assert re.search(f"^controller: {many}$", run.stdout, re.MULTILINE)
+    made = json.loads(mcpn("controller", large, "-o", tmp_path / "a", "--json").stdout)
+    assert made["form"] == "modular"
+    monkeypatch.setattr(sizes, "MOST_TABLED", 30)
+    run = mcpn("check", small, "--engine", "local")
     (line,) = (line for line in run.stdout.splitlines() if line.startswith("controller: "))
     found = re.fullmatch(
         r"controller: modular, at most ([\d,]+) rules before any is split; section s1 has .* states: .*", line
     )
     assert found is not None
-    made = json.loads(mcpn("controller", large, "-o", tmp_path / "out", "--json").stdout)
+    made = json.loads(mcpn("controller", small, "-o", tmp_path / "b", "--json").stdout)
     assert made["form"] == "modular"
     rules = re.search(r", (\d+) rules", made["size"])
     assert rules is not None

@@ -31,7 +31,10 @@ from mcpn.errors import LimitError
 from mcpn.events import Event
 from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.markings.graph import StateGraph, pack
-from mcpn.spaces.stable.big_steps import FEW_CASES, FEW_STEPS, MOST_KEPT, MOST_STEPS, is_function
+from mcpn.spaces.stable.big_steps import FEW_CASES, MOST_KEPT, MOST_STEPS, is_function
+
+FEW_RULES = 50
+"""Big steps of one event up to which each is a rule: where they are more, its parts are looked for."""
 
 
 def modular_controller(composite: CompositeSpace) -> ModularController:
@@ -185,17 +188,18 @@ class _Maker:
         transitions, known = self.net.net.transitions, self.type.steps
         singly = _Singly(self.type)
         remembering: Remembering | None = None
-        for t in range(len(transitions)) if known is None else known:
+        for t in range(len(transitions)) if known is None else sorted(known):
             if transitions[t].internal or self.net.net.safe_transitions[t].blocked:
                 continue
-            steps = singly.steps(t, FEW_STEPS) if known is None else known[t]
-            assert steps is not None or known is None, "nothing dies"
-            if steps is None or is_function(steps) or count_steps(steps) > FEW_STEPS:
+            found = None if known is None else known[t]
+            assert found is not None or known is None, "nothing dies"
+            steps = singly.steps(t, FEW_RULES) if found is None or is_function(found) else found
+            if steps is None or count_steps(steps) > FEW_RULES:
                 remembering = remembering or Remembering(self.type, self.runner)
                 if parts := self._parts(remembering.reaction(t)):
                     self.products[t] = parts
                     continue
-                if steps is None or is_function(steps):
+                if steps is None:
                     steps = singly.steps(t, MOST_STEPS)
             if steps is None:
                 raise LimitError(

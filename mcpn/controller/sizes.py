@@ -130,5 +130,6 @@ def foreseen(composite: CompositeSpace, max_states: int | None = None) -> str:
         return f"hierarchical, at most {sum(type_.size for type_ in names):,} states"
     rows = [row for type_ in names for row in (type_.steps or {}).values() if row is not None]
     if many := sum(map(is_function, rows)):
-        return f"modular, rules of {many:,} events are more than {FEW_STEPS:,} each; {error}"
+        each = f"for each of {many:,} events" if many > 1 else "for one event"
+        return f"modular, more than {FEW_STEPS:,} rules {each} before any is split; {error}"
     return f"modular, at most {sum(map(count_steps, rows)):,} rules before any is split; {error}"

@@ -27,7 +27,6 @@ from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.robot.targets import c, files
 from mcpn.robot.targets.c import Array
 from mcpn.robot.targets.names import C_KEYWORDS, C_SIGNIFICANT, c_string, comment, identifiers
-from mcpn.spaces.stable.big_steps import FEW_STEPS
 from mcpn.testing import missions
 from tests.controller.traces import Place, Traced, canonical, random_events, tour
 
@@ -71,7 +70,7 @@ def run_lines(program: Path, events: list[str]) -> list[str]:
 @pytest.fixture(scope="module", params=["flat", "hierarchical", "modular", "modular in parts"])
 def made(request: pytest.FixtureRequest, ulysse_net: MissionNet) -> tuple[dict[str, str], dict[str, Any]]:
     form, _, parts = request.param.partition(" ")
-    with patch.object(rules, "FEW_STEPS", 0 if parts else FEW_STEPS):
+    with patch.object(rules, "FEW_RULES", 0 if parts else rules.FEW_RULES):
         controller = generate(ulysse_net, form)
     return files(document(controller, ulysse_net), "c"), document(controller, ulysse_net)
 

@@ -25,7 +25,6 @@ from mcpn.robot.runtime.machines import RuleTables
 from mcpn.robot.runtime.restoring import snapshot_text
 from mcpn.robot.targets.json import write_json
 from mcpn.spaces.stable import big_steps
-from mcpn.spaces.stable.big_steps import FEW_STEPS
 from mcpn.testing import elements as drawn
 from mcpn.testing import missions
 from tests.draws import composed, fewer
@@ -88,9 +87,9 @@ def side_by_side(mission_net: MissionNet, modular: ModularController, most: int 
 
 def check(of: Mission) -> None:
     mission_net = composed(of)
-    for few in (FEW_STEPS, 0):  # with none, every event has parts that can have some
+    for few in (rules.FEW_RULES, 0):  # with none, every event has parts that can have some
         try:
-            with patch.object(rules, "FEW_STEPS", few):
+            with patch.object(rules, "FEW_RULES", few):
                 modular = generate(mission_net, "modular")
             pairs = side_by_side(mission_net, modular)
         except (LimitError, SemanticsError) as error:
@@ -123,7 +122,7 @@ def test_hardware_is_released_as_it_is_declared_whatever_alternative_held_it() -
     of = robot(hw("a", "b", "c"), activity("go", ("c", "b"), ("c", "a")))
     blocks = (Objective(name="first", activities=("go",)), Objective(name="last", activities=("go",)))
     mission_net = compose(mission(of, *blocks))
-    with patch.object(rules, "FEW_STEPS", 0):
+    with patch.object(rules, "FEW_RULES", 0):
         modular = generate(mission_net, "modular")
     side_by_side(mission_net, modular)
     runtime = Runtime.from_document(json.loads(json.dumps(document(modular, mission_net))))
@@ -163,7 +162,7 @@ def test_what_concerns_all_branches_is_a_sum() -> None:
         assert rules_ < 2 * 200
         assert literals < 2 * 400
     assert large.most[0] < 3 * small.most[0]
-    with patch.object(rules, "FEW_STEPS", 0):
+    with patch.object(rules, "FEW_RULES", 0):
         assert side_by_side(pausing(2), generate(pausing(2), "modular")) > 100
 
 
@@ -172,7 +171,7 @@ def test_where_an_event_goes_on_without_rules(
 ) -> None:
     """Where the reaction is not found from whole sets, or has no parts, big steps are rules one by one."""
     expected = generate(ulysse_net, "modular")
-    monkeypatch.setattr(rules, "FEW_STEPS", 0)
+    monkeypatch.setattr(rules, "FEW_RULES", 0)
     assert generate(ulysse_net, "modular").types[0].parts
     monkeypatch.setattr(rules, "conditions", lambda *_: None)
     assert generate(ulysse_net, "modular") == expected

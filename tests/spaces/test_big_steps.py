@@ -73,7 +73,6 @@ def stepped(
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(big_steps, "FEW_STEPS", few)
         patch.setattr(big_steps, "FEW_CASES", cases)
-        patch.setattr(big_steps, "FEW_SATURATED", min(few // 2, big_steps.FEW_SATURATED))
         found = reach_in_big_steps(KernelNet(net), encoding)
     if found is None:
         return None

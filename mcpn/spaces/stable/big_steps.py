@@ -39,10 +39,9 @@ MOST_STEPS = 200_000
 """Big steps of all events together."""
 MOST_SINGLY = 20_000
 """Those that are found one by one before all markings are tried, which may be reached far sooner."""
-FEW_STEPS = 50
-"""Big steps of one event that are found one by one before it is run from whole sets of states."""
-FEW_SATURATED = 8
-"""Big steps of one event up to which saturation fires it: those of more may tell all branches apart."""
+FEW_STEPS = 8
+"""Big steps of one event that are found one by one, and that saturation fires: of more, which may tell all
+branches apart, it is run from whole sets of states."""
 FEW_CASES = 100
 """Cases that may tell where a transition may fire alone, before it is asked of whole sets of states."""
 MOST_KEPT = 100_000
@@ -60,10 +59,10 @@ def has_many(steps: bytes) -> bool:
         return True
     numbers = memoryview(steps).cast("I")
     at = count = 0
-    while at < len(numbers) and count <= FEW_SATURATED:
+    while at < len(numbers) and count <= FEW_STEPS:
         at += 1 + numbers[at]
         count += 1
-    return count > FEW_SATURATED
+    return count > FEW_STEPS
 
 
 def reach_in_big_steps(
@@ -194,7 +193,7 @@ class _Reaching:
         def images(states: Zdd, events: list[int]) -> Zdd:
             return states.images(events)
 
-        many = [t for t, found in self._found.items() if found > FEW_SATURATED]
+        many = [t for t, found in self._found.items() if found > FEW_STEPS]
         few = [*chain.from_iterable(ahead for t, ahead in self._ahead.items() if t not in many)]
         each = (partial(images, events=self._ahead[t]) for t in many)
         return chained(states, [lambda some: some.saturate(few), *each])
