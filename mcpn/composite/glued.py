@@ -144,7 +144,8 @@ class Glued:
         many, few = transitions, frozenset[int]()
         if isinstance(transitions, Without):
             many, few = transitions.many, transitions.few
-        wanted, limits = None if many is None else frozenset(many), guards or {}
+        # One object for equal sets: sections are many, and each would compare the whole set.
+        wanted, limits = None if many is None else self._once(frozenset(many)), guards or {}
         beside = None if wanted is None else self._beside(wanted).difference(few)
 
         def of(name: str) -> Allowed:
@@ -169,9 +170,9 @@ class Glued:
         return self._once(frozenset([i for i, t in enumerate(own) if t in wanted]))
 
     @memoized
-    def _once(self, local: frozenset[int]) -> frozenset[int]:
+    def _once(self, transitions: frozenset[int]) -> frozenset[int]:
         """One object for equal sets (interning)."""
-        return local
+        return transitions
 
     @memoized
     def _holding(self, kind: Kind) -> tuple[Mapping[int, Sequence[str]], Mapping[int, list[list[str]]]]:

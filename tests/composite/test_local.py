@@ -176,6 +176,33 @@ def test_junctions_are_confluent_where_their_sections_are(mission: Mission) -> N
 # --- the premise ---------------------------------------------------------------------------------------
 
 
+class Compared(int):
+    """A number that counts how often one is compared with another of its kind."""
+
+    times = 0
+
+    def __eq__(self, other: object) -> bool:
+        Compared.times += isinstance(other, Compared)
+        return int(self) == other
+
+    __hash__ = int.__hash__
+
+
+def test_no_section_compares_equal_sets_of_transitions() -> None:
+    blocks = [Objective(name=f"o{i}", activities=("a",)) for i in range(30)]
+    composite = composite_space(compose(mission(robot((), activity("a", ())), *blocks)))
+    every = range(len(composite.net.transitions))
+
+    def after_all() -> int:
+        """How many transitions are compared as all sections are asked for what follows some of them."""
+        before = Compared.times
+        composite.after(composite.everything, frozenset(map(Compared, every)))
+        return Compared.times - before
+
+    after_all()
+    assert after_all() <= 2 * len(every)
+
+
 @contextmanager
 def leaving_out(canvas: Canvas, name: str) -> Iterator[None]:
     """A transition that a user's template forgets to draw."""

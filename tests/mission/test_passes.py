@@ -11,6 +11,7 @@ from hypothesis import given
 
 from mcpn.errors import InputError
 from mcpn.mission.expansion.copies import Copies
+from mcpn.mission.expansion.helpers import problems
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import Each, Mission, Objective, Parallel, Recursive, Use, walk
 from mcpn.mission.passes import PASSES, core
@@ -151,3 +152,17 @@ def test_what_ends_a_parallel_block_early_is_counted(
     assert isinstance(block, Parallel)
     assert (block.success_when, block.failure_when, block.failing) == counted
     assert block.impossible == "waits"
+
+
+def test_runs_of_one_block_are_looked_for_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Among siblings each asked all that follow it: 3,000 of them took a third of a minute."""
+    asked = list[str]()
+
+    def stem(block: Objective) -> str:
+        asked.append(block.name)
+        return block.name
+
+    monkeypatch.setattr(Objective, "stem", property(stem))
+    siblings = tuple(Objective(name=f"o{i}", activities=("a",)) for i in range(50))
+    assert list(problems(siblings, ())) == []
+    assert len(asked) <= 2 * len(siblings)

@@ -62,8 +62,9 @@ def entered(siblings: Sequence[Block], around: Sequence[Handler]) -> set[str]:
 def problems(siblings: Sequence[Block], around: Sequence[Handler]) -> Iterator[Problem]:
     """What is wrong with the recoveries among siblings that stand under some handlers."""
     named = {block.name: block for block in siblings}
+    pausing_at_last = _pausing_at_last(siblings)
     for number, block in enumerate(siblings):
-        yield from _last_runs(block, siblings[number + 1 :])
+        yield from _last_runs(block, number, pausing_at_last)
         if block.recover is None:
             if block.times != 1:
                 yield Problem(block.source, f"{block.name} has times, though it has no recover")
@@ -85,12 +86,24 @@ def problems(siblings: Sequence[Block], around: Sequence[Handler]) -> Iterator[P
             yield Problem(block.source, f"{message}: {remedy}")
 
 
-def _last_runs(block: Block, further: Sequence[Block]) -> Iterator[Problem]:
+def _pausing_at_last(siblings: Sequence[Block]) -> dict[tuple[str, str], int]:
+    """By stem and name, the positions of runs whose pauses do not fail as a further run of the same."""
+    return {
+        (block.stem, block.name): number
+        for number, block in enumerate(siblings)
+        if any(h.pause and not h.fails_as for h in block.handlers)
+    }
+
+
+def _last_runs(
+    block: Block, number: int, pausing_at_last: Mapping[tuple[str, str], int]
+) -> Iterator[Problem]:
     """Pauses of a run, as core missions say them, that fail as a block which is no last run of the same."""
-    runs = [each for each in further if each.stem == block.stem]
-    last = {run.name for run in runs if any(h.pause and not h.fails_as for h in run.handlers)}
     for handler in block.handlers:
-        if handler.fails_as is not None and (handler.pause is None or handler.fails_as not in last):
+        if handler.fails_as is None:
+            continue
+        last = pausing_at_last.get((block.stem, handler.fails_as), number)
+        if handler.pause is None or last <= number:
             expected = "expected, with pause, a later run of the block that pauses and has none"
             yield Problem(handler.source, f"fails_as of {block.name} names {handler.fails_as}; {expected}")
 
