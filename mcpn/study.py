@@ -184,8 +184,6 @@ class Study:
 
         return spaces_of(self.spaces)
 
-    # --- questions ---
-
     def check(
         self,
         **asked: Unpack[Asking],
@@ -474,8 +472,6 @@ class Study:
         from mcpn.controller.generate import generate
 
         return generate(self.mission_spaces("a controller"), form, told=told, **within)
-
-    # --- what people read ---
 
     def picture(self, kind: str | None = None, section: str | None = None) -> Drawing:
         """Draws the mission or the net; a notebook shows the picture, and ``save`` writes it as SVG or PNG.

@@ -226,8 +226,9 @@ def test_modules_are_of_a_size_to_be_read() -> None:
     assert [str(path) for path, lines in sizes.items() if lines > (700 if path == alone else 600)] == []
 
 
-def test_no_file_is_several_joined_by_banners() -> None:
-    assert [str(path) for path in MODULES if re.search(r"^# ?-{3,}", path.read_text(), re.MULTILINE)] == []
+def test_no_file_and_no_class_is_several_joined_by_banners() -> None:
+    banner = re.compile(r"^\s*(#|//) ?-{3,}", re.MULTILINE)
+    assert [str(path) for path in MODULES + SOURCES if banner.search(path.read_text())] == []
 
 
 def test_no_two_classes_have_one_name() -> None:

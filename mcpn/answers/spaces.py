@@ -64,8 +64,6 @@ class MissionSpaces(Spaces):
         self.mission = mission
         self.templates = templates
 
-    # --- what the net means ---
-
     @property
     def one_outcome(self) -> bool:  # type: ignore[override]
         """Whether each event is known to have one outcome: nothing contends."""
@@ -104,8 +102,6 @@ class MissionSpaces(Spaces):
     def few(self) -> bool:
         """Whether the stable states are listed before anything else is tried."""
         return next(self.bound(engine="auto").choices("alternatives")).brief
-
-    # --- by engine and graph ---
 
     def space(
         self,
@@ -163,8 +159,6 @@ class MissionSpaces(Spaces):
         """All markings as a diagram; a mission whose net alone would be too large is refused."""
         refuse_wide(map(SectionParts(self.mission.usage).alone, self.mission.graph.sections))
         return super().symbolic(tokens=tokens, edges=edges)
-
-    # --- by sections ---
 
     @kept()
     def composite(self, *, may_die: bool = False) -> CompositeSpace:

@@ -28,8 +28,6 @@ class TwoOutcomes(Exception):
 class CompositeSpace(Glued):
     """The alternatives graph of a mission by composition: see :class:`mcpn.spaces.algebra.Space`."""
 
-    # --- what states say ---
-
     def marking(self, state: Member) -> Marking:
         """The marking of a member in the whole net, as tokens by place."""
         stage, tokens = self.stages[state[0]], self.layout.idle.copy()
@@ -77,8 +75,6 @@ class CompositeSpace(Glued):
         for name, part in states.parts.items():
             stage = self.stages[name]
             yield Piece(CompositeSet(self, {name: part}), (stage.alike, part), stage.objectives)
-
-    # --- edges ---
 
     def enabling(self, transitions: Collection[int]) -> CompositeSet:
         """States with an edge of some of these transitions."""
@@ -134,8 +130,6 @@ class CompositeSpace(Glued):
 
         asked = LeavingOut(self, goal)
         return [asked.reaches(each) for each in left_out]
-
-    # --- runs ---
 
     def single(self, state: Member) -> CompositeSet:
         """The set that holds one member."""

@@ -211,8 +211,6 @@ class Glued:
             return None
         return dict.fromkeys(name for t in transitions for name in self.holders("transitions", t))
 
-    # --- one step ---
-
     def ends_into(self, stage: Stage, parts: Mapping[str, Zdd]) -> Zdd:
         """States after the exits of a section from which a set is entered."""
         return stage.ends({r: self.stages[r].entries(parts[r]) for r in stage.routes.values() if r in parts})
@@ -291,8 +289,6 @@ class Glued:
         parts = ((self.stages[name], part, allowed(name)) for name, part in states.items())
         idle = ((s, part - s.type.graph.enabling(own.local or ()), own) for s, part, own in parts)
         return CompositeSet(self, {s.name: part.without(s.conditions(own)) for s, part, own in idle})
-
-    # --- closures ---
 
     def worked(
         self, names: Iterable[str], work: Callable[[str], Iterable[str]], *, back: bool = False

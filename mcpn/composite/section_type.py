@@ -12,6 +12,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, NamedTuple
 
 from mcpn._kernel import Zdd
+from mcpn.composite.explored_section import Explored
 from mcpn.composite.layout import Layout, idle_places
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.forgetful import Guard, forgetful
@@ -26,7 +27,6 @@ from mcpn.spaces.stable.run_to_completion import MAX_STABLE_STATES
 
 if TYPE_CHECKING:
     from mcpn.spaces.stable.alternatives import AlternativesGraph
-from mcpn.composite.explored_section import Explored
 
 Exit = str
 """The role of the place that a section marks when it ends: ``success``, ``failure``, or a handler's."""
@@ -99,8 +99,6 @@ class SectionType:
             stable = (stable - after) | after.images([encoding.event((happened,), (open_,), ())])
         return stable
 
-    # --- steps and closures: inside the section, or from inside to its ends ---
-
     @memoized
     def fired(self, levels: tuple[int, ...]) -> list[tuple[Edge, Exit | None]]:
         """The edges of a local state by its own events, each with the exit that it leads to if it does."""
@@ -166,8 +164,6 @@ class SectionType:
         steps = self.graph.back(along, *allowed.own)
         beside = [toggle.undo for toggle in self.layout.toggling(allowed.beside)]
         return chained(goal, [*steps, lambda states: states.saturate(beside, within=within) & within])
-
-    # --- entry and exits: the status of all elements is handed from section to section, in slots ---
 
     @memoized
     def entered(self, before: Zdd) -> Zdd:
@@ -245,8 +241,6 @@ class SectionType:
                 events = [str(self.net.net.transitions[edge.transition].event) for edge in run]
                 first = min(self.encoding.places[level] for level in levels)
                 raise PremiseError(section, self.net.net.places[first].name, events)
-
-    # --- listed one by one ---
 
     @memoized
     def forgetful(self, kept: tuple[str, ...] = ()) -> tuple[MissionNet, Mapping[int, Guard]]:

@@ -110,8 +110,6 @@ class Stage(Levels):
         """A set of its states with its own slots unmarked, so that each state is there once."""
         return part.subset(unmarked=self.slots)
 
-    # --- its interface to the stages before and after it ---
-
     def entered(self, status: Zdd) -> Zdd:
         """First states, entered with all elements in some status."""
         return self.type.entered(self.type.from_slots(status, self.slots, None))

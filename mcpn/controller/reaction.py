@@ -242,8 +242,6 @@ class EventReaction:
         before, after = self.states.subset([level]), self.leading(level)
         return (before - after) | (after - before)
 
-    # --- places ---
-
     def before(self, place: int) -> Zdd:
         """The states that mark a place."""
         return self.remembering.encoding.restricted(self.states, [place])

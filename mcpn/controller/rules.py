@@ -338,8 +338,6 @@ class _Maker:
         places = (self.net.flag_bits[flag] for flag in part.carried)
         return shown, [literal(place) ^ reverse for place, reverse in places]
 
-    # --- big steps, split where actions need it ---
-
     def _ways(self, transition: int) -> Iterator[_Way]:
         """The big steps of an event; of the start in states before the entry, of others in states inside."""
         rows = self.steps[transition]
@@ -433,8 +431,6 @@ class _Maker:
             if marked and marked != states:
                 return level
         raise AssertionError("states that differ on some levels differ on one")
-
-    # --- places, levels, markings ---
 
     def _literal(self, place: int) -> int:
         level, reverse = self.encoding.bit(place)

@@ -157,8 +157,6 @@ class Runner:
         assert not len(found) or found.max() < len(done), "an edge ends where its run to completion does"
         return found.astype(np.int64), done
 
-    # --- what the places of activities are ---
-
     @cached_property
     def _activity(self) -> dict[int, str]:
         """The activity by place that says that one of its alternatives runs."""

@@ -109,8 +109,6 @@ class Simulation:
         while self.undo() is not None:
             pass
 
-    # --- searches ---
-
     def way_to(self, outcome: str, never: frozenset[What] | None = None) -> list[Event] | None:
         """A shortest run from here to an end of the mission.
 
@@ -190,8 +188,6 @@ class Simulation:
             at, event = before
             run.append(event)
         return run[::-1]
-
-    # --- what is computed once ---
 
     def _events(self, at: int) -> dict[Event, int]:
         if at not in self._possible:

@@ -123,8 +123,6 @@ class Answers:
         if errors:
             raise ValueError(f"with the name {name} the mission is wrong: {errors[0].message}")
 
-    # --- the text as a whole ---
-
     def outline(self, file: Path) -> list[lsp.DocumentSymbol]:
         """The named elements of a file, each in that around it."""
         scan = self.project.scan(file)
@@ -148,8 +146,6 @@ class Answers:
         text = self.project.scan(file).text
         laid = formatted(text)
         return [] if laid in (None, text) else [lsp.TextEdit(self.range(file, 0, len(text)), laid or "")]
-
-    # --- words ---
 
     def hover(self, file: Path, position: lsp.Position, known: Findings) -> lsp.Hover | None:
         """What the language says of what stands at a place, and what is known of what it names."""
@@ -211,8 +207,6 @@ class Answers:
         choices = re.fullmatch(r"\\s\*\(([a-z_|]+)\)\\s\*", field.datatype.pattern or "")
         for text in truths or (choices[1].split("|") if choices else ()):
             yield _item(text, field.meaning, lsp.CompletionItemKind.Value)
-
-    # --- problems ---
 
     def diagnostics(self, file: Path, *, at_once: bool = False) -> dict[Path, list[lsp.Diagnostic]]:
         """The problems of the missions that a file is part of, by file.

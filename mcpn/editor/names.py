@@ -197,8 +197,6 @@ class _Meaning:
     def _crashes(self, name: str) -> bool:
         return ("activity", name) in self.declared or len(self.alternatives.get(name, ())) == 1
 
-    # --- blocks ---
-
     def path(self, symbol: Symbol) -> Iterable[Symbol]:
         """The blocks of a qualified name, in its own text, else in the only text that has such blocks."""
         own = self._path(symbol, symbol.scope or "")

@@ -117,8 +117,6 @@ class Evaluation(Generic[S]):
         """The states that a run may pass; ``None``, which every space answers quicker, for all of them."""
         return None if formula == TRUE else self.states(formula)
 
-    # --- fairness ---
-
     @cached_property
     def fair_states(self) -> S:
         """States from which some fair path begins; all of them where there are no constraints."""

@@ -261,8 +261,6 @@ class _Parser:
         made: Formula = make(*formulas)
         self._operands[-count:] = [(made, max(depths) + 1, of_path and not quantified)]
 
-    # --- operands ---
-
     def _operand(self) -> None:
         """Reads up to the end of an atom, with what stands before it."""
         while True:
@@ -369,8 +367,6 @@ class _Parser:
         except ValueError:
             raise self._error(token.at, f"{token.text} is no quoted name") from None
 
-    # --- tokens ---
-
     def _step(self) -> _Token:
         """The next token; goes on to the one behind it."""
         token = self._next
@@ -388,8 +384,6 @@ class _Parser:
         """The next token: a name, or of another kind or text."""
         fits = {self._next.kind, self._next.text}.intersection(("name", "quoted", *more))
         return self._step() if fits else self._fail((), expected)
-
-    # --- errors ---
 
     def _error(self, at: int, message: str) -> InputError:
         line, column = self._text.count("\n", 0, at) + 1, at - self._text.rfind("\n", 0, at)

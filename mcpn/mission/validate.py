@@ -149,8 +149,6 @@ class _Checks:
             lambda name: [b.protocol for b in walk(self.protocols[name].blocks) if isinstance(b, Use)],
         )
 
-    # --- resources and activities ----------------------------------------------------------------------
-
     def attributes(self, element: Element) -> Iterator[Problem]:
         """What one element says, by itself."""
         datatype = CORE_NAME if self.mission.core and isinstance(element, BlockElement) else NAME
@@ -238,8 +236,6 @@ class _Checks:
 
     def unknown(self, source: Source | None, who: str, name: str, known: Collection[str]) -> Problem:
         return Problem(source, f"{who} {name}, which is not declared{self.hints.known(name, known)}")
-
-    # --- blocks ----------------------------------------------------------------------------------------
 
     def blocks(self, owner: Element, blocks: tuple[Block, ...]) -> Iterator[Problem]:
         all_blocks = list(walk(blocks))

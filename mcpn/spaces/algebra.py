@@ -164,8 +164,6 @@ class Space(Protocol[S]):
     def regions(self) -> Sequence[S]:
         """A partition of the states such that each cycle of the graph stays in one of its sets."""
 
-    # --- what states say ---
-
     def single(self, state: Any) -> S:
         """The set that holds one member."""
 
@@ -204,8 +202,6 @@ class Space(Protocol[S]):
         Returns:
             The family of the sets of numbers whose places a state marks.
         """
-
-    # --- steps and closures ---
 
     def before(
         self,
@@ -269,8 +265,6 @@ class Space(Protocol[S]):
 
     def reaches_without(self, goal: S, left_out: Sequence[frozenset[int]]) -> Sequence[bool]:
         """Whether the initial state reaches a goal without some transitions, for each of several sets."""
-
-    # --- runs ---
 
     def edges(self, state: Any) -> Iterator[Edge]:
         """The edges of one member."""

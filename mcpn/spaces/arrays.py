@@ -87,8 +87,6 @@ class ArraySpace(BySteps[ArraySet]):
             return self.everything
         return self.everything - self.enabling([i for i, t in enumerate(self.net.transitions) if t.internal])
 
-    # --- what states say ---
-
     def single(self, state: int) -> ArraySet:
         """The set that holds one state, given by its number."""
         mask = np.zeros(self.graph.states, np.bool_)
@@ -148,8 +146,6 @@ class ArraySpace(BySteps[ArraySet]):
         # Not asked for indices, np.unique would load numpy.ma.
         _, chosen = np.unique(words[:, 0] if words.shape[1] == 1 else words, axis=0, return_index=True)
         return images.of_rows(np.flatnonzero(row).tolist() for row in columns[chosen])
-
-    # --- steps and closures ---
 
     def before(
         self,
@@ -232,8 +228,6 @@ class ArraySpace(BySteps[ArraySet]):
         for transition, states in (guards or {}).items():
             edges &= (self.graph.labels != transition) | states.mask[self.graph.sources]
         return edges
-
-    # --- runs ---
 
     def edges(self, state: int) -> Iterator[Edge]:
         """The edges of one state."""

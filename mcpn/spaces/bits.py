@@ -91,8 +91,6 @@ class BitSpace(BySteps[BitSet]):
         """The states that mark a place, a bit for each."""
         return sum(1 << state for state, marking in enumerate(self._markings) if marking >> place & 1)
 
-    # --- what states say ---
-
     def single(self, state: int) -> BitSet:
         """The set that holds one state, given by its number."""
         return BitSet(1 << state)
@@ -150,8 +148,6 @@ class BitSpace(BySteps[BitSet]):
         found = {self._markings[state] & wanted for state in states}
         return images.of_rows([sorted(numbers[place] for place in BitSet(each)) for each in sorted(found)])
 
-    # --- steps and closures ---
-
     def _steps(self, transitions: Collection[int] | None, guards: Guards[BitSet], back: bool) -> Steps:
         """Where edges of some transitions lead to, or come from."""
         wanted = None if transitions is None else frozenset(transitions)
@@ -191,8 +187,6 @@ class BitSpace(BySteps[BitSet]):
     ) -> BitSet:
         """States that an edge leads to from some states."""
         return BitSet(_led(states, self._steps(transitions, guards, back=False)))
-
-    # --- runs ---
 
     def edges(self, state: int) -> Iterator[Edge]:
         """The edges of one state."""

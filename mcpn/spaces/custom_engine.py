@@ -136,8 +136,6 @@ class OwnSpace(BySteps[OwnSet]):
         self._after = [dict.fromkeys(t.consume, False) | dict.fromkeys(t.produce, True) for t in safe]
         self._ranks = sorted({*net.ranks, EVENTS}) if net.priorities else [EVENTS]
 
-    # --- reaching ---
-
     def _covering(self, states: OwnSet, transition: int) -> OwnSet:
         """Markings with the tokens that a transition needs, priorities aside.
 
@@ -188,8 +186,6 @@ class OwnSpace(BySteps[OwnSet]):
     def dead(self) -> OwnSet:
         """Markings that enable no transition."""
         return self.everything - self.enabling(range(len(self.net.transitions)))
-
-    # --- what states say ---
 
     def single(self, state: Marking) -> OwnSet:
         """The set that holds one marking."""
@@ -250,8 +246,6 @@ class OwnSpace(BySteps[OwnSet]):
 
         return images.of_rows(rows(states, 0, ()))
 
-    # --- steps and closures ---
-
     def _chosen(
         self, transitions: Collection[int] | None, guards: Guards[OwnSet]
     ) -> Iterator[tuple[int, OwnSet]]:
@@ -282,8 +276,6 @@ class OwnSpace(BySteps[OwnSet]):
         for t, enabled in self._chosen(transitions, guards):
             found = found | (states & enabled).moved(self._before[t], self._after[t])
         return found
-
-    # --- runs ---
 
     def edges(self, state: Marking) -> Iterator[Edge]:
         """The edges of one marking."""

@@ -160,8 +160,6 @@ class Spaces:
         vars(other).update(asked)
         return other
 
-    # --- what the net means ---
-
     def names(self) -> Names:
         """Looks up what names in formulas stand for."""
         return Names(self.net)
@@ -182,8 +180,6 @@ class Spaces:
     def few(self) -> bool:
         """Whether few stable states are expected, so that they are listed before anything else is tried."""
         return False
-
-    # --- by engine and graph ---
 
     def space(
         self,
@@ -217,8 +213,6 @@ class Spaces:
         if on == "markings":
             return self.markings(by, tokens=tokens)
         return self._listed(self.within(by)).space if by.engine == EXPLICIT else self.reduced(by)[0]
-
-    # --- the whole net ---
 
     def within(self, by: Choice) -> tuple[int, float]:
         """How many stable states may be listed, and how many firings that may take.

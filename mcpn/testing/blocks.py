@@ -103,7 +103,6 @@ class MissionDrawing(RobotDrawing):
             if (self.number(0, 2) == 0) != self.shape.interrupted
         )
 
-    # --- blocks ----------------------------------------------------------------------------------------
     # Each draws within islands and a budget of elementary objectives, and says how many it took.
 
     def series(self, depth: int, islands: list[Island], budget: int) -> tuple[tuple[Block, ...], int]:

@@ -50,8 +50,6 @@ class Runs:
             if len(self.leads) > most:
                 raise OverflowError
 
-    # --- what holds ---
-
     def never(self, which: Which) -> bool:
         """No state of any run is one of these."""
         return not any(map(which, self.leads))

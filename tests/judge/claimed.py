@@ -71,8 +71,6 @@ class Judged:
         """Whether an objective runs in a state, in some copy."""
         return not state.running.isdisjoint(self.of(name))
 
-    # --- what may still be reached ---
-
     def reaching(self, ends: Iterable[str], without: Iterable[Happening] = ()) -> set[State]:
         """States from which the mission may end so, though some events never happen."""
         left_out, wanted = frozenset(without), frozenset(ends)
@@ -167,8 +165,6 @@ class Judged:
             seen |= new
             stack += new
         return seen
-
-    # --- kinds ---
 
     def needs_help(self, ends: Collection[str]) -> bool:
         """Whether some state leads to an end only with help."""

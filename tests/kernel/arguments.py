@@ -64,8 +64,6 @@ class Caller:
         self.called = Counter[str]()
         self.places = self.random.choice((0, 1, 3, 5, 70, 130))
 
-    # --- values ---
-
     def chance(self, share: float) -> bool:
         return self.random.random() < share
 
@@ -142,8 +140,6 @@ class Caller:
         if not self.made[kind]:
             self.make(kind)
         return self.random.choice(self.made[kind]) if self.made[kind] else None
-
-    # --- objects ---
 
     def make(self, kind: type) -> None:
         """Makes an object of a class, if the arguments drawn for it fit."""
@@ -257,8 +253,6 @@ class Caller:
         known = self.known[id(store)]
         found = [self.random.choice(known) for _ in range(self.random.randrange(4))] if known else []
         return [*found, self.number(1 << 40)] if self.chance(0.05) else found
-
-    # --- calls ---
 
     def call(self, kind: type | None, name: str) -> None:
         """Calls a function of the kernel, or a method or property of an object of a class."""

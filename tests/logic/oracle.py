@@ -114,8 +114,6 @@ class Play:
         sizes = range(len(self.hardware) + 1)
         return [frozenset(c) for size in sizes for c in combinations(self.hardware, size)]
 
-    # --- the questions ---------------------------------------------------------------------------------
-
     def mission_survives(
         self, marking: Marking, dead: frozenset[str], ends: Sequence[str] = ("MISSION_success",)
     ) -> bool:

@@ -33,8 +33,6 @@ class Sides:
     hidden: frozenset[str]
     """Leaves that are not seen."""
 
-    # --- the tree ------------------------------------------------------------------------------------------
-
     def tree_moves(self, state: tuple[State, str]) -> list[tuple[tuple[Visible, ...], tuple[State, str]]]:
         if state[1] not in (IDLE, RUNNING):
             return []
@@ -53,8 +51,6 @@ class Sides:
         """As :meth:`tree_rest`, where a tick may leave all as it is: moments between ticks are not seen."""
         stays = state[1] != RUNNING or ((), state) in self.tree_moves(state)
         return self.tree_rest(state) if stays else None
-
-    # --- the mission ---------------------------------------------------------------------------------------
 
     def mission_moves(self, state: interpreter.State) -> list[tuple[tuple[Visible, ...], interpreter.State]]:
         found = []

@@ -119,8 +119,6 @@ class Tree:
                 self.set(at, what, 0)
         self.reset_children(node, at)
 
-    # --- series --------------------------------------------------------------------------------------------
-
     def _series(self, node: TreeNode, at: str, again: bool, stops: str) -> str:
         while (index := self.count(at, "index")) < len(node.children):
             status = self.child(node, at, index, again)
@@ -291,8 +289,6 @@ class Tree:
         self.set(at, "done", 0)
         return FAILURE if [*done.values()].count(FAILURE) >= allowed else SUCCESS
 
-    # --- decorators ----------------------------------------------------------------------------------------
-
     def _turned(self, node: TreeNode, at: str, again: bool, means: dict[str, str]) -> str:
         status = self.child(node, at, 0, again)
         if status != RUNNING:
@@ -377,8 +373,6 @@ class Tree:
 
     def tick_always_failure(self, node: TreeNode, at: str, again: bool) -> str:
         return FAILURE
-
-    # --- Nav2 ----------------------------------------------------------------------------------------------
 
     def tick_recovery_node(self, node: TreeNode, at: str, again: bool) -> str:
         times = int(node.ports.get("number_of_retries", "1"))

@@ -70,7 +70,6 @@ class Store {
  public:
   Store(Level number, std::uint64_t memory_limit);
 
-  // --- sets ---
   Node make(Level level, Node lo, Node hi);
   Node join(Node a, Node b);
   Node meet(Node a, Node b);
@@ -85,7 +84,6 @@ class Store {
   Node singleton(const std::vector<Level>& marked);
   Node weighing(Node a, const std::vector<Wide>& weights, Wide least, Wide most);
 
-  // --- events ---
   std::uint32_t suffix(Level level, Touch touch, std::uint32_t next, std::uint32_t more = 0);
   Level first_level(std::uint32_t suffix) const { return suffixes_[suffix].level; }
   bool is_condition(std::uint32_t suffix) const { return is_condition_[suffix]; }  // nothing but read and zero
@@ -95,7 +93,6 @@ class Store {
   void declare(const std::vector<std::uint32_t>& events);  // what saturate() closes under
   Node saturate(Node a, Node within = kAnything);          // firings that leave `within` do not happen
 
-  // --- counting: exact, numbers as little-endian limbs ---
   std::vector<std::vector<std::uint64_t>> counts(Node a, const std::vector<std::uint32_t>& conditions);
   std::int64_t first(Node a, const std::vector<std::uint32_t>& conditions);  // that some marking satisfies, or -1
   Wide largest(Node a, const std::vector<Wide>& weights);  // most weight in one marking
@@ -114,7 +111,6 @@ class Store {
   static constexpr Level kAtATime = 64;
   std::size_t chunks() const { return (std::size_t(levels) + kAtATime - 1) / kAtATime; }
 
-  // --- life ---
   void keep(Node a) {
     const std::lock_guard lock(kept_mutex_);
     ++kept_[a];
@@ -176,7 +172,6 @@ class Store {
   std::uint64_t overwritten_ = 0;  // cache entries lost to others since it last grew
   void require(std::uint64_t bytes) const;
 
-  // --- saturation ---
   Node saturate_from(Level from, Node a, Node within);
   Node fire(std::uint32_t event, Level from, Node a, Node within);
   Node close(Level at, Node lo, Node hi, Branches within);
@@ -188,7 +183,6 @@ class Store {
     return within == kAnything ? Branches{kAnything, kAnything} : split(within, at);
   }
 
-  // --- many conditions or events at once ---
   struct Pending { std::vector<std::uint32_t> suffixes; Level least; };  // least: the first level of any
   struct Asked { std::uint32_t sets[2]; bool met[2]; };
   std::uint32_t pending(std::vector<std::uint32_t>& suffixes);

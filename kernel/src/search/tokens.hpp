@@ -80,8 +80,6 @@ class Goals {
 
 using GoOn = std::function<bool()>;  // asked now and then; false ends the work by Interrupted
 
-// --- walks ---------------------------------------------------------------------------------------------
-
 struct WalkOptions {
   std::uint64_t steps, length, seed;  // firings in all, those tried included; before a walk begins anew
   bool unsafe;                        // also look for a second token in a place
@@ -96,8 +94,6 @@ struct Reached {
 // Walks from the initial marking, by turns random, towards one goal, and by a drawn order of transitions.
 std::vector<Reached> walk(const TokenNet& net, const Marking& initial, const Goals& goals,
                           const std::vector<std::uint32_t>& roots, const WalkOptions& options, const GoOn& go_on);
-
-// --- search --------------------------------------------------------------------------------------------
 
 enum class Outcome : std::uint8_t { reached, unreachable, states, bytes, tokens };
 struct Search {

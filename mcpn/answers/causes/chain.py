@@ -348,8 +348,6 @@ class Chain:
         found = EdgeRates(listed, rates, ending, demands)
         self.rates, self.hasty, self.moving = found.rates, found.hasty, found.moving
 
-    # --- what is possible ---
-
     def may_come_to(self, flags: Mask) -> Mask:
         """By status at the entry, whether some exits, flagged by exit and status, are possible."""
         goal = self.listed.ended & flags[self.listed.column]
@@ -378,8 +376,6 @@ class Chain:
     def stays(self) -> Mask:
         """By status at the entry, whether with some probability the chain never reaches an exit."""
         return self.listed.at_entries(self.graph.reaching(~self._ending, self.moving))
-
-    # --- what is expected ---
 
     @cached_property
     def _matrix(self) -> csr_array:

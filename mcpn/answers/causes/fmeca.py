@@ -229,8 +229,6 @@ class _Table(Generic[S]):
             facts.with_others,
         )
 
-    # --- severity --------------------------------------------------------------------------------------
-
     def severities(self, transition: int, goal: Goal[S]) -> dict[Severity, S]:
         """The states before the failure, by severity: that of the worst losing region that it enters."""
         found: dict[Severity, S] = {}
@@ -311,8 +309,6 @@ class _Table(Generic[S]):
                 names = [tuple(sorted(self.prospects.hardware[h] for h in s)) for s in least]
                 found.append((Severity(severity), tuple(sorted(names, key=lambda n: (len(n), n)))))
         return reversed(found)
-
-    # --- what happens, case by case ----------------------------------------------------------------------
 
     def cases(
         self, transition: int, severities: Mapping[Severity, S], hardware: str, goal: Goal[S]

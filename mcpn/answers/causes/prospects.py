@@ -209,8 +209,6 @@ class Prospects(Generic[S]):
         """Places that say something of some elements."""
         return [p for name in names for p in self.mission_net.by_role.get((kind, name), ())]
 
-    # --- goals -------------------------------------------------------------------------------------------
-
     @cached_property
     def mission(self) -> Goal[S]:
         """Success of the mission."""
@@ -291,8 +289,6 @@ class Prospects(Generic[S]):
         entry = (space.after(before - running, self.everything) | again) & inside
         return space.reached(entry, transitions=self.failing | self.dying)
 
-    # --- losing regions ------------------------------------------------------------------------------------
-
     def allowed(self, goal: Goal[S], *, repairs: bool) -> Set[int]:
         """What the edges of a run to a goal may carry."""
         return Without(self.everything if repairs else self.unrepaired, goal.ends)
@@ -326,8 +322,6 @@ class Prospects(Generic[S]):
             late = self.carrying(What.TIMEOUT, block.name)
             found |= dict.fromkeys(late, reduce(or_, losing, self.space.nothing))
         return found
-
-    # --- critical events -----------------------------------------------------------------------------------
 
     def alike(self, goal: Goal[S], *states: S) -> tuple[Hashable, tuple[str, ...]] | None:
         """A key of a goal and of some states in which it is open, which does not depend on names.
@@ -422,7 +416,6 @@ class Prospects(Generic[S]):
                     choosing.add(name)
         return choosing
 
-    # --- runs ----------------------------------------------------------------------------------------------
     # On these runs nothing is repaired, and objectives fail only where they cannot succeed any more.
 
     def to_failure(self, goal: Goal[S], cut_set: Iterable[str]) -> Run | None:

@@ -40,8 +40,6 @@ class Helped(Generic[S]):
         yield from self._past()
         yield from self._deciding()
 
-    # --- what needs help ---
-
     def needs_help(self) -> Iterator[Claim]:
         """Whether success, an end and a safe end take declared events or timeouts."""
         parts, prospects, space = self.parts, self.prospects, self.space
@@ -78,8 +76,6 @@ class Helped(Generic[S]):
         last = (e for e in enabled if e is not None and e.what in HELP) if goal.ends_from else ()
         return tuple(dict.fromkeys(map(help_in_words, (*helping, *last))))
 
-    # --- what leads past what makes safe ---
-
     def _past(self) -> Iterator[Claim]:
         shelters = self.parts.shelters
         if not shelters or self.net.abort is None:
@@ -101,8 +97,6 @@ class Helped(Generic[S]):
     def _declared(self) -> Mapping[str, frozenset[int]]:
         own = {e.name: self.prospects.carrying(What.DECLARED, e.name) for e in self.net.mission.events}
         return {event: transitions for event, transitions in own.items() if transitions}
-
-    # --- what decides, always or but for a repair ---
 
     def _deciding(self) -> Iterator[Claim]:
         for event, own in self._declared.items():
@@ -156,8 +150,6 @@ class Helped(Generic[S]):
     @cached_property
     def _by_repair(self) -> S:
         return self._hopeful - self._unrepaired
-
-    # --- what a loss leaves ---
 
     def losses(self) -> Iterator[Claim]:
         """What the loss of each hardware resource, not repaired, always takes, and what it leaves."""

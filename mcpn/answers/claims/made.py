@@ -92,8 +92,6 @@ class _Made(Generic[S]):
         """A run to success without some transitions."""
         return self.parts.run_to(self.prospects.mission.won, self.prospects.everything - left_out)
 
-    # --- events ---
-
     def events(self) -> Iterator[Claim]:
         """What declared events interrupt and end, and whether they go on for ever."""
         for event, own in self.declared.items():
@@ -159,8 +157,6 @@ class _Made(Generic[S]):
             if there in seen:
                 return Run(space.net, transitions_of(edges), settles=True), seen[there]
             seen[there] = len(edges)
-
-    # --- losses ---
 
     def losses(self) -> Iterator[Claim]:
         """What the loss of each hardware resource alone, for good, leaves, with help and without."""

@@ -34,8 +34,6 @@ class FormulaParts(Generic[S]):
         meant = self.net.graph.copies.meant
         return len(names) <= MOST_NAMED and all(meant(name) == [name] for name in names)
 
-    # --- what helps ---
-
     @cached_property
     def helping(self) -> frozenset[int]:
         """Transitions of declared events, and of ends of times."""
@@ -60,8 +58,6 @@ class FormulaParts(Generic[S]):
     def sound(self) -> str:
         """That no hardware is out of service."""
         return " & ".join(f"!oos({name})" for name in self.prospects.hardware) or "true"
-
-    # --- ends ---
 
     @property
     def ends(self) -> str:
@@ -111,8 +107,6 @@ class FormulaParts(Generic[S]):
                 if any(transition.event == late for transition in transitions):
                     yield f"happens({late}) & objective({name})"
 
-    # --- runs ---
-
     def run_to(self, goal: S, transitions: Collection[int] | None = None) -> Run | None:
         """A short run from the start into some states, by some transitions alone."""
         edges = self.space.run(self.space.initial.pick(), goal, transitions=transitions)
@@ -126,8 +120,6 @@ class FormulaParts(Generic[S]):
             return None
         last = space.run(edges[-1].target if edges else begin, after, transitions=own)
         return None if last is None else Run(space.net, transitions_of([*edges, *last]), settles=True)
-
-    # --- while nothing fails ---
 
     @cached_property
     def nominal_transitions(self) -> list[int]:
@@ -162,8 +154,6 @@ class FormulaParts(Generic[S]):
         unmeant = f"E(({steps}) U G(({steps}){circling}))"
         entered = "".join(f" & E(({steps}) U objective({name}))" for name in wanted)
         return f"!E(({steps}) U (!success & !({going}))) & !{unmeant}{entered}", lasts if endless else "false"
-
-    # --- what makes safe ---
 
     @cached_property
     def shelters(self) -> list[str]:

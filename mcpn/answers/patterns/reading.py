@@ -154,8 +154,6 @@ class _PatternReader:
         except LimitError as error:
             raise InputError.at(at, f"{where}: {error}") from None
 
-    # --- Dwyer, Avrunin, Corbett ---
-
     def scoped(self, pattern: Scoped) -> PatternText:
         letters = {"q": "after", "r": "until" if pattern.until is not None else "before"}
         scope = "globally"
@@ -198,8 +196,6 @@ class _PatternReader:
         """What precedes is an event, and what it precedes a state: that begins with the reaction."""
         last = {"precedence": "by", "precedence_chain_2_1": "then"}.get(name)
         return f"{name}_event" if last and self.is_event(last) and not self.is_event("of") else name
-
-    # --- robotic missions ---
 
     def movement(self, pattern: Visit | Patrolling) -> PatternText:
         places = self.locations(pattern.objectives, "in")

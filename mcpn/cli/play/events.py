@@ -94,8 +94,6 @@ class EventSession(Prompt):
         if simulation.situation.outcome is None:
             self.say("the run without failures goes on for ever, or nothing can succeed here: see mcpn check")
 
-    # --- from a file ---
-
     def replay(self, path: Path) -> None:
         """Takes the events of a file.
 
@@ -117,8 +115,6 @@ class EventSession(Prompt):
                 possible = ", ".join(map(str, self.simulation.possible)) or "none"
                 message = f"found {event}, which is not possible here; expected one of: {possible}"
                 raise InputError.at(Source(str(path), line), message)
-
-    # --- from a person, or a pipe ---
 
     def command(self, text: str) -> str | None:
         """Carries out a command, or says what is wrong with it."""

@@ -52,8 +52,6 @@ class CompactTemplates(PaperTemplates):
 class _CompactAlternative(AlternativeDrawing):
     """One alternative, drawn with linearly many places and transitions."""
 
-    # --- what waits for answers -----------------------------------------------------------------------
-
     @cached_property
     def waits(self) -> bool:
         """Whether it may be found waiting for answers in a stable marking."""
@@ -117,8 +115,6 @@ class _CompactAlternative(AlternativeDrawing):
             halting = self.pen.place(*self.part("halting"))
             self.draw("halted", [*given, halting], self.life.endings[0].produce)
 
-    # --- return to a better alternative ---------------------------------------------------------------
-
     def all(self) -> None:
         """Draws every transition of the alternative."""
         if self.left_for_better:
@@ -167,8 +163,6 @@ class _CompactAlternative(AlternativeDrawing):
         self.give_up_one_by_one("err", self.runs, failing, [self.life.start], alone=True)
         ended = [turning, *(place for place in self.runs if place != steady)]
         self.handle("back", ended, [self.place_of("err")])
-
-    # --- names ----------------------------------------------------------------------------------------
 
     def part(self, word: str, *suffixes: str) -> tuple[str, ...]:
         """A part of the activity that belongs to this alternative."""

@@ -44,8 +44,6 @@ _Ways: TypeAlias = Iterable[tuple[list[str], Iterable[str]]]
 class Interrupting(Halting):
     """Draws what interrupts the sections of one level."""
 
-    # --- events ---
-
     def interruptions(self, section: Section) -> None:
         """One transition for each event and each position of the section's objectives that handles it."""
         pen = self.canvas.of(*element_of(section), section.source)
@@ -137,8 +135,6 @@ class Interrupting(Halting):
         """Positions of this graph."""
         for inner in self.graph.sections:
             yield from self.positions(inner, event)
-
-    # --- what stops and goes on ---
 
     def stopping(self, section: ParallelSection, phase: int, own: Interruption, number: int) -> list[str]:
         """The places that an event marks which interrupts a block as a whole."""

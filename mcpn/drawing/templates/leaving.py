@@ -152,8 +152,6 @@ class Leaving(NamedTuple):
     def _rank(self) -> int:
         return self.canvas.ranks.control
 
-    # --- before all have ended ---
-
     def decided(self, pen: Pen, running: str, continuations: Continuations, all_halted: list[str]) -> None:
         """Draws how branches that have ended decide the block's end, and what follows it.
 

@@ -91,8 +91,6 @@ class Product(Generic[S]):
 
         return made
 
-    # --- steps and closures ---
-
     def back(self, edge: ProductEdge[S], after: S, among: S) -> S:
         """Those of some states that an edge leads from into others."""
         among = edge.states & among
@@ -153,8 +151,6 @@ class Product(Generic[S]):
                     leading[p] = leading.get(p, nothing) | new
                     fresh[p] = fresh.get(p, nothing) | new
         return leading
-
-    # --- acceptance ---
 
     def decided(self, fair: Mapping[int, S], within: Mapping[int, S]) -> Sets[S]:
         """The product states from which every path that counts is accepted, and some path counts.

@@ -106,8 +106,6 @@ class Copies:
     def __init__(self) -> None:
         self.objectives: dict[str, BlockPosition] = {}
 
-    # --- what a name means ---
-
     def meant(self, name: str, within: str = "") -> list[str]:
         """The objectives that a name means: all copies of one that is written.
 
@@ -200,8 +198,6 @@ class Copies:
         every = self.objectives.items()
         return {name for name, position in every if any(each.nominal == nominal for each in position.chain)}
 
-    # --- sentences ---
-
     def told(self, names: Iterable[str], every: Iterable[str]) -> list[str]:
         """Names in a sentence; all copies of one, most of them, or all of one round are said together.
 
@@ -255,8 +251,6 @@ class Copies:
         """
         told = self.told(names, every)
         return f"{kind if len(told) == 1 else f'{kind}s'} {shortened(told)}", len(told) > 1
-
-    # --- what is known of all ---
 
     @cached_property
     def _by_last(self) -> dict[str, list[BlockPosition]]:

@@ -296,8 +296,6 @@ class _PnmlReader:
                     said.setdefault(name_of(remark), remark.get("value", ""))
         return said
 
-    # --- joining ---
-
     def joined(self, net: str) -> PetriNet:
         ends = {key: key for key in (*self.places, *self.transitions)}
         self.follow_references(ends)

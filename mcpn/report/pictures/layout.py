@@ -136,8 +136,6 @@ class _Layout:
         self._sizes: dict[int, tuple[float, float]] = {}
         self._lanes: dict[int, _Lanes] = {}
 
-    # --- sizes -----------------------------------------------------------------------------------------
-
     def size(self, box: Box) -> tuple[float, float]:
         if box.key not in self._sizes:
             self._sizes[box.key] = self._size(box)
@@ -159,8 +157,6 @@ class _Layout:
         slots = sum(max(h, _slot(lines)) for (_, h), lines in zip(sizes, _labelled(box), strict=True))
         height = slots + GAP * len(sizes) + len(_exits(box)) * EXIT + LINE * len(_own_events(box))
         return max(width, inside + 2 * PAD), head + height + PAD
-
-    # --- places ----------------------------------------------------------------------------------------
 
     def place(self, box: Box, x: float, y: float) -> None:
         width, height = self.size(box)

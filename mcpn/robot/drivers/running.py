@@ -169,8 +169,6 @@ class RobotRun:
                 self._untold[made.number] = message
         return made
 
-    # --- events ---
-
     def _put(self, waiting: Waiting) -> None:
         self._events.append(waiting)
         self._came.set()
@@ -239,8 +237,6 @@ class RobotRun:
             finally:
                 self._handling = True
         return self._events.popleft() if self._events else None
-
-    # --- actions ---
 
     def _carry_out(self, actions: Sequence[Action]) -> None:
         """Begins some actions; none is waited for here."""

@@ -192,8 +192,6 @@ class Controller:
         """A controller from the JSON object of a controller file."""
         return cls(Tables(document), **options)
 
-    # --- what it is in ---
-
     @property
     def mission(self) -> str:
         """The mission's name."""
@@ -276,8 +274,6 @@ class Controller:
         with self._lock:
             over = next((name for name, left in self._timers.left.items() if not left), None)
             return None if over is None else timeout_event(over)
-
-    # --- events ---
 
     def tick(self) -> tuple[tuple[str, tuple[Action, ...]], ...]:
         """Takes the events of the timers that are over, the first one first; call it from time to time.
@@ -377,8 +373,6 @@ class Controller:
         self._phase, self._section, self._state, self._out_of_service, self._true = step[0]
         return step[1]
 
-    # --- hooks ---
-
     def on(self, activity: str | None, hook: Hook) -> None:
         """Has a function called with each action of one activity, after the state has changed.
 
@@ -397,8 +391,6 @@ class Controller:
         """
         with self._lock:
             self._observers.append(observer)
-
-    # --- snapshots ---
 
     def snapshot(self, beside: Mapping[str, Any] | None = None) -> str:
         """Where the controller is, as a text to be given to :meth:`restore`.

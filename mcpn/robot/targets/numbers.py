@@ -143,8 +143,6 @@ class Numbers:
             for text, changes in self.document["changing"].items()
         }
 
-    # --- events of hardware, and of timers ---
-
     @property
     def late(self) -> list[int]:
         """By objective, the number of its timeout event; the number of all events where it has none."""
@@ -160,8 +158,6 @@ class Numbers:
     def repairs(self) -> list[int | None]:
         """The event of its repair, of what is repaired."""
         return [self._event.get(str(Event(What.REPAIRED, name))) for name in self.faulty]
-
-    # --- tables ---
 
     def _tables(self) -> None:
         sections = self.document["sections"]
@@ -293,8 +289,6 @@ class Numbers:
     def moved(self, kind: int) -> Iterable[tuple[int, Sequence[int]]]:
         """Where the events of a type may lead, each with the lists of actions that it may give."""
         raise NotImplementedError
-
-    # --- parameters ---
 
     def _parameters(self) -> None:
         """Parameters of objectives, activities and alternatives: the first and how many, by number."""

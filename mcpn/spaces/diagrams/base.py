@@ -55,8 +55,6 @@ class Diagrams(BySteps[Zdd]):
         """States that enable no internal transition; all where the net has no priorities."""
         return self.everything if self.space.stable is None else self.space.stable
 
-    # --- what states say ---
-
     def single(self, state: Sequence[int]) -> Zdd:
         """The set that holds one state, given as its marked levels."""
         return self.encoding.store.singleton(list(state))
@@ -106,8 +104,6 @@ class Diagrams(BySteps[Zdd]):
     def image(self, states: Zdd, places: Sequence[int], images: ImageStore) -> Zdd:
         """How some states mark some places; see :meth:`mcpn.spaces.algebra.Space.image`."""
         return images.of_diagram(states, self.encoding.store, [self.encoding.bit(p) for p in places])
-
-    # --- helpers ---
 
     def ways(
         self, events: Mapping[int, int], transitions: Collection[int] | None, guards: Guards[Zdd]

@@ -72,8 +72,6 @@ class TokenEncoding(Encoding):
             if (event := self._changed(self._needs[t], self._deltas[t])) is not None
         }
 
-    # --- comparisons and additions ---
-
     def capacity(self, place: int) -> int:
         """The most tokens that a place can count."""
         return int(2 ** len(self.bits[place]) - 1)
@@ -180,8 +178,6 @@ class TokenEncoding(Encoding):
             assert event is not None, "what can be fired can be undone"
             inverse[t] = event
         return inverse
-
-    # --- the same questions as of 1-safe nets ---
 
     def condition(self, marked: Iterable[int], unmarked: Iterable[int] = ()) -> int | None:
         """A condition of the store, or ``None`` where it contradicts itself."""

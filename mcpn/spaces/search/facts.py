@@ -78,8 +78,6 @@ class Facts:
         self.home: Home | None = None
         self._home_sought = False
 
-    # --- bounds ---
-
     def sums(self, asked: Iterable[tuple[int, ...]]) -> Iterator[tuple[tuple[int, ...], float, Ways] | None]:
         """The most tokens that places hold together, where a bound is met, or none is there.
 
@@ -117,8 +115,6 @@ class Facts:
         """Takes over most tokens of each place."""
         self._bounds = list(map(min, self._bounds, bounds))
 
-    # --- transitions ---
-
     def knowing_transitions(self) -> Pausing[None]:
         """Finds out, once, which transitions fire and which are dead, as far as that is told."""
         if not (self.fires or self.dead):
@@ -152,8 +148,6 @@ class Facts:
         goals = [fireable(self.net, t) for t in open_ones]
         found = yield from self._met(goals, steps + STEPS_OF_TRANSITION * len(goals))
         self.fires.update(open_ones[goal] for goal in found)
-
-    # --- examinations ---
 
     @property
     def examinations(self) -> dict[str, Callable[[], Pausing[Examined]]]:
@@ -311,8 +305,6 @@ class Facts:
     def _lowers_for_good(self, every: Sequence[int]) -> bool:
         """Whether some transition lowers a bounded sum of tokens that nothing raises."""
         return len(repeatable(self.net, every)) < len(every)
-
-    # --- walks ---
 
     def _met(self, goals: Sequence[Goal], steps: int) -> Pausing[set[int]]:
         """The goals that walks have met, by index; there is no further walk after one that has met none."""

@@ -139,8 +139,6 @@ class Interpreter:
         faulty = (h.name for robot in self.mission.robots for h in robot.hardware if h.faulty)
         return (*faulty, *(fault.name for robot in self.mission.robots for fault in robot.faults))
 
-    # --- what may happen ---------------------------------------------------------------------------------
-
     def possible(self, state: State) -> set[Happening]:
         """The events that may happen in a stable state."""
         found = {(OUT_OF_SERVICE, h) for h in self.faulty if h not in state.out}
@@ -199,8 +197,6 @@ class Interpreter:
     def under_way(self, node: WrittenBlock, state: State) -> bool:
         """Whether the time of an objective runs, or of a block; that which begins waits until it does."""
         return self.runs(node, state) if node.children else node.name in state.running
-
-    # --- what happens then -------------------------------------------------------------------------------
 
     def after(self, state: State, happening: Happening) -> State:
         """The stable state that an event leads to.
@@ -431,8 +427,6 @@ class Interpreter:
             state = self.enter(state, child)
         return state
 
-    # --- activities --------------------------------------------------------------------------------------
-
     def robot_in(self, state: State) -> Activities:
         """The activities of a state."""
         wanted = {name: self.objectives[name].activities for name in sorted(state.pending)}
@@ -457,8 +451,6 @@ class Interpreter:
             unnoticed=state.unnoticed - end.out,
             suspected=end.suspected,
         )
-
-    # --- what is seen ------------------------------------------------------------------------------------
 
     def seen(self, state: State) -> Seen:
         """A state by names, as reports and controllers tell it."""

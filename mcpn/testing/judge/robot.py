@@ -170,8 +170,6 @@ class Reactions:
                 return now.but(certain)
         return None
 
-    # --- what nobody decides -------------------------------------------------------------------------
-
     def errors(self, now: Activities, level: frozenset[str]) -> dict[str, At | None]:
         """Who runs and loses a resource tries all again; who still asks tries the next alternative."""
         found: dict[str, At | None] = {}
@@ -261,8 +259,6 @@ class Reactions:
             (after for o, after in self.beginning(now) if all(starts[a] == 1 for a in now.wanted[o])), None
         )
 
-    # --- what depends on who comes first ---------------------------------------------------------------
-
     def takes(self, now: Activities) -> Iterator[Activities]:
         """One of those that evaluate takes what several may want and nobody has."""
         held = {k for _, consumes in self.holding(now) for k in consumes if self.contended(k)}
@@ -281,8 +277,6 @@ class Reactions:
             if not any(name in now.at for name in activities):
                 left = {o: those for o, those in now.wanted.items() if o != objective}
                 yield objective, replace(now.but(dict.fromkeys(activities, FROM_THE_FIRST)), wanted=left)
-
-    # --- who needs and holds what ----------------------------------------------------------------------
 
     def contended(self, resource: str) -> bool:
         """Whether one activity at a time has the resource, and several may want it."""
@@ -308,8 +302,6 @@ class Reactions:
         """Producers that are not idle though nobody needs what they produce."""
         needed = self.needed(now)
         return [name for name in now.at if self.activities[name].produces and name not in needed]
-
-    # --- possible again --------------------------------------------------------------------------------
 
     def _possible(self, name: str, rank: int, out: frozenset[str], facts: Facts) -> bool:
         """Whether hardware in service and facts allow an alternative, whoever has the hardware now."""
