@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 from mcpn._kernel import Zdd
 from mcpn.errors import LimitError
@@ -25,9 +24,6 @@ from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY, reaching
 from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.stable.big_steps import MOST_STEPS, BigStepSpace, Steps, reach_in_big_steps
 from mcpn.spaces.stable.open_conflicts import open_conflicts
-
-if TYPE_CHECKING:
-    pass
 
 
 @dataclass

@@ -8,7 +8,7 @@ is explored, once for markings that evolve alike (:mod:`mcpn.spaces.stable.confl
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, NoReturn
+from typing import NoReturn
 
 from mcpn._kernel import Zdd
 from mcpn.composite.composite import CompositeSpace, TwoOutcomes
@@ -26,9 +26,6 @@ from mcpn.spaces.stable.falsification import fault_by
 from mcpn.spaces.stable.representatives import without_one_end
 from mcpn.spaces.stable.run_to_completion import fault_after
 from mcpn.steps import Doing, step
-
-if TYPE_CHECKING:
-    pass
 
 
 def refuse_nonconfluent(composite: CompositeSpace, explored: Mapping[SectionType, Explored]) -> None:

@@ -11,6 +11,8 @@ _SETS = "it counts sets of hardware, which no formula does"
 _NUMBERS = "formulas have no probabilities: dense solves judge them"
 _SAFE_ENDS = "where an abort may come by the failure of a safing objective, safe ends are events"
 _COMMANDS = (TERMINAL, JSON)
+_HAPPENING = (("event", "{0}"), ("end", "the {1} of {0}"))
+"""What may happen: by the first word of a name of a kind, how sentences say it."""
 
 
 def _of_goal(verb: str, goal: str, noun: str) -> Iterator[ClaimKind]:
@@ -67,7 +69,7 @@ def _of_goal(verb: str, goal: str, noun: str) -> Iterator[ClaimKind]:
         _COMMANDS,
         _SETS,
     )
-    for kind, subject in (("event", "{0}"), ("end", "the {1} of {0}")):
+    for kind, subject in _HAPPENING:
         yield ClaimKind(
             f"{kind}_may_{verb}",
             "EF ({hopeful} & {during} & E(happens({event}) & X !{hopeful}))",
@@ -120,27 +122,19 @@ OF_CAUSES = (
     ),
     *_of_goal("defeat", "success", "success"),
     *_of_goal("endanger", "a safe end", "safety"),
-    ClaimKind(
-        "event_endangers",
-        "E(F (EF (success | abort) & happens({event}) & X !EF (success | abort)))",
-        "{0} can put every safe end out of reach, whatever is repaired",
-        "{0} never puts every safe end out of reach",
-        "whether {0} puts every safe end out of reach is not known",
-        "all states in which it happens",
-        _COMMANDS,
-        _SAFE_ENDS,
-        good=False,
-    ),
-    ClaimKind(
-        "end_endangers",
-        "E(F (EF (success | abort) & happens({event}) & X !EF (success | abort)))",
-        "the {1} of {0} can put every safe end out of reach, whatever is repaired",
-        "the {1} of {0} never puts every safe end out of reach",
-        "whether the {1} of {0} puts every safe end out of reach is not known",
-        "all states in which it happens",
-        _COMMANDS,
-        _SAFE_ENDS,
-        good=False,
+    *(
+        ClaimKind(
+            f"{kind}_endangers",
+            "E(F (EF (success | abort) & happens({event}) & X !EF (success | abort)))",
+            f"{subject} can put every safe end out of reach, whatever is repaired",
+            f"{subject} never puts every safe end out of reach",
+            f"whether {subject} puts every safe end out of reach is not known",
+            "all states in which it happens",
+            _COMMANDS,
+            _SAFE_ENDS,
+            good=False,
+        )
+        for kind, subject in _HAPPENING
     ),
     ClaimKind(
         "chance",
@@ -153,27 +147,22 @@ OF_CAUSES = (
         _NUMBERS,
         several="each of {}",
     ),
-    ClaimKind(
-        "importance",
-        "",
-        "success is more probable by {others} if {0} never fails than if it is lost before the start and not "
-        "repaired, whether it has a rate or not",
-        "success is not more probable by {others} if {0} never fails",
-        "the importance of {0} is not known",
-        "chains of all states",
-        EVERYWHERE,
-        _NUMBERS,
-    ),
-    ClaimKind(
-        "safe_importance",
-        "",
-        "success or an abort is more probable by {others} if {0} never fails than if it is lost before the "
-        "start and not repaired, whether it has a rate or not",
-        "success or an abort is not more probable by {others} if {0} never fails",
-        "the importance of {0} for an end without failure is not known",
-        "chains of all states",
-        EVERYWHERE,
-        _NUMBERS,
+    *(
+        ClaimKind(
+            kind,
+            "",
+            f"{end} is more probable by {{others}} if {{0}} never fails than if it is lost before the start "
+            "and not repaired, whether it has a rate or not",
+            f"{end} is not more probable by {{others}} if {{0}} never fails",
+            f"the importance of {{0}}{of} is not known",
+            "chains of all states",
+            EVERYWHERE,
+            _NUMBERS,
+        )
+        for kind, end, of in (
+            ("importance", "success", ""),
+            ("safe_importance", "success or an abort", " for an end without failure"),
+        )
     ),
     ClaimKind(
         "unrated",
