@@ -135,8 +135,9 @@ class Core {
       keys(each, {"name", "produces", "switch_back", "detects", "alternatives"}, "an activity");
       Activity activity{text(each.at("name")), truth(each.at("switch_back")), {}, {}, {}};
       for (const std::string& name : texts(each.at("produces"))) {
-        const auto at = resources.find(name);
-        require(at != resources.end() && at->second >= hardware.size(), "what is produced is no software: " + name);
+        const auto [at, fresh] = resources.emplace(name, exclusive.size());
+        if (fresh) exclusive.push_back(false);
+        require(at->second >= hardware.size(), "what is produced is no software: " + name);
         require(producers.emplace(at->second, activities.size()).second, "produced twice: " + name);
         activity.products.insert(at->second);
       }
@@ -150,11 +151,9 @@ class Core {
     }
     std::vector<int> consumers(exclusive.size());
     for (std::size_t a = 0; a < activities.size(); ++a) {
-      std::set<std::string> names;
       std::set<std::size_t> consumed;
       for (const Json& each : list(of.at("activities").items[a].at("alternatives"))) {
         keys(each, {"name", "consumes", "requires"}, "an alternative");
-        require(names.insert(text(each.at("name"))).second, "two alternatives of one name");
         Alternative made{text(each.at("name")), {}, {}, {}, facts_of(each.at("requires"))};
         for (const std::string& name : texts(each.at("consumes"))) {
           const auto at = resources.find(name);
@@ -259,7 +258,8 @@ class Core {
     for (const Json& each : list(of.at("pauses"))) {
       keys(each, {"graph", "handlers"}, "a pause");
       Pause pause{made(each.at("graph"), outcomes), {}};
-      pause.handlers = handlers(each.at("handlers"), *pause.graph, outcomes, 0);
+      pause.handlers = handlers(each.at("handlers"), *pause.graph, outcomes, list(of.at("pauses")).size());
+      for (const Handler& each : pause.handlers) if (each.pauses) throw Limit("a pause that changes to another one is not read here");
       made_of.pauses.push_back(std::move(pause));
     }
     made_of.needed = whole(of.at("needed"));
@@ -517,6 +517,11 @@ class Play {
     if (!open || badly >= block.failing || (block.hasty && lost)) return leave(state, in, node, "failure");
     return kNothing;
   }
+  static void pause(Node& node, std::size_t number) {
+    const Graph& graph = *node.at->pauses[number - 1].graph;
+    node.paused = number;
+    node.meanwhile = {entered(graph, graph.entry)};
+  }
   static std::string after_pause(const State& state, const Graph& in, Node& node, const std::string& exit) {
     if (exit.empty()) return kNothing;
     if (exit != "go on") return leave(state, in, node, exit);
@@ -529,7 +534,7 @@ class Play {
     return kNothing;
   }
 
-  // Moves what is under way as `own` does with a section and, while a block pauses, `pausing` with what runs meanwhile; outer blocks
+  // Moves what is under way as `own` does with a section and, where what runs meanwhile does not move, `pausing` with a block that pauses; outer blocks
   // go first, or else only where nothing in them has moved.
   template <class Own, class Pausing>
   static Moved moved(State& state, const Graph& in, Node& node, bool outer, const Own& own, const Pausing& pausing) {
@@ -539,7 +544,7 @@ class Play {
     if (node.paused) {
       const Pause& pause = node.at->pauses[node.paused - 1];
       Moved found = moved(state, *pause.graph, node.meanwhile[0], outer, own, pausing);
-      if (!found.did) found = pausing(pause, node.meanwhile[0]);
+      if (!found.did) found = pausing(pause, node);
       if (!found.did) return {};
       return {true, after_pause(state, in, node, found.exit)};
     }
@@ -594,16 +599,16 @@ class Play {
       if (!found->pauses) return {true, led(state, in, node, found->to)};
       for (Held& each : node.branches)
         underway(each.node, [](Node& held) { if (!held.at->block) held.run = Run::halted; });
-      node.paused = found->pauses;
-      const Graph& graph = *node.at->pauses[found->pauses - 1].graph;
-      node.meanwhile = {entered(graph, graph.entry)};
+      pause(node, found->pauses);
       return {true, kNothing};
     };
-    const auto pausing = [&](const Pause& pause, Node& node) -> Moved {
-      const Handler* found = first(pause.handlers);
+    const auto pausing = [&](const Pause& during, Node& node) -> Moved {
+      const Handler* found = first(during.handlers);
       if (!found) return {};
       if (!found->once.empty()) happen.insert(found->once);
-      return {true, led(state, *pause.graph, node, found->to)};
+      if (!found->pauses) return {true, led(state, *during.graph, node.meanwhile[0], found->to)};
+      pause(node, found->pauses);
+      return {true, kNothing};
     };
     move(state, false, own, pausing);
     state.happened.insert(happen.begin(), happen.end());
@@ -883,9 +888,10 @@ int checked(const std::string& path, const Clock& clock) {
   const auto files = unzipped(path);
   require(files.count("core.json") > 0, "there is no entry core.json");
   const Net net = net_of(parsed(files.at("net.json")));
-  const Core core(parsed(files.at("core.json")));
+  const Json core = parsed(files.at("core.json"));
   try {
-    walk(net, States(net, clock), core, clock);
+    const States states(net, clock);
+    walk(net, states, Core(core), clock);
   } catch (const Unsafe&) {
     throw Refuted("the net is not safe");
   } catch (const NotConfluent&) {
