@@ -259,7 +259,6 @@ class Core {
       keys(each, {"graph", "handlers"}, "a pause");
       Pause pause{made(each.at("graph"), outcomes), {}};
       pause.handlers = handlers(each.at("handlers"), *pause.graph, outcomes, list(of.at("pauses")).size());
-      for (const Handler& each : pause.handlers) if (each.pauses) throw Limit("a pause that changes to another one is not read here");
       made_of.pauses.push_back(std::move(pause));
     }
     made_of.needed = whole(of.at("needed"));
@@ -282,8 +281,8 @@ struct Node {
   bool fresh = true;  // entered in this event
   Run run = Run::begins;  // of an objective
   std::vector<Held> branches;  // of a block
-  std::size_t paused = 0;
-  std::vector<Node> meanwhile;
+  std::vector<std::size_t> paused;  // by which pauses, one within the other
+  std::vector<Node> meanwhile;  // what runs in the last one, and in the others ran before it
 };
 
 enum class Does { idle, tries, asks, runs, refused };
@@ -305,7 +304,8 @@ struct State {
 };
 
 void write(const Node& node, std::string& to) {
-  to += node.at->name + '\n' + char('a' + int(node.run)) + std::to_string(node.paused);
+  to += node.at->name + '\n' + char('a' + int(node.run));
+  for (const std::size_t pause : node.paused) to += std::to_string(pause) + ' ';
   for (const Held& each : node.branches) {
     to += char('0' + int(each.end));
     for (const Node& held : each.node) write(held, to);
@@ -328,12 +328,17 @@ std::string key_of(const State& state) {
 }
 
 // Calls with each section under way, blocks before what they hold.
+template <class One, class Visit> void inside(One& node, const Visit& visit);
+template <class One, class Visit> void underway_at(One& node, const Visit& visit) {
+  visit(node);
+  inside(node, visit);
+}
 template <class Of, class Visit> void underway(Of& nodes, const Visit& visit) {
-  for (auto& node : nodes) {
-    visit(node);
-    if (node.paused) { underway(node.meanwhile, visit); continue; }
-    for (auto& branch : node.branches) underway(branch.node, visit);
-  }
+  for (auto& node : nodes) underway_at(node, visit);
+}
+template <class One, class Visit> void inside(One& node, const Visit& visit) {
+  if (!node.paused.empty()) return underway_at(node.meanwhile.back(), visit);
+  for (auto& branch : node.branches) underway(branch.node, visit);
 }
 
 struct Moved { bool did = false; std::string exit; };
@@ -391,7 +396,7 @@ class Play {
     underway(of.root, [&](const Node& node) {
       const Section& section = *node.at;
       if (section.block) {
-        if (section.routed("timeout") && !node.paused) found.insert({"timeout", section.name});
+        if (section.routed("timeout") && node.paused.empty()) found.insert({"timeout", section.name});
       } else if (node.run == Run::runs) {
         found.insert({"failure", section.name});
         for (const auto& [outcome, _] : section.routes)
@@ -399,7 +404,7 @@ class Play {
         if (section.routed("timeout")) found.insert({"timeout", section.name});
         if (can_succeed(of, section)) found.insert({"success", section.name});
       }
-      const auto& handlers = node.paused ? section.pauses[node.paused - 1].handlers : section.handlers;
+      const auto& handlers = node.paused.empty() ? section.handlers : section.pauses[node.paused.back() - 1].handlers;
       for (const Handler& each : handlers) if (counts(of, each)) found.insert({"declared", each.event});
     });
     return found;
@@ -519,18 +524,18 @@ class Play {
   }
   static void pause(Node& node, std::size_t number) {
     const Graph& graph = *node.at->pauses[number - 1].graph;
-    node.paused = number;
-    node.meanwhile = {entered(graph, graph.entry)};
+    inside(node, [](Node& held) { if (!held.at->block) held.run = Run::halted; });
+    node.paused.push_back(number);
+    node.meanwhile.push_back(entered(graph, graph.entry));
   }
   static std::string after_pause(const State& state, const Graph& in, Node& node, const std::string& exit) {
     if (exit.empty()) return kNothing;
     if (exit != "go on") return leave(state, in, node, exit);
-    node.paused = 0;
-    node.meanwhile.clear();
-    for (Held& each : node.branches)
-      underway(each.node, [](Node& held) {
-        if (!held.at->block) { held.run = Run::begins; held.fresh = true; }
-      });
+    node.paused.pop_back();
+    node.meanwhile.pop_back();
+    inside(node, [](Node& held) {
+      if (!held.at->block) { held.run = Run::begins; held.fresh = true; }
+    });
     return kNothing;
   }
 
@@ -541,9 +546,9 @@ class Play {
     if (!node.at->block) return own(in, node);
     if (outer)
       if (Moved found = own(in, node); found.did) return found;
-    if (node.paused) {
-      const Pause& pause = node.at->pauses[node.paused - 1];
-      Moved found = moved(state, *pause.graph, node.meanwhile[0], outer, own, pausing);
+    if (!node.paused.empty()) {
+      const Pause& pause = node.at->pauses[node.paused.back() - 1];
+      Moved found = moved(state, *pause.graph, node.meanwhile.back(), outer, own, pausing);
       if (!found.did) found = pausing(pause, node);
       if (!found.did) return {};
       return {true, after_pause(state, in, node, found.exit)};
@@ -580,7 +585,7 @@ class Play {
       if (found != node.at->sets.end()) set(state, found->second);
     });
     const auto own = [&](const Graph& in, Node& node) -> Moved {
-      const bool its = node.at->name == element && (node.at->block ? what == "timeout" && node.at->routed("timeout") && !node.paused : node.run == Run::runs);
+      const bool its = node.at->name == element && (node.at->block ? what == "timeout" && node.at->routed("timeout") && node.paused.empty() : node.run == Run::runs);
       if (!its) return {};
       return {true, leave(state, in, node, outcome)};
     };
@@ -597,8 +602,6 @@ class Play {
       if (!found) return {};
       if (!found->once.empty()) happen.insert(found->once);
       if (!found->pauses) return {true, led(state, in, node, found->to)};
-      for (Held& each : node.branches)
-        underway(each.node, [](Node& held) { if (!held.at->block) held.run = Run::halted; });
       pause(node, found->pauses);
       return {true, kNothing};
     };
@@ -606,7 +609,7 @@ class Play {
       const Handler* found = first(during.handlers);
       if (!found) return {};
       if (!found->once.empty()) happen.insert(found->once);
-      if (!found->pauses) return {true, led(state, *during.graph, node.meanwhile[0], found->to)};
+      if (!found->pauses) return {true, led(state, *during.graph, node.meanwhile.back(), found->to)};
       pause(node, found->pauses);
       return {true, kNothing};
     };

@@ -45,11 +45,14 @@ ALL = st.one_of(
     elements.LED,
     elements.LEFT_BY_FACTS,
     elements.NAMED,
+    elements.PAUSING,
+    elements.PAUSING_APART,
+    elements.PAUSING_FACTS,
+    elements.PAUSING_IN_TIME,
     elements.RECOVERING,
     elements.SHARING_FACTS,
     elements.WORLD_ABORTED,
 )
-"""All that the program reads: of drawn missions that pause some change from one pause to another."""
 MOST = 2_000
 """Markings of drawn nets that are compared here."""
 
