@@ -350,7 +350,7 @@ class Play {
   State first() const {
     State made;
     made.facts = core_.initial;
-    for (const Hardware& each : core_.hardware) made.hardware.push_back({each.out, each.out && !each.late, false});
+    for (const Hardware& each : core_.hardware) made.hardware.push_back({each.out, each.out, false});
     made.activities.resize(core_.activities.size());
     return made;
   }
