@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import random
-import shutil
 import subprocess
 import zipfile
 from collections import Counter
@@ -28,7 +27,7 @@ from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.testing import elements
 from tests.certificates.test_corecheck import EVERYTHING, MISSION, WRONG, of_text
-from tests.certificates.test_second_checker import SMALL, changed, paths_in
+from tests.certificates.test_second_checker import SMALL, changed, compiled, paths_in
 from tests.draws import campaign, composed, fewer
 from tests.shares import returns_early
 
@@ -60,13 +59,7 @@ MOST = 2_000
 @pytest.fixture(scope="module")
 def checker(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The program."""
-    compiler = shutil.which("c++") or pytest.skip("needs a C++ compiler")
-    made = tmp_path_factory.mktemp("checker") / "core_checker"
-    source = Path(__file__).with_name("core_checker.cpp")
-    subprocess.run(
-        [compiler, "-O1", "-std=c++17", "-Wall", "-Wextra", "-Werror", source, "-o", made], check=True
-    )
-    return made
+    return compiled("core_checker", tmp_path_factory.mktemp("checker"))
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +103,14 @@ def verdicts(entries: dict[str, Any], checker: Path, file: Path, most: int) -> t
     return expected, found
 
 
-@pytest.mark.parametrize("text", [SMALL, MISSION, EVERYTHING], ids=["small", "round", "everything"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        pytest.param(SMALL, id="small"),
+        pytest.param(MISSION, id="round"),
+        pytest.param(EVERYTHING, id="everything", marks=pytest.mark.slow),
+    ],
+)
 def test_both_prove_the_net_of_a_mission(checker: Path, file: Path, tmp_path: Path, text: str) -> None:
     assert of_both(entries_of(compose(of_text(text, tmp_path))), checker, file) == "proved"
 
