@@ -222,6 +222,26 @@ def test_a_loss_that_a_rescue_makes_up_for_is_told_so(tmp_path: Path) -> None:
     assert claims["succeeds_without: go"].holds
 
 
+def test_where_success_is_out_of_reach_nothing_says_that_it_stays_possible(tmp_path: Path) -> None:
+    robot = (
+        '<hardware name="motor"/><event name="rescue"/><fact name="wet"/>'
+        '<activity name="drive" consumes="motor"/><activity name="wait"/></robot>'
+    )
+    never = of(f'{robot}<objective name="go" activities="drive" success="fail"/>', tmp_path)
+    assert not never["can_succeed"].holds
+    assert [key for key in never if key.startswith("loss_defeats")] == []
+    assert never["end_always_decides: go, failure"].sentence.endswith(
+        "or it never comes where success is in reach."
+    )
+    assert never["fact_defeats: wet, false"].sentence.endswith("or never succeeds.")
+    aided = of(
+        f'{robot}<objective name="go" activities="drive" success="fail"><on event="rescue" goto="towed"/>'
+        '</objective><objective name="towed" activities="wait"/>',
+        tmp_path,
+    )
+    assert [key for key in aided if key.startswith("loss_defeats")] == ["loss_defeats: motor"]
+
+
 def test_a_loss_after_an_objective_that_fails_by_itself_counts(tmp_path: Path) -> None:
     claims = of(
         '<hardware name="camera"/><hardware name="anchor"/><activity name="film" consumes="camera"/>'

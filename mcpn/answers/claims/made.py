@@ -159,13 +159,18 @@ class _Made(Generic[S]):
             seen[there] = len(edges)
 
     def losses(self) -> Iterator[Claim]:
-        """What the loss of each hardware resource alone, for good, leaves, with help and without."""
+        """What the loss of each hardware resource alone, for good, leaves, with help and without.
+
+        That a goal stays possible is said only where it is possible from the start.
+        """
         prospects = self.prospects
         goals = [("loss_defeats", prospects.mission)]
         if prospects.safety is not None:
             goals.append(("loss_endangers", prospects.safety))
         helping = self.parts.helping
         for kind, goal in goals:
+            possible = self._possible(goal, frozenset())
+            unaided = helping and self._possible(goal, helping)
             for hardware in filter(self._can_fail, prospects.hardware):
                 aided = self._loss(kind, goal, hardware, frozenset())
                 if helping:
@@ -173,8 +178,17 @@ class _Made(Generic[S]):
                     helpers = (
                         self._helpers(goal, hardware, helping) if alone.holds and not aided.holds else ()
                     )
-                    yield replace(alone, refers_to=helpers)
-                yield aided
+                    if alone.holds or unaided:
+                        yield replace(alone, refers_to=helpers)
+                if aided.holds or possible:
+                    yield aided
+
+    def _possible(self, goal: Goal[S], helping: frozenset[int]) -> bool:
+        """Whether some run from the start leads to a goal without some events, past a state without losses."""
+        space, prospects = self.space, self.prospects
+        sound = space.restricted(space.everything, (), prospects.places("oos", prospects.hardware))
+        hopeful = self.parts.reaching(goal, prospects.everything - helping)
+        return bool(hopeful & space.initial) and bool(hopeful & sound)
 
     def _can_fail(self, hardware: str) -> bool:
         """Whether some event takes it out of service: a crash of what nothing starts has none."""

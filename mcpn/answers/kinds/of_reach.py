@@ -56,7 +56,7 @@ OF_REACH = (
         "fact_defeats",
         "EF success & EF (fact({0})={1} & !success) & AG (fact({0})={1} & !success -> !EF success)",
         "once {0} is {1} success is out of reach",
-        "while {0} is {1} success may still be reached, or the mission never comes there",
+        "while {0} is {1} success may still be reached, or the mission never comes there or never succeeds",
         "whether success is out of reach once {0} is {1} is not known",
         "all states in which it is so",
         EVERYWHERE,
