@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import zlib
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from errno import EACCES, EEXIST, EISDIR, ENOENT, ENOTDIR, ENOTEMPTY, EPERM
 from pathlib import Path
@@ -99,6 +99,23 @@ def why_not_written(path: Path, error: OSError | ValueError) -> str:
     else:
         why = error.strerror or str(error)
     return f"cannot be written: {why}"
+
+
+def keep_apart(written: Iterable[Path | None], read: Iterable[str | Path]) -> None:
+    """Refuses to write over what was read, and two things into one file.
+
+    Args:
+        written: Where a command writes; nothing is written where it is ``None``.
+        read: What it was given and has read.
+
+    Raises:
+        InputError: A file would be lost.
+    """
+    taken = {Path(each).resolve(): "it is read" for each in read}
+    for path in filter(None, written):
+        if why := taken.get(path.resolve()):
+            raise InputError.at(Source(str(path)), f"cannot be written: {why} by this command")
+        taken[path.resolve()] = "something else is written there"
 
 
 def _beside(path: Path) -> Path:

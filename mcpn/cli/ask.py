@@ -87,6 +87,7 @@ def ask(
 
     with question.progress():
         study = question.study(file, engine)
+    question.keep_apart(file, study, scn)
     if robot_safety:
         with question.work():
             found = study.robot_safety(dangerous=dangerous, stops=stops)

@@ -95,6 +95,7 @@ def causes(
     if fmeca is not None:
         tables.check_table_name(fmeca)
     study = question.study(mission, engine)
+    question.keep_apart(mission, study, fmeca, openpsa, certificate)
     if not question.as_json:
         tell_warnings(study.mission_net)
     with question.progress():

@@ -55,12 +55,16 @@ def check(
 ) -> None:
     """Verify FILE: a mission's verdicts with their runs, or the behaviour of a net from elsewhere."""
     started = time.perf_counter()
+    if certificate is not None and (structure or form != "text"):
+        what = "--structure" if structure else f"--format {form}"
+        raise click.UsageError(f"--certificate is of all that check says, and {what} says something else")
     if form != "text":
         _annotate(question, file, structure, engine, strict, form)
     with question.progress():
         study = question.study(file, engine)
     if certificate is not None:
         study.mission_spaces("a certificate")
+        question.keep_apart(file, study, certificate)
     if structure or study.is_net:
         from mcpn.report.nets import net_object, print_net, print_structure, structure_object
 

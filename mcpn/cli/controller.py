@@ -82,6 +82,7 @@ def controller(
     from mcpn.robot.targets import OF_RULES, files
 
     study = question.study(mission)
+    question.keep_apart(mission, study, certificate)
     tables = form == "auto" and target not in OF_RULES
     made = "hierarchical" if form == "minimised" or tables else form
     told, most = _once(), question.max_states

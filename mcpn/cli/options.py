@@ -210,6 +210,13 @@ class Question:
             _refuse_tree(file)
         return found
 
+    def keep_apart(self, file: Path, study: Study, *written: Path | None) -> None:
+        """Refuses to write over the files of a study, or two things into one file."""
+        from mcpn.files import keep_apart
+
+        if any(written):
+            keep_apart(written, [file] if study.is_net else [file, *study.mission.files])
+
     def progress(self) -> AbstractContextManager[None]:
         """Shows how far the work is, unless the answer is JSON."""
         from mcpn.report.progress import progress_on_terminal

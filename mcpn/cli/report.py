@@ -49,6 +49,7 @@ def report(
         source = Source(str(output))
         raise InputError.at(source, f"found the suffix {output.suffix!r}, expected .html")
     study = question.study(mission, engine)
+    question.keep_apart(mission, study, output, certificate)
     with progress_on_terminal(), question.workers():
         found = study.findings()
         step(Doing.PREPARING, question="the page")

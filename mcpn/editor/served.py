@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from mcpn.editor.page_server import Content, ServedPage
 from mcpn.editor.what_if import compared
 from mcpn.errors import InputError, McpnError, Problem
-from mcpn.report.page import failed_page, files_of, page
+from mcpn.report.page import failed_page, page
 from mcpn.report.pages.token_game import fired
 from mcpn.report.words import in_words
 from mcpn.spaces.engine_names import Asking
@@ -59,7 +59,7 @@ class ServedMission(Content):
         before = _stamps([str(self.file)])
         try:
             study = open_study(self.file, import_root=self.import_root, **self.of_tree).bound(**self.asked)
-            files = files_of(study.mission_net.mission)
+            files = [*study.mission_net.mission.files]
             stamps = _stamps(files) | before  # of the mission itself from before it was read
             text = page(study.findings(), served=number)
         except InputError as error:

@@ -414,6 +414,12 @@ class Mission(Drawn, Element):
         return f"<mission {self.name}: {', '.join(f'{n} {what}' for what, n in sizes.items())}>"
 
     @property
+    def files(self) -> tuple[str, ...]:
+        """The files in which its elements stand, its own first; none of one built in Python."""
+        elements = (self, *self.robots, *self.protocols, *self.requirements, *self.blocks)
+        return tuple(dict.fromkeys(element.source.file for element in elements if element.source))
+
+    @property
     def hardware(self) -> tuple[Hardware, ...]:
         """All hardware resources, in document order, then those that stand for faults and for crashes."""
         declared = (resource for robot in self.robots for resource in robot.hardware)

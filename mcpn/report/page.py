@@ -87,15 +87,9 @@ def date() -> str:
         raise InputError.at(None, message) from error
 
 
-def files_of(mission: Mission) -> list[str]:
-    """The files in which the elements of a mission stand, its own first; none of one built in Python."""
-    elements = (mission, *mission.robots, *mission.protocols, *mission.requirements, *mission.blocks)
-    return list(dict.fromkeys(element.source.file for element in elements if element.source))
-
-
 def digest_of(mission: Mission) -> tuple[str, list[str]]:
     """The SHA-256 of the files of a mission one after the other, and their names; none where one is gone."""
-    found, files = hashlib.sha256(), files_of(mission)
+    found, files = hashlib.sha256(), [*mission.files]
     try:
         for file in files:
             found.update(Path(file).read_bytes())
@@ -154,7 +148,7 @@ def page(
             ways=list(_ways(mission_net.mission)) if served else [],
             played="net" in live,
             most_markings=MOST_MARKINGS,
-            file=next((Path(file).name for file in files_of(mission_net.mission)), "MISSION"),
+            file=next((Path(file).name for file in mission_net.mission.files), "MISSION"),
             verdicts=[{**each, "known": known.get(each["name"], "")} for each in runs_of(findings.check)],
             trusted=NONE_CHECKED if verified is None else verified.summary,
             verdict=headline(findings),

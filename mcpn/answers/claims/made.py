@@ -184,7 +184,7 @@ class _Made(Generic[S]):
                     yield aided
 
     def _possible(self, goal: Goal[S], helping: frozenset[int]) -> bool:
-        """Whether some run from the start leads to a goal without some events, past a state without losses."""
+        """Whether a goal is in reach without some events, from the start and from a state without losses."""
         space, prospects = self.space, self.prospects
         sound = space.restricted(space.everything, (), prospects.places("oos", prospects.hardware))
         hopeful = self.parts.reaching(goal, prospects.everything - helping)

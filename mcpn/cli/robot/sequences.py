@@ -48,9 +48,11 @@ def tests(
     if (output is None) == (btcpp is None):
         raise click.UsageError("expected either -o or --btcpp")
     if btcpp is not None and tree is not None:
+        from mcpn.files import keep_apart
         from mcpn.trees.importing import imported_of
 
         study = question.study(mission)
+        keep_apart([btcpp], [mission, *study.mission.files, tree])
         made = imported_of(tree, study.mission_net.mission.name, root=question.import_root, **of_tree)
         _mocks(study, btcpp, tree, made, question)
         return

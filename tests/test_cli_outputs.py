@@ -1,0 +1,56 @@
+"""What commands write replaces neither what they have read nor what else they write."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.commands import mcpn
+
+MISSION = """<mission name="m" xmlns="urn:mcpn:mission:1">
+<import href="robot.xml"/>
+<objective name="x" activities="go"/>
+</mission>
+"""
+ROBOT = """<robot name="r" xmlns="urn:mcpn:mission:1">
+<hardware name="h"/><activity name="go" consumes="h"/></robot>
+"""
+TREE = '<root BTCPP_format="4"><BehaviorTree ID="M"><Go/></BehaviorTree></root>'
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        "check mission.xml --certificate mission.xml",
+        "check mission.xml --certificate robot.xml",
+        "check tree.xml --certificate tree.xml",
+        "causes mission.xml --certificate mission.xml",
+        "causes mission.xml --openpsa robot.xml",
+        "causes mission.xml --fmeca new.csv --certificate new.csv",
+        "report mission.xml -o new.html --certificate new.html",
+        "report mission.xml -o new.html --certificate robot.xml",
+        "controller mission.xml -o new --certificate mission.xml",
+        "ask mission.xml success --scn robot.xml",
+        "tests mission.xml --btcpp tree.xml --tree tree.xml",
+    ],
+)
+def test_no_command_writes_over_what_it_reads_or_writes(
+    asked: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    texts = {"mission.xml": MISSION, "robot.xml": ROBOT, "tree.xml": TREE}
+    for name, text in texts.items():
+        Path(name).write_text(text)
+    found = mcpn(*asked.split())
+    assert found.returncode == 2
+    assert "cannot be written: " in found.stderr
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == texts
+
+
+@pytest.mark.parametrize("other", [["--structure"], ["--format", "sarif"]])
+def test_a_certificate_is_not_asked_for_in_vain(other: list[str], tmp_path: Path) -> None:
+    (tmp_path / "m.xml").write_text(MISSION.replace('<import href="robot.xml"/>', ROBOT))
+    found = mcpn("check", tmp_path / "m.xml", *other, "--certificate", tmp_path / "m.cert")
+    assert (found.returncode, (tmp_path / "m.cert").exists()) == (2, False)
+    assert f"--certificate is of all that check says, and {' '.join(other)}" in found.stderr
