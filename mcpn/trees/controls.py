@@ -277,21 +277,26 @@ def parallel_node(at: Translator, node: TreeNode, context: Context) -> Result:
     early = wanted < count or allowed > 0
     inside = replace(context, halted=context.halted or early)
     results = [at.piece(child, inside.branch(number, i)) for i, child in enumerate(node.children)]
-    losing = min(allowed, count - wanted + 1)
+    losing = count - wanted + 1
+    if allowed or results[0] is not False:  # failures are compared for equality: the first one passes by 0
+        losing = min(allowed, losing)
+    if allowed == 0 < wanted and isinstance(results[0], Part):
+        why = "it fails unless its first child has answered to the first tick, which is free"
+        return free(at, node, name, [one for one in results if isinstance(one, Part)], context, why)
     late = False  # a child with one answer is counted behind others, which may end in the same tick
     for place, result in enumerate(results):
         if result is True:
             wanted -= 1
         elif result is False:
             losing -= 1
-        before = [piece for piece in results[:place] if isinstance(piece, Part)]
-        if wanted <= 0 or losing <= 0:  # children behind it are never ticked, those before it are once
-            if before:
+        ticked = [piece for piece in results[: place + 1] if isinstance(piece, Part)]
+        if wanted <= 0 or losing <= 0:  # children behind it are never ticked, it and those before it are once
+            if ticked:
                 why = "what its first children answer to the one tick that they get is free"
-                return free(at, node, name, before, context, why)
+                return free(at, node, name, ticked, context, why)
             at.note(node, became(wanted <= 0), Kind.EXACT)
             return wanted <= 0
-        late = late or (isinstance(result, bool) and len(before) > 1)
+        late = late or (isinstance(result, bool) and len(ticked) > 1)
     pieces = [result for result in results if isinstance(result, Part)]
     if late and min(wanted, losing) < len(pieces):
         why = "which children answer to the first tick, before one that always answers the same, is free"

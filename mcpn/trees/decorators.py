@@ -120,7 +120,7 @@ def loop(at: Translator, node: TreeNode, context: Context) -> Result:
     queue = node.ports["queue"]
     literal = bool(queue) and "{" not in queue and not queue.startswith("json:")
     empty = at.forest.choice.value(node, "if_empty").upper()
-    count = len(queue.split(";")) if literal else None
+    count = len(queue.removesuffix(";").split(";")) if literal else None  # nothing follows a last ;
     result = at.piece(node.children[0], replace(context, again=True))
     result = _skipping_on(at, result) if isinstance(result, Part) else result
     end = SUCCEED if empty == "SUCCESS" else FAIL if empty == "FAILURE" else ABORT

@@ -95,6 +95,12 @@ EXACT = {
         "KeepRunningUntilFailure", node("ReactiveFallback", X, node("RoundRobin", A, B))
     ),
     "nothing": "<AlwaysSuccess/>",
+    "parallel, none may fail and the first has": node(
+        "Parallel", "<AlwaysFailure/>", A, B, success_count=1, failure_count=0
+    ),
+    "parallel, none may fail and the first has not": node(
+        "Parallel", "<AlwaysSuccess/>", A, B, success_count=2, failure_count=0
+    ),
     "scripts": node("Sequence", '<Script code="x:=1"/>', A, "<AlwaysFailure/>", B),
 }
 
@@ -102,6 +108,8 @@ EXACT = {
 MORE = {
     "recovery in vain, twice": node("RecoveryNode", "<AlwaysFailure/>", A, number_of_retries=2),
     "parallel, one that decides at once": node("Parallel", A, "<AlwaysSuccess/>", success_count=1),
+    "parallel, none need succeed": node("Parallel", A, B, success_count=0),
+    "parallel, none may fail": node("Parallel", A, B, success_count=1, failure_count=0),
     "parallel, one that counts late": node("Parallel", A, B, "<AlwaysSuccess/>", success_count=2),
     "parallel all, two may fail": node("ParallelAll", A, B, C, max_failures=2),
     "memory, beside others": node(
@@ -248,8 +256,8 @@ def trees(
     ports = {name: draw(st.sampled_from(values)) for name, values in _PORTS.get(tag, {}).items()}
     if tag == "Parallel":
         ports |= {
-            "success_count": draw(st.integers(1, len(children))),
-            "failure_count": draw(st.integers(1, len(children))),
+            "success_count": draw(st.integers(0, len(children))),
+            "failure_count": draw(st.integers(0, len(children))),
         }
     if tag == "WhileDoElse":
         children[0] = draw(st.sampled_from([X, node("Inverter", Y), node("Sequence", X, Y)]))

@@ -151,6 +151,23 @@ def test_each_node(name: str, tmp_path: Path) -> None:
     assert agree(tmp_path, EACH[name], range(12)) == 12
 
 
+ODD = {
+    "nothing follows the last separator": node("LoopString", A, queue="x;;y;"),
+    "failures are compared for equality": node(
+        "Parallel", "<AlwaysFailure/>", A, B, success_count=1, failure_count=0
+    ),
+    "failures, at the first tick": node("Parallel", A, B, success_count=1, failure_count=0),
+    "no success is needed": node("Parallel", A, B, success_count=0),
+}
+"""Values of ports that are rare, and mean what nobody would guess."""
+
+
+@pytest.mark.parametrize("name", ODD)
+def test_rare_values_of_ports(name: str, tmp_path: Path) -> None:
+    library()
+    assert agree(tmp_path, ODD[name], range(12)) == 12
+
+
 @pytest.mark.parametrize("skipped", SKIPPED)
 @pytest.mark.parametrize("around", [name for name in EACH if "<a" in EACH[name]])
 def test_each_node_with_children_that_are_skipped(around: str, skipped: str, tmp_path: Path) -> None:
