@@ -76,12 +76,12 @@ def composite_space(
             raise near
     alone = SectionParts(usage).alone
     parts = {section.name: alone(section) for section in mission_net.graph.sections}
-    refuse_wide(parts.values())
     renamable = looks_at_no_names(templates)
     first: dict[Hashable, str] = {}  # by type, its first section, which stands for it
     representative = {
         name: first.setdefault(part.type if renamable else name, name) for name, part in parts.items()
     }
+    refuse_wide(parts[name] for name in first.values())
     with_death, with_crashes = (mortal, crashing_anytime) if may_die else (_itself, _itself)
     immortal = {name: with_crashes(parts[name].net(templates)) for name in first.values()}
     nets = {name: with_death(net) for name, net in immortal.items()}

@@ -82,9 +82,8 @@ class CompositeSpace(Glued):
         having = self.having(transitions)
         for name in parts if having is None else having:
             if name in parts:
-                stage, part = self.stages[name], parts[name]
-                own = stage.type.graph.enabling(allowed(name).local or ())
-                enabling[name] = (part & own) | (part - part.without(stage.conditions(allowed(name))))
+                stage = self.stages[name]
+                enabling[name] = stage.type.enabling(parts[name], allowed(name), stage.carried)
         return CompositeSet(self, enabling)
 
     def crossing(self, among: CompositeSet, into: CompositeSet) -> Iterator[tuple[int, CompositeSet]]:

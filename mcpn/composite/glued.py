@@ -15,14 +15,18 @@ from typing import TypeAlias
 
 from mcpn._kernel import Zdd
 from mcpn.composite.layout import Layout
-from mcpn.composite.section_type import ALL, Allowed
+from mcpn.composite.section_type import ALL, Allowed, SectionType
 from mcpn.composite.sections import BEGIN, NOWHERE, Kind, Stage, WholeNet, ends_of, outside
+from mcpn.drawing.sections import Used
 from mcpn.spaces.algebra import Guards, Without
 from mcpn.spaces.components import strongly_connected
 from mcpn.spaces.memoized import ByKey, memoized
 
 Filter: TypeAlias = Callable[[str], Allowed]
 """By section, what its edges may carry."""
+
+Divided: TypeAlias = tuple[frozenset[int], Sequence[int]]
+"""Some transitions of a local net, and all those of the section's control."""
 
 Member = tuple[str, tuple[int, ...]]
 """A state: its section, and its marked levels with the section's own slots unmarked."""
@@ -166,8 +170,21 @@ class Glued:
     @memoized
     def _local(self, wanted: frozenset[int], name: str) -> frozenset[int]:
         """Those of some transitions that a section has, in its local net: one set for all that are alike."""
-        own = self.stages[name].transitions
-        return self._once(frozenset([i for i, t in enumerate(own) if t in wanted]))
+        stage = self.stages[name]
+        used, control = self._of_used[wanted, stage.type, stage.part.used]
+        return self._once(used.union([i for i in control if stage.transitions[i] in wanted]))
+
+    @cached_property
+    def _of_used(self) -> Mapping[tuple[frozenset[int], SectionType, Used], Divided]:
+        """By transitions: those of what stages use, in their local net, and what is of their control."""
+        lists = {(s.type, s.part.used): s.used["transitions"] for s in self.stages.values()}
+
+        def divided(key: tuple[frozenset[int], SectionType, Used]) -> Divided:
+            wanted, used = key[0], lists[key[1:]]
+            chosen = frozenset([i for i, t in enumerate(used) if t in wanted])
+            return chosen, [i for i, t in enumerate(used) if t == NOWHERE]
+
+        return ByKey(divided)
 
     @memoized
     def _once(self, transitions: frozenset[int]) -> frozenset[int]:
@@ -231,10 +248,9 @@ class Glued:
             names = [n for n in dict.fromkeys(s for r in into for s in self.into[r]) if n in within.parts]
         entered = ByKey[str, Zdd](lambda route: self.stages[route].entries(into[route]))
         for name in names:
-            stage, own = self.stages[name], allowed(name)
-            if stage.type.may_end(own.local):
-                ends = stage.ends({r: entered[r] for r in stage.routes.values() if r in into})
-                sources.add(name, stage.type.before_step(ends, own) & within.of(name))
+            stage = self.stages[name]
+            after = tuple([(exit_, entered[route]) for exit_, route in stage.routes.items() if route in into])
+            sources.add(name, stage.type.ending(after, stage.slots, allowed(name)) & within.of(name))
         return sources
 
     def entering(self, states: Mapping[str, Zdd], within: CompositeSet, allowed: Filter) -> SectionSets:
@@ -280,15 +296,14 @@ class Glued:
     @cached_property
     def dead(self) -> CompositeSet:
         """States in which neither the section nor hardware beside it can do anything."""
-        parts = ((self.stages[name], part) for name, part in self.everything.parts.items())
-        stuck = {s.name: (part & s.type.graph.dead).without(s.conditions()) for s, part in parts}
-        return CompositeSet(self, stuck)
+        parts = self.everything.parts.items()
+        return CompositeSet(self, {name: self.stages[name].stuck(part) for name, part in parts})
 
     def _stuck(self, states: Mapping[str, Zdd], allowed: Filter) -> CompositeSet:
         """Those of some states in which nothing happens that edges may carry."""
-        parts = ((self.stages[name], part, allowed(name)) for name, part in states.items())
-        idle = ((s, part - s.type.graph.enabling(own.local or ()), own) for s, part, own in parts)
-        return CompositeSet(self, {s.name: part.without(s.conditions(own)) for s, part, own in idle})
+        parts = ((self.stages[name], part) for name, part in states.items())
+        idle = {s.name: part - s.type.enabling(part, allowed(s.name), s.carried) for s, part in parts}
+        return CompositeSet(self, idle)
 
     def worked(
         self, names: Iterable[str], work: Callable[[str], Iterable[str]], *, back: bool = False

@@ -118,6 +118,12 @@ class SectionType:
         return self.inside & self.graph.before(goal, *allowed.own)
 
     @memoized
+    def enabling(self, states: Zdd, allowed: Allowed, own: tuple[Element, ...]) -> Zdd:
+        """Those of some states inside with an event: of the section, or of hardware beside it."""
+        beside = [toggle.condition for toggle in self.layout.toggling(allowed.beside, own)]
+        return (states & self.graph.enabling(allowed.local or ())) | (states - states.without(beside))
+
+    @memoized
     def may_end(self, local: frozenset[int] | None) -> bool:
         """Whether one of some events of the section, of all by default, leads to an end of it."""
         return local is None or any(map(self._ends, local))
@@ -201,6 +207,13 @@ class SectionType:
         for exit_, there in status:
             states |= self.from_slots(there, own, exit_)
         return states
+
+    @memoized
+    def ending(self, status: tuple[tuple[Exit, Zdd], ...], own: tuple[int, ...], allowed: Allowed) -> Zdd:
+        """States inside with an event that leads to some exits, each with all elements in some status."""
+        if not self.may_end(allowed.local):
+            return self.layout.store.empty()
+        return self.before_step(self.ends(status, own), allowed)
 
     def _idle(self, exit_: Exit | None) -> list[int]:
         """Marked levels before the entry, or after an exit, with all slots unmarked."""

@@ -137,9 +137,9 @@ class Stage(Levels):
         """
         return self.layout.toggling(allowed.beside, self.carried)
 
-    def conditions(self, allowed: Allowed = ALL) -> list[int]:
-        """The condition, in the store, of each event of :meth:`beside`."""
-        return [toggle.condition for toggle in self.toggling(allowed)]
+    def stuck(self, part: Zdd) -> Zdd:
+        """States with no event at all, of the section or of hardware beside it."""
+        return (part & self.type.graph.dead).without([toggle.condition for toggle in self.toggling()])
 
     def named(self, own: Mapping[int, Found], beside: Mapping[int, Found]) -> Iterator[tuple[int, Found]]:
         """Values of both kinds of events by transition of the whole net: renames those of the local net."""
@@ -190,7 +190,7 @@ class WholeNet:
         known = self._used.setdefault((type_, part.used), {})
         if kind not in known:
             used = Renaming(type_.part, part).elements
-            known[kind] = array("q", [NOWHERE]) * len(getattr(type_.net.net, kind))
+            known[kind] = array("i", [NOWHERE]) * len(getattr(type_.net.net, kind))
             self._locate(known[kind], kind, part, type_, {e: used[e] for e in used.keys() - own.keys()})
         indices = known[kind][:]
         self._locate(indices, kind, part, type_, own)

@@ -149,6 +149,10 @@ class PetriNet(Drawn, ValueRecord):
     priorities: bool = False
     units: tuple[tuple[int, ...], ...] = field(default=(), compare=False)
 
+    def __hash__(self) -> int:
+        # Runs are hashed, each with its net, which may have a hundred thousand transitions.
+        return hash((self.name, len(self.places), len(self.transitions)))
+
     def __repr__(self) -> str:
         return f"<net {self.name}: {len(self.places)} places, {len(self.transitions)} transitions>"
 

@@ -203,6 +203,15 @@ def test_no_section_compares_equal_sets_of_transitions() -> None:
     assert after_all() <= 2 * len(every)
 
 
+def test_sections_see_those_of_some_transitions_that_they_have(ulysse_net: MissionNet) -> None:
+    composite = composite_space(ulysse_net)
+    for every in (range(0, len(composite.net.transitions), 3), range(70), range(70, 150)):
+        allowed = composite.filtered(every)
+        for name, stage in composite.stages.items():
+            own = frozenset(i for i, t in enumerate(stage.transitions) if t in every)
+            assert allowed(name).local == own
+
+
 @contextmanager
 def leaving_out(canvas: Canvas, name: str) -> Iterator[None]:
     """A transition that a user's template forgets to draw."""

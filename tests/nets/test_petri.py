@@ -9,7 +9,7 @@ from hypothesis import given
 
 from mcpn.errors import InputError
 from mcpn.events import Event
-from mcpn.nets.petri import NetBuilder, PetriNet
+from mcpn.nets.petri import NetBuilder, PetriNet, Place, Transition
 from tests.nets.nets import nets
 
 
@@ -74,3 +74,17 @@ def test_what_is_enabled_is_what_has_its_tokens(net: PetriNet) -> None:
     covered = [t for t in range(len(net.transitions)) if net.covers(net.initial, t)]
     least = min((net.ranks[t] for t in covered), default=0)
     assert net.enabled(net.initial) == [t for t in covered if not net.priorities or net.ranks[t] == least]
+
+
+def test_the_hash_of_a_net_asks_none_of_its_nodes(monkeypatch: pytest.MonkeyPatch) -> None:
+    def made() -> PetriNet:
+        builder = NetBuilder("n")
+        builder.place("p", initial=1)
+        builder.transition("t", consume=["p"])
+        return builder.build()
+
+    one, other = made(), made()
+    assert one == other
+    for node in (Place, Transition):
+        monkeypatch.setattr(node, "__hash__", None)
+    assert hash(one) == hash(other)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property, partial
 from typing import Literal, TypeAlias
+from weakref import WeakKeyDictionary
 
 from mcpn.drawing.templates.interface import Meeting
 from mcpn.drawing.templates.names import names_of
@@ -93,9 +94,7 @@ class Ranks:
     """
 
     def __init__(self, usage: Usage) -> None:
-        self._deciding = dict(_deciding(usage.graph))
-        self._starting = dict(_starting(usage.graph))
-        self._becoming = dict(_becoming(usage.graph))
+        self._deciding, self._starting, self._becoming = _numbers_of(usage)
         becoming = 2 + max(self._becoming.values(), default=-2)
         deciding = 1 + max(self._deciding.values(), default=-1)
         watched = len(usage.world.watched)
@@ -145,6 +144,20 @@ class Ranks:
 
     def _if_several(self, rank: int) -> int:
         return rank if self._several else 0
+
+
+_Numbers: TypeAlias = tuple[
+    Mapping[tuple[str, str, str], int], Mapping[str, int], Mapping[tuple[str, str, int], int]
+]
+_KNOWN: WeakKeyDictionary[Usage, _Numbers] = WeakKeyDictionary()
+
+
+def _numbers_of(usage: Usage) -> _Numbers:
+    """What the sections of a mission number, found once for its net and the nets of its parts."""
+    if usage not in _KNOWN:
+        graph = usage.graph
+        _KNOWN[usage] = dict(_deciding(graph)), dict(_starting(graph)), dict(_becoming(graph))
+    return _KNOWN[usage]
 
 
 def _deciding(graph: ObjectivesGraph) -> Iterator[tuple[tuple[str, str, str], int]]:
