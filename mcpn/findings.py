@@ -185,7 +185,7 @@ def _local_graphs(spaces: MissionSpaces) -> tuple[list[LocalGraph], list[str]]:
 def _risk(prospects: Prospects[Any]) -> Risk:
     from mcpn.answers.causes.risk import risk  # an extra
 
-    return risk(prospects)
+    return risk(prospects.within(None))
 
 
 def _has_rates(mission: Mission) -> bool:

@@ -155,7 +155,7 @@ def by_storm(drawn: tuple[Mission, float], folder: Path) -> Mapping[str, int]:
 
     mission_net = composed(scaled(*drawn))
     try:
-        text = drn(whole_chain(chains.whole(mission_net), 2000, decimal))
+        text = drn(whole_chain(chains.whole(mission_net).within(2000), decimal))
         ends = {end: judged(text, end) for end in chains.ENDS}
         for engine in ("explicit", "local"):
             with suppress(LimitError):  # of local: a fact of more than two values, which events change
@@ -175,11 +175,11 @@ def by_storm_in_time(drawn: tuple[Mission, float], folder: Path) -> Mapping[str,
     mission_net = composed(mission)
     try:
         prospects = chains.whole(mission_net)
-        found = within(whole_chain(prospects, 2000), hours)
+        found = within(whole_chain(prospects.within(2000)), hours)
     except (LimitError, SemanticsError):
         return {}
     target = folder / "chain.drn"
-    target.write_bytes(drn(whole_chain(prospects, 2000, decimal)))
+    target.write_bytes(drn(whole_chain(prospects.within(2000), decimal)))
     count = 0
     for end in chains.ENDS:
         try:

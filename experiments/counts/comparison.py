@@ -21,7 +21,7 @@ sys.path.append(str(Path(__file__).resolve().parents[2]))
 import click
 
 from experiments.counts.explicit_vs_symbolic import branches
-from mcpn.answers.compare import Measured, disagreement, measure
+from mcpn.answers.compare import Measured, Runs, disagreement, measure
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.nets.petri import PetriNet
@@ -64,7 +64,7 @@ def measured(
     """
     for name, members in subjects():
         if wanted(name):
-            found = [measure(of, seconds=seconds, repeats=repeats, size=size) for size, of in members]
+            found = [measure(of, Runs(seconds=seconds, repeats=repeats), size=size) for size, of in members]
             assert not any(disagreement(member.engines) for member in found), "engines count the same"
             yield name, found
 

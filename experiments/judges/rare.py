@@ -87,7 +87,7 @@ def rows(mission: Mission, most: int) -> Iterator[str]:
     found = compose(mission)
     spaces = spaces_of(found)
     by = {engine: Prospects(found, spaces.space(engine, "alternatives")) for engine in ("local", "explicit")}
-    text = drn(whole_chain(by["explicit"], most, decimal))
+    text = drn(whole_chain(by["explicit"].within(most), decimal))
     truth = {end: exact(text, end) for end in ("success", "failure", "abort")}
     numbers = {engine: risk(prospects) for engine, prospects in by.items()}
     success = " | ".join(told(of.success, truth["success"]) for of in numbers.values())

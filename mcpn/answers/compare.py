@@ -36,6 +36,23 @@ SECONDS = 60.0
 
 
 @dataclass(frozen=True)
+class Runs:
+    """How engines are run.
+
+    Args:
+        max_states: Limit for the explicit engine.
+        seconds: Wall-clock limit on each run.
+        repeats: How often each engine runs.
+        own: Engines of the caller's own, by their names; see :func:`mcpn.spaces.custom_engine.engine_named`.
+    """
+
+    max_states: int | None = None
+    seconds: float = SECONDS
+    repeats: int = 1
+    own: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
 class Measurement:
     """What one engine found, and what it took.
 
@@ -91,11 +108,8 @@ class Measured:
 
 def measure(
     subject: Mission | PetriNet,
+    runs: Runs = Runs(),
     *,
-    max_states: int | None = None,
-    seconds: float = SECONDS,
-    repeats: int = 1,
-    own: Sequence[str] = (),
     size: int | None = None,
     without: Mapping[str, str] | None = None,
 ) -> Measured:
@@ -103,10 +117,7 @@ def measure(
 
     Args:
         subject: A mission, or a net, to which composition does not apply.
-        max_states: Limit for the explicit engine.
-        seconds: Wall-clock limit on each run.
-        repeats: How often each engine runs.
-        own: Engines of the caller's own, by their names; see :func:`mcpn.spaces.custom_engine.engine_named`.
+        runs: How.
         size: Of a member of a family, its size.
         without: Engines that are not asked, each with the reason.
 
@@ -120,7 +131,7 @@ def measure(
         :func:`mcpn.spaces.sizes.sizes`: the counts by one engine.
     """
     net = compose(subject).net if isinstance(subject, Mission) else subject
-    subjects: list[tuple[str, Mission | PetriNet]] = [(engine, net) for engine in (*ENGINES, *own)]
+    subjects: list[tuple[str, Mission | PetriNet]] = [(engine, net) for engine in (*ENGINES, *runs.own)]
     if isinstance(subject, Mission):
         subjects.append((LOCAL, subject))
     found, problems = [], list[McpnError | None]()
@@ -128,12 +139,12 @@ def measure(
         if (reason := (without or {}).get(engine)) is not None:
             found.append(Measurement(engine, None, 0.0, None, reason))
             continue
-        runs = list[Measurement]()
-        while not runs or (len(runs) < repeats and runs[-1].sizes is not None):
-            run, problem = _in_own_process(subject_of, engine, max_states, seconds)
-            runs.append(run)
+        ran = list[Measurement]()
+        while not ran or (len(ran) < runs.repeats and ran[-1].sizes is not None):
+            run, problem = _in_own_process(subject_of, engine, runs)
+            ran.append(run)
             problems.append(problem)
-        found.append(_joined(runs))
+        found.append(_joined(ran))
     refused = [problem for problem in problems if isinstance(problem, SemanticsError)]
     if refused and all(m.sizes is None for m in found):
         raise refused[0]
@@ -141,37 +152,19 @@ def measure(
     return Measured(subject.name, len(net.places), len(net.transitions), arcs, found, size)
 
 
-def grown(
-    members: Iterator[tuple[int, PetriNet]],
-    *,
-    max_states: int | None,
-    seconds: float,
-    repeats: int,
-    own: Sequence[str] = (),
-) -> Iterator[Measured]:
+def grown(members: Iterator[tuple[int, PetriNet]], runs: Runs) -> Iterator[Measured]:
     """Measures the members of a family; an engine that gave up on one is not asked for larger ones.
 
     Args:
         members: Sizes and nets, growing.
-        max_states: Limit for the explicit engine.
-        seconds: Wall-clock limit on each run.
-        repeats: How often each engine runs.
-        own: Engines of the caller's own.
+        runs: How they are measured.
 
     Yields:
         Each member's measurements.
     """
     without: dict[str, str] = {}
     for size, net in members:
-        found = measure(
-            net,
-            max_states=max_states,
-            seconds=seconds,
-            repeats=repeats,
-            own=own,
-            size=size,
-            without=without,
-        )
+        found = measure(net, runs, size=size, without=without)
         yield found
         gave_up = [m.engine for m in found.engines if m.sizes is None and m.engine not in without]
         without |= dict.fromkeys(gave_up, f"gave up at size {size}")
@@ -242,18 +235,16 @@ def _joined(runs: Sequence[Measurement]) -> Measurement:
 
 
 def _in_own_process(
-    subject: Mission | PetriNet, engine: str, max_states: int | None, seconds: float
+    subject: Mission | PetriNet, engine: str, runs: Runs
 ) -> tuple[Measurement, McpnError | None]:
     here, there = Pipe(duplex=False)
-    process = get_context("spawn").Process(
-        target=_run, args=(subject, engine, max_states, seconds, there), daemon=True
-    )
+    process = get_context("spawn").Process(target=_run, args=(subject, engine, runs, there), daemon=True)
     process.start()
     there.close()
     try:
-        if not here.poll(seconds + STARTING):
-            reason = f"more than {seconds:g} s: the limit on a run was hit"
-            return Measurement(engine, None, seconds, None, reason), None
+        if not here.poll(runs.seconds + STARTING):
+            reason = f"more than {runs.seconds:g} s: the limit on a run was hit"
+            return Measurement(engine, None, runs.seconds, None, reason), None
         found: tuple[Measurement, McpnError | None] = here.recv()
         return found
     except EOFError:
@@ -268,9 +259,7 @@ STARTING = 10.0
 """Seconds that a process may take to start, and to read what it is given."""
 
 
-def _run(
-    subject: Mission | PetriNet, engine: str, max_states: int | None, seconds: float, pipe: Connection
-) -> None:
+def _run(subject: Mission | PetriNet, engine: str, runs: Runs, pipe: Connection) -> None:
     sizes: dict[str, int | None] | None = None
     problem: LimitError | SemanticsError | None = None
     order: str | None = None
@@ -283,7 +272,7 @@ def _run(
             stable = spaces_of(spaces).composite().everything.count()
             sizes = {**dict.fromkeys((*SIZES, *DIAGRAM)), "stable_states": stable}
         else:
-            summary = summarise(spaces, engine, max_states=max_states, seconds=seconds)
+            summary = summarise(spaces, engine, max_states=runs.max_states, seconds=runs.seconds)
             sizes = {name: getattr(summary, name) for name in (*SIZES, *DIAGRAM)}
             order = summary.order
     except (LimitError, SemanticsError) as error:

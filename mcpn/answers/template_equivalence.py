@@ -109,8 +109,8 @@ def likeness(
         (None, True)
     """
     both = [(s, compose(mission, s)) for s in (first, second)]
-    one, other = (MissionSpaces(net, templates=s) for s, net in both)
-    return likeness_of(one, other, names=names, max_states=max_states)
+    one, other = (MissionSpaces(net, templates=s).bound(max_states=max_states) for s, net in both)
+    return likeness_of(one, other, names=names)
 
 
 def likeness_of(
@@ -118,14 +118,13 @@ def likeness_of(
     second: MissionSpaces,
     *,
     names: tuple[str, str] = ("first", "second"),
-    max_states: int | None = None,
 ) -> Likeness:
     """Compares two spaces of one mission, each composed with templates of its own.
 
     Raises:
         LimitError: A limit was hit.
     """
-    one, other = (_listed(spaces, max_states) for spaces in (first, second))
+    one, other = (_listed(spaces) for spaces in (first, second))
     sizes = (_sizes(first.net, one), _sizes(second.net, other))
     nets = (first.mission, second.mission)
     if isinstance(one, SemanticsError) or isinstance(other, SemanticsError):
@@ -135,9 +134,9 @@ def likeness_of(
     return Likeness(sizes, difference, isomorphic=difference is None and walk.one_to_one)
 
 
-def _listed(spaces: MissionSpaces, max_states: int | None) -> AlternativesGraph | SemanticsError:
+def _listed(spaces: MissionSpaces) -> AlternativesGraph | SemanticsError:
     try:
-        return spaces.bound(max_states=max_states).listed()
+        return spaces.listed()
     except SemanticsError as error:
         return error
 

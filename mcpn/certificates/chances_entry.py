@@ -58,7 +58,7 @@ def chance_claims(
     place_of = {graph.marking(state): state for state in range(graph.states)}
     for key, sentence, lower, upper in rounds:
         # Edges that no rate gives are the same in both, as an interval begins above 0.
-        low, high = (whole_chain(causes.prospects, graph.states, number) for number in (lower, upper))
+        low, high = (whole_chain(causes.prospects.within(graph.states), number) for number in (lower, upper))
         states = np.array([place_of[low.markings(state)] for state in range(low.states)], np.int64)
         said = _model(mission_net, lower, upper)
         said["stopped"] = stopped.stopped(stopped.objectives)

@@ -114,11 +114,12 @@ def causes(
             from mcpn.answers.causes.whole_chain import whole_chain
 
             try:
-                numbers, slopes = risk(every.prospects, max_chain), slopes_of(every.prospects, max_chain)
+                chained = every.prospects.within(max_chain)
+                numbers, slopes = risk(chained), slopes_of(chained)
                 if interval_rates(study.mission_net.mission):
-                    bounded = bounds(every.prospects, question.max_states)
+                    bounded = bounds(every.prospects)
                 if hours is not None:
-                    by_then = ends_within(whole_chain(every.prospects, question.max_states), hours)
+                    by_then = ends_within(whole_chain(every.prospects), hours)
             except LimitError as error:  # all else is answered
                 unanswered = LimitError(f"numbers of risk: not computed: {error}")
     written = None

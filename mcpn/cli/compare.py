@@ -15,7 +15,7 @@ from mcpn.cli.printed import emit_json
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from mcpn.answers.compare import Measured
+    from mcpn.answers.compare import Measured, Runs
     from mcpn.answers.spaces import MissionSpaces
 
 
@@ -86,7 +86,7 @@ def compare(
     mission behaves the same with both, event by event. With a second mission, OTHER: what it loses or gains
     over FILE in claims, verdicts, cut sets and modes; exit code 1 if something differs.
     """
-    from mcpn.answers.compare import disagreement, measure
+    from mcpn.answers.compare import Runs, disagreement, measure
 
     form = "json" if question.as_json else form
     if (file is None) == (family is None):
@@ -115,13 +115,14 @@ def compare(
 
         for name in own:
             engine_named(name)
+    runs = Runs(question.max_states, seconds, repeat, own)
     if family is not None:
-        members = _members(*family, question.max_states, seconds, repeat, own)
+        members = _members(*family, runs)
     else:
         assert file is not None
         study = question.study(file)
         subject = study.net if study.is_net else study.mission_net.mission
-        members = [measure(subject, max_states=question.max_states, seconds=seconds, repeats=repeat, own=own)]
+        members = [measure(subject, runs)]
     if plot is not None:
         from mcpn.report.pictures.plots import save_engines
 
@@ -141,9 +142,7 @@ def compare(
         raise error
 
 
-def _members(
-    name: str, sizes: str, max_states: int | None, seconds: float, repeat: int, own: tuple[str, ...]
-) -> Sequence[Measured]:
+def _members(name: str, sizes: str, runs: Runs) -> Sequence[Measured]:
     from mcpn.answers.compare import grown
     from mcpn.testing.nets import FAMILIES
 
@@ -157,7 +156,7 @@ def _members(
             f"found the sizes {sizes!r}, expected sizes of {name} that grow from {family.least}"
         )
     nets = ((size, family.net(size)) for size in range(first, last + 1, step))
-    return list(grown(nets, max_states=max_states, seconds=seconds, repeats=repeat, own=own))
+    return list(grown(nets, runs))
 
 
 def _compare_missions(file: Path, other: Path, question: Question, as_json: bool) -> None:
@@ -193,7 +192,7 @@ def _compare_sets(file: Path, names: tuple[str, str], question: Question, as_jso
     sets = [templates_named(name) for name in names]
     studies = [replace(question, templates=templates).study(file) for templates in sets]
     one, other = (study.mission_spaces() for study in studies)
-    found = likeness_of(one, other, names=names, max_states=question.max_states)
+    found = likeness_of(one, other, names=names)
     if as_json:
         parted = found.difference
         sizes = [{"templates": name} | asdict(size) for name, size in zip(names, found.sizes, strict=True)]

@@ -136,8 +136,8 @@ def _write_chain(source: Path, target: Path, question: Question) -> None:
     from mcpn.report.failures.drn import drn
 
     study = question.study(source)
-    space = study.alternatives()
-    chain = whole_chain(Prospects(study.mission_net, space), question.max_states, decimal)
+    prospects = Prospects(study.mission_net, study.alternatives(), study.spaces.max_states)
+    chain = whole_chain(prospects, decimal)
     write_atomically(target, drn(chain))
     if question.as_json:
         emit_json({"file": str(target), "states": chain.states, "edges": len(chain.sources), "warnings": []})

@@ -59,7 +59,7 @@ def simulate(
             raise click.UsageError(f"{option} of a mission that is played without --tokens")
         _play_tokens(study, steps, rng, question.as_json)
     else:
-        _play_events(study, events, nominal, steps, rng, question.max_states, question.as_json)
+        _play_events(study, events, nominal, steps, rng, question.as_json)
 
 
 def _play_tokens(study: Study, steps: int | None, rng: random.Random, as_json: bool) -> None:
@@ -87,14 +87,13 @@ def _play_events(
     nominal: bool,
     steps: int | None,
     rng: random.Random,
-    max_states: int | None,
     as_json: bool,
 ) -> None:
     from mcpn.cli.play.events import EventSession
     from mcpn.controller.likelihood import drawn_event, likelihood
     from mcpn.controller.simulator import MAX_VISITED, Simulation
 
-    simulation = Simulation(study.mission_net, max_states or MAX_VISITED)
+    simulation = Simulation(study.mission_net, study.spaces.max_states or MAX_VISITED)
     weight = likelihood(study.mission_net)
     session = EventSession(simulation, quiet=as_json)
     if events is not None:

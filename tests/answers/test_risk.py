@@ -44,7 +44,7 @@ def numbers(found: MissionNet, max_states: int = 5000) -> Risk:
 
 
 def sections_numbers(found: MissionNet, max_states: int = 5000) -> Risk:
-    return risk(Prospects(found, spaces_of(found).space("local", "alternatives")), max_states)
+    return risk(Prospects(found, spaces_of(found).space("local", "alternatives"), max_states))
 
 
 OF_IMPORTANCE = 4 * linear_systems.PRECISION

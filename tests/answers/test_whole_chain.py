@@ -136,7 +136,7 @@ def has_the_numbers_of_its_automaton(drawn: tuple[Mission, float]) -> str:
     """Compares the engines with the automaton and, where it is installed, that with Storm; says the kind."""
     mission_net = composed(scaled(*drawn))
     try:
-        text = drn(whole_chain(whole(mission_net), 2000, decimal))
+        text = drn(whole_chain(whole(mission_net).within(2000), decimal))
     except (SemanticsError, LimitError) as error:
         return type(error).__name__
     automaton = read(text.decode())
@@ -257,12 +257,12 @@ def test_by_a_time_drawn_missions_are_as_the_exponential_says(mission: Mission, 
     mission_net = composed(mission)
     try:
         prospects = whole(mission_net)
-        chain = whole_chain(prospects, 2000)
+        chain = whole_chain(prospects.within(2000))
     except (SemanticsError, LimitError):
         return
     assume(chain.states <= 100)
     found = within(chain, hours)
-    dense = by_exponential(read(drn(whole_chain(prospects, 2000, decimal)).decode()), hours)
+    dense = by_exponential(read(drn(whole_chain(prospects.within(2000), decimal)).decode()), hours)
     for end, value in dense.items():
         assert (getattr(found, end) or 0.0) == pytest.approx(value, rel=0, abs=found.error + 1e-11)
 
@@ -367,7 +367,7 @@ STEP = 2.0**-20
 def test_derivatives_are_those_of_exact_differences(mission: Mission) -> None:
     mission_net = composed(mission)
     try:
-        chain = whole_chain(whole(mission_net), 2000)
+        chain = whole_chain(whole(mission_net).within(2000))
     except (SemanticsError, LimitError):
         return
     assume(chain.states <= 150)
@@ -412,7 +412,7 @@ def test_the_command_tells_an_order_that_is_another(capsys: pytest.CaptureFixtur
 
 def test_derivatives_of_too_many_states_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     prospects, _ = worked(RATED[0])
-    assert slopes_of(prospects, 100) is None
+    assert slopes_of(prospects.within(100)) is None
     assert set(slopes_of(prospects) or {}) == set(prospects.hardware)
 
 
@@ -471,7 +471,7 @@ def test_bounds_hold_for_every_choice_of_rates(mission: Mission, share: float, d
     composed(mission)
     try:
         prospects = explicit(loose)
-        found = bounds(prospects, 2000)
+        found = bounds(prospects.within(2000))
     except (SemanticsError, LimitError):
         return
     assume(prospects.space.everything.count() <= 400)

@@ -198,7 +198,7 @@ def find_causes(
 
     (living, dying), choice = answered(both, spaces.choices("alternatives"))
     step(Doing.FINDING_NEEDS)
-    prospects, cuts = Prospects(mission_net, living), CutSets(mission_net, dying)
+    prospects, cuts = Prospects(mission_net, living, spaces.max_states), CutSets(mission_net, dying)
 
     def causes(goal: Goal[Any], dying: Goal[Any], section: Section | None = None) -> GoalCauses:
         step(Doing.FINDING_CAUSES, objective="the mission" if section is None else goal.name)

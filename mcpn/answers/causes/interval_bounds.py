@@ -38,19 +38,18 @@ ABSOLUTE = 10.0 ** np.arange(-15, -6, 0.5)
 """How much it is enlarged by each step, where it is rounded afterwards."""
 
 
-def bounds(prospects: Prospects[Any], max_states: int | None = None) -> Mapping[str, tuple[float, float]]:
+def bounds(prospects: Prospects[Any]) -> Mapping[str, tuple[float, float]]:
     """Bounds on the probability of each end that hold for every choice of rates in their intervals.
 
     Args:
-        prospects: The mission on its alternatives graph.
-        max_states: Limit on its stable states, which are listed.
+        prospects: The mission on its alternatives graph, whose states are listed.
 
     Raises:
         InputError: An objective that may run has no duration.
         LimitError: There are too many states, or no bounds could be proved.
     """
-    low = whole_chain(prospects, max_states, lambda rate: getattr(rate, "low", rate))
-    high = whole_chain(prospects, max_states, lambda rate: getattr(rate, "high", rate))
+    low = whole_chain(prospects, lambda rate: getattr(rate, "low", rate))
+    high = whole_chain(prospects, lambda rate: getattr(rate, "high", rate))
     found = dict[str, tuple[float, float]]()
     for end, goal in low.ends.items():
         least, most = (float(proved_values(low, high, goal, up=up)[0]) for up in (False, True))

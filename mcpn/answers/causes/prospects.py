@@ -13,11 +13,12 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Set
+from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
 from itertools import chain, product
 from operator import or_
-from typing import Any, Generic, Literal, TypeAlias
+from typing import Any, Generic, Literal, Self, TypeAlias
 
 from mcpn.answers.reentry import Reentry
 from mcpn.answers.verdicts.modes import Mode, Situation, said_by, situation
@@ -168,6 +169,8 @@ class Prospects(Generic[S]):
     Args:
         mission_net: The mission's net, that of the space.
         space: Its alternatives graph.
+        max_states: The user's limit on states of its chains; ``None`` for that of each question. An
+            attribute, too.
 
     Attributes:
         hardware: The hardware that can fail, in the mission's order.
@@ -178,9 +181,10 @@ class Prospects(Generic[S]):
         unrepaired: Those of ``everything`` that repair nothing.
     """
 
-    def __init__(self, mission_net: MissionNet, space: Space[S]) -> None:
+    def __init__(self, mission_net: MissionNet, space: Space[S], max_states: int | None = None) -> None:
         self.mission_net = mission_net
         self.space = space
+        self.max_states = max_states
         self.hardware = tuple(
             h.name for h in mission_net.mission.hardware if ("oos", h.name) in mission_net.by_role
         )
@@ -199,6 +203,12 @@ class Prospects(Generic[S]):
         self._images = ImageStore(len(mission_net.roles))
         self._alike: Alike[Counted] = Alike()
         self._critical: Alike[list[CriticalEvent]] = Alike()
+
+    def within(self, max_states: int | None) -> Self:
+        """The same, with another limit on states of its chains."""
+        other = copy(self)
+        other.max_states = max_states
+        return other
 
     def carrying(self, what: What, element: str = "", reason: str | None = None) -> frozenset[int]:
         """Transitions that carry an event; a failure for any reason or none, unless one is said."""

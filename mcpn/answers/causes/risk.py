@@ -82,13 +82,13 @@ class Risk:
     safety_importance: Mapping[str, float] | None = None
 
 
-def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
+def risk(prospects: Prospects[Any]) -> Risk:
     """The numbers of a mission whose file gives rates and durations.
 
     Args:
         prospects: The mission on its alternatives graph. A probability is one number for each state: of a
-            decision diagram the states are listed, of a composite those of each type of section.
-        max_states: Limit on the states of a chain; :data:`MOST_STATES` by default.
+            decision diagram the states are listed, of a composite those of each type of section: no more
+            than :data:`MOST_STATES`, unless it says another limit.
 
     Returns:
         The ends, degraded modes and importance.
@@ -101,7 +101,7 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
     """
     refuse_unknown(prospects)
     step(Doing.COMPUTING_RISK)
-    limit = MOST_STATES if max_states is None else max_states
+    limit = MOST_STATES if prospects.max_states is None else prospects.max_states
     model = _sections(prospects, limit)
     hardware = {h.name: h for h in prospects.mission_net.mission.hardware}
     rates: dict[Element, tuple[float, float]] = {}

@@ -27,17 +27,18 @@ MOST_STATES_OF_SLOPES = 100_000
 """Stable states of a mission whose derivatives are computed beside its numbers of risk."""
 
 
-def slopes_of(prospects: Prospects[Any], max_states: int | None = None) -> Mapping[str, float] | None:
+def slopes_of(prospects: Prospects[Any]) -> Mapping[str, float] | None:
     """The derivatives of a mission (:func:`slopes`); ``None`` of one with too many states for them.
 
     Args:
-        prospects: The mission on its alternatives graph.
-        max_states: Stable states that it may have; never more than :data:`MOST_STATES_OF_SLOPES`.
+        prospects: The mission on its alternatives graph; it may have no more stable states than it says, and
+            never more than :data:`MOST_STATES_OF_SLOPES`.
     """
-    limit = MOST_STATES_OF_SLOPES if max_states is None else min(max_states, MOST_STATES_OF_SLOPES)
+    said, most = prospects.max_states, MOST_STATES_OF_SLOPES
+    limit = most if said is None else min(said, most)
     if prospects.space.everything.count() > limit:
         return None
-    return slopes(whole_chain(prospects, limit))
+    return slopes(whole_chain(prospects.within(limit)))
 
 
 def slopes(chain: WholeChain) -> Mapping[str, float]:

@@ -70,14 +70,12 @@ class WholeChain:
         return np.asarray(np.logical_or.reduce([*self.ends.values()]), np.bool_)
 
 
-def whole_chain(
-    prospects: Prospects[Any], max_states: int | None = None, number: Callable[[float], Number] = float
-) -> WholeChain:
+def whole_chain(prospects: Prospects[Any], number: Callable[[float], Number] = float) -> WholeChain:
     """The chain of a mission whose file gives rates and durations.
 
     Args:
-        prospects: The mission on its alternatives graph.
-        max_states: Limit on its stable states, which are listed; :data:`MOST_STATES` by default.
+        prospects: The mission on its alternatives graph, whose states are listed: :data:`MOST_STATES` at
+            most, unless it says another limit.
         number: What rates are: ``float``, or :func:`mcpn.answers.causes.chain.decimal` for fractions
             that are exactly what the file says.
 
@@ -86,7 +84,7 @@ def whole_chain(
         LimitError: There are too many states to be listed.
     """
     refuse_unknown(prospects)
-    prospects = _listed(prospects, MOST_STATES if max_states is None else max_states)
+    prospects = _listed(prospects, MOST_STATES if prospects.max_states is None else prospects.max_states)
     net, hardware = prospects.mission_net, prospects.hardware
     known = {h.name: h for h in net.mission.hardware}
     demands = [number(known[name].demand_probability or 0.0) for name in hardware]

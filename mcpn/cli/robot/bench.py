@@ -90,7 +90,7 @@ def bench(
     elif script:
         why = "a script of faults is played"
     else:
-        numbers, why = _risk(study, question.max_states)
+        numbers, why = _risk(study)
     told = {
         "mission": controller.mission,
         "form": controller.form,
@@ -153,14 +153,14 @@ def _generated(target: str, document: dict[str, Any], folder: Path) -> Generated
     return Program(document, target, folder)
 
 
-def _risk(study: Study, max_states: int | None) -> tuple[Risk | None, str | None]:
+def _risk(study: Study) -> tuple[Risk | None, str | None]:
     """The numbers of risk, or why there are none."""
     if any(study.mission_net.graph.timed):
         return None, "numbers of risk know no timeouts"
     try:
         from mcpn.answers.causes.risk import risk
 
-        return risk(study.causes().prospects, max_states), None
+        return risk(study.causes().prospects), None
     except (LimitError, InputError) as error:
         return None, str(error).partition("\n")[0]
 

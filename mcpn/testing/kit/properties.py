@@ -203,10 +203,11 @@ def behaves_as(templates: TemplateSet, *, name: str = "the others") -> Property:
     """
 
     def holds(subject: Subject) -> None:
-        other = MissionSpaces(compose(subject.mission_net.mission, templates), templates=templates)
+        composed = compose(subject.mission_net.mission, templates)
+        other = MissionSpaces(composed, templates=templates).bound(max_states=MOST_MARKINGS)
         names = ("these", name)
         try:
-            found = likeness_of(subject.spaces, other, names=names, max_states=MOST_MARKINGS)
+            found = likeness_of(subject.spaces.bound(max_states=MOST_MARKINGS), other, names=names)
         except SemanticsError as error:
             raise Violation(str(error), error.runs, subject.net) from None
         if found.difference is not None:
