@@ -7,7 +7,6 @@ from collections.abc import Collection, Iterator, Mapping
 
 from mcpn.did_you_mean import Hints
 from mcpn.errors import Problem, Source
-from mcpn.mission.expansion.guards import guard_problems, of_branches
 from mcpn.mission.expansion.helpers import problems as recoveries
 from mcpn.mission.expansion.left_by_facts import becoming_problems, of_missions
 from mcpn.mission.expansion.pauses import no_siblings, pause_problems
@@ -30,6 +29,7 @@ from mcpn.mission.model import (
     Use,
     walk,
 )
+from mcpn.mission.passes.guards import guard_problems, of_branches
 from mcpn.mission.passes.name_clashes import clashes
 from mcpn.mission.reason_errors import ReasonChecks
 from mcpn.mission.robot import Activity, Element
@@ -162,8 +162,18 @@ class BlockErrors:
             if (handler.goto is None) == (handler.pause is None):
                 found = "nowhere" if handler.goto is None else f"to {handler.goto} and pauses"
                 yield Problem(handler.source, f"{what} leads {found}; expected one of goto and pause")
-            elif handler.goto is not None:
-                yield from self._route(handler.source, what, handler.goto, names)
+            for target in handler.targets if handler.pause is None else ():
+                yield from self._route(handler.source, what, target, names)
+            yield from self._chosen(what, handler)
+
+    def _chosen(self, what: str, handler: Handler) -> Iterator[Problem]:
+        """What is wrong with the routes of a handler, as core missions have them."""
+        for each in handler.routes:
+            if not self.mission.core:
+                yield Problem(each.source, f"{what} has a route, though the mission is no core mission")
+            elif handler.pause is not None or not each.when or (each.on, each.reason) != ("success", None):
+                expected = "expected one with goto and when alone, of a handler that leaves its block"
+                yield Problem(each.source, f"{what} has a route that is none of a handler; {expected}")
 
     def _each(self, block: Each) -> Iterator[Problem]:
         if not block.values:

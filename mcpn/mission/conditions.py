@@ -65,6 +65,21 @@ def resolved(texts: Iterable[str], facts: Mapping[str, Fact]) -> Condition:
     return tuple(found.items())
 
 
+def in_words(condition: Condition, facts: Mapping[str, Fact]) -> tuple[str, ...]:
+    """The words of a condition, as :func:`resolved` reads them.
+
+    Examples:
+        >>> facts = {"door": Fact(name="door", values=("closed", "open")), "holding": Fact(name="holding")}
+        >>> in_words((("door", "open"), ("holding", "false")), facts)
+        ('door=open', '!holding')
+    """
+    short = {"true": "{}", "false": "!{}"}
+    return tuple(
+        short[value].format(fact) if is_boolean(facts[fact]) else f"{fact}={value}"
+        for fact, value in condition
+    )
+
+
 def objective_done(name: str) -> str | None:
     """The objective of which a fact says whether it has succeeded before; ``None`` for other facts.
 
@@ -86,6 +101,8 @@ def conditions(mission: Mission) -> Iterator[str]:
         for block in walk(blocks):
             for handler in block.handlers:
                 yield from handler.when
+                for route in handler.routes:
+                    yield from route.when
             for guard in block.guards:
                 yield from guard.when
             for route in block.routes:

@@ -8,7 +8,7 @@ from functools import cached_property
 from mcpn.did_you_mean import Hints, did_you_mean
 from mcpn.errors import Problem, Source
 from mcpn.mission.conditions import is_boolean, objective_done, word
-from mcpn.mission.language.datatypes import CONDITION, OCCASION, OUTCOME, VALUE
+from mcpn.mission.language.datatypes import CONDITION, CORE_OUTCOME, OCCASION, OUTCOME, VALUE
 from mcpn.mission.model import Block, Handler, Mission, Objective, Parallel, Use, walk
 from mcpn.mission.robot import Fact, FactChange
 
@@ -76,9 +76,9 @@ class _FactChecks:
                 who = f"a route of {block.name} asks for"
                 yield from self.condition(route.source, who, route.when)
                 yield from self.both(route.source, who, route.when)
-                if not OUTCOME.allows(route.on):
+                if not (outcome := CORE_OUTCOME if mission.core else OUTCOME).allows(route.on):
                     found = f"on of a route of {block.name} is {route.on}"
-                    yield Problem(route.source, f"{found}, expected {OUTCOME.allowed}")
+                    yield Problem(route.source, f"{found}, expected {outcome.allowed}")
             if isinstance(block, Objective) and block.sets:
                 yield from self.changes(f"objective {block.name}", block.sets)
                 yield from self.at_starts(block)
@@ -172,6 +172,9 @@ class _FactChecks:
                 who = f"<on when> of {owner} asks for"
                 yield from self.condition(handler.source, who, handler.when)
                 yield from self.both(handler.source, who, handler.when)
+            for route in handler.routes:
+                yield from self.condition(route.source, f"a route of {owner} asks for", route.when)
+                yield from self.both(route.source, f"a route of {owner} asks for", route.when)
             if handler.event in self.changing:
                 message = f"the event {handler.event} changes facts: it interrupts nothing by itself"
                 remedy = "handle what the facts become, with <on when=...>"

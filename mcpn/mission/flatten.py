@@ -1,7 +1,7 @@
 """From the core mission to the objectives graph: recursion replaced by its contents (paper, 5.1 and Fig. 5).
 
 Copies are written out before, by the passes of :mod:`mcpn.mission.passes`. Here routes find the sections that
-they lead to: through the exits of blocks, past guards, as facts and reasons decide; handlers come to the
+they lead to: through the exits of blocks, as facts and reasons decide; handlers come to the
 sections that they interrupt; and siblings are copied that run while others pause.
 
 Parallel blocks are kept as sections, each branch with a graph of its own. Routes that facts choose become
@@ -16,8 +16,7 @@ from dataclasses import replace
 from mcpn.errors import InputError
 from mcpn.mission.conditions import facts_of, resolved
 from mcpn.mission.expansion.copies import Copies
-from mcpn.mission.expansion.destinations import Destination, Destinations, Named, deciding
-from mcpn.mission.expansion.guards import guarded
+from mcpn.mission.expansion.destinations import Destination, Destinations, Named, by_facts, deciding
 from mcpn.mission.expansion.helpers import entered, following, helping
 from mcpn.mission.expansion.left_by_facts import refuse_paused
 from mcpn.mission.expansion.pauses import PAUSE, end_of_pause, suffix_at, with_pause_graph
@@ -126,7 +125,7 @@ class _Flattening:
 
         Copies of a block, which ``whole`` names by its stem, fail for reasons where it says that they lead.
         """
-        routes = guarded(blocks, self.entry, exits, self.facts)
+        routes = {block.name: Destination(self.entry(block)) for block in blocks} | exits
         scope = self.handling(scope, around, routes, "")
         after, siblings = following(blocks), {block.name: block for block in blocks}
         aside = helping(blocks)
@@ -208,6 +207,8 @@ class _Flattening:
         success, failure = ways
         late = by.timeout_goto
         leads = Destinations(success, failure, routes[by.abort or ABORT], routes[late] if late else failure)
+        outwards = replace(by, routes=tuple(each for each in by.routes if each.on in ("abort", "timeout")))
+        leads = deciding(outwards, routes, leads, {}, self.facts)
         leads = leads._replace(becoming=self.becoming(by, routes))
         self.block(by, self.handling(scope, by.handlers, routes, by.written), leads, sections)
 
@@ -231,14 +232,15 @@ class _Flattening:
         found = []
         for handler in block.handlers:
             if handler.when:
-                lead, when = routes[handler.goto or ABORT], resolved(handler.when, self.facts)
+                lead, when = self.leading(handler, routes), resolved(handler.when, self.facts)
                 found.append((Becoming(when, lead.target, handler.source), lead))
         return tuple(found)
 
     def leading(self, handler: Handler, routes: Mapping[str, Destination]) -> Destination:
         """Where a handler leads; for a pause a placeholder, which :meth:`paused` replaces by a copy."""
-        if handler.pause is None:
-            return routes[handler.goto or ABORT]  # a valid one has one of the two
+        if handler.pause is None:  # a valid one has one of the two
+            cases = ((resolved(each.when, self.facts), routes[each.goto]) for each in handler.routes)
+            return by_facts(cases, routes[handler.goto or ABORT])
         self.pauses[mark := f"{PAUSE}{len(self.pauses)}"] = handler.pause
         return Destination(mark)
 

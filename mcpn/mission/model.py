@@ -77,6 +77,24 @@ WHOLE = ".0"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class FactRoute(Described):
+    """Where the block around it leads when facts are so as it ends, or as it fails for a reason.
+
+    The first that fits counts, of those that name the reason before others.
+    """
+
+    TAG = "route"
+    when: Annotated[When, "Facts that must all hold: battery=low !holding. Required without reason."] = ()
+    goto: Annotated[str, ROUTE, "Where the block leads."]
+    on: Annotated[str, OUTCOME, "The outcome of the block."] = "success"
+    reason: Annotated[
+        ReasonName,
+        "With on=failure: one of the failures of an objective in the block. The route is followed at once, "
+        "before any further try or recovery.",
+    ] = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Handler(Described):
     """What the block around it does when an event happens, or facts become so, while it runs.
 
@@ -105,24 +123,12 @@ class Handler(Described):
         "true: it is taken at most once in the whole mission, in whichever copy of the block; then the next "
         "handler outwards counts.",
     ] = False
+    routes: Annotated[tuple[FactRoute, ...], Core()] = ()
 
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class FactRoute(Described):
-    """Where the block around it leads when facts are so as it ends, or as it fails for a reason.
-
-    The first that fits counts, of those that name the reason before others.
-    """
-
-    TAG = "route"
-    when: Annotated[When, "Facts that must all hold: battery=low !holding. Required without reason."] = ()
-    goto: Annotated[str, ROUTE, "Where the block leads."]
-    on: Annotated[str, OUTCOME, "The outcome of the block."] = "success"
-    reason: Annotated[
-        ReasonName,
-        "With on=failure: one of the failures of an objective in the block. The route is followed at once, "
-        "before any further try or recovery.",
-    ] = None
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """Where it leads, whatever facts are; of a pause nowhere."""
+        return () if self.goto is None else (self.goto, *(route.goto for route in self.routes))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)

@@ -7,7 +7,6 @@ from typing import Literal, TypeVar
 
 from hypothesis import strategies as st
 
-from mcpn.mission.expansion.guards import guard_problems
 from mcpn.mission.expansion.helpers import helping, problems
 from mcpn.mission.expansion.left_by_facts import becoming_problems, left_by_facts
 from mcpn.mission.expansion.pauses import pause_problems
@@ -28,6 +27,7 @@ from mcpn.mission.model import (
     Use,
     walk,
 )
+from mcpn.mission.passes.guards import guard_problems
 from mcpn.mission.reason_errors import ReasonChecks
 from mcpn.mission.reasons import is_whole, reason
 from mcpn.mission.robot import DeclaredEvent, Robot

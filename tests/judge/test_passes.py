@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from mcpn.mission.model import Each, Mission, walk
+from mcpn.mission.model import Each, EntryGuard, Handler, Mission, Recursive, walk
 from mcpn.mission.passes import PASSES, core
 from mcpn.testing.elements import (
     EARLY,
@@ -22,6 +22,8 @@ from mcpn.testing.elements import (
 from mcpn.testing.judge.interpreter import Happening, Interpreter, State, Undetermined
 from tests.draws import fewer
 from tests.judge.test_early import ANY, DOOMED, DOOMED_ALL, FAILS_ONE, FAILS_TWO, RACE, SECOND_FAILS
+from tests.judge.test_guards import DOORS, ROBOT, go
+from tests.small import mission
 
 MOST_STATES = 40
 WRITTEN_OUT = st.one_of(
@@ -29,16 +31,16 @@ WRITTEN_OUT = st.one_of(
 )
 
 
-def pauses(mission: Mission) -> bool:
+def pauses(of: Mission) -> bool:
     """Whether blocks pause: copies of what runs meanwhile are named as the graph is made, by no pass."""
-    texts = (mission.blocks, *(protocol.blocks for protocol in mission.protocols))
+    texts = (of.blocks, *(protocol.blocks for protocol in of.protocols))
     every = [block for blocks in texts for block in walk(blocks)]
     return any(handler.pause for block in every for handler in block.handlers)
 
 
-def whole_names_copied(mission: Mission) -> bool:
+def whole_names_copied(of: Mission) -> bool:
     """Whether blocks have copies still that hold names written out: the page says no names of such copies."""
-    every = [*walk(mission.blocks)]
+    every = [*walk(of.blocks)]
     helpers = {block.recover for block in every}
     copied = [
         b
@@ -77,16 +79,31 @@ def alike(one: Interpreter, other: Interpreter) -> int:
 
 @fewer(0.4)
 @given(WRITTEN_OUT)
-def test_the_judge_gives_the_same_before_and_after_each_pass(mission: Mission) -> None:
-    assume(not pauses(mission))
-    judge, last = Interpreter(mission), mission
+def test_the_judge_gives_the_same_before_and_after_each_pass(of: Mission) -> None:
+    assume(not pauses(of))
+    judge, last = Interpreter(of), of
     for rewrite in PASSES:
-        rewritten = core(mission, until=rewrite.__name__)
+        rewritten = core(of, until=rewrite.__name__)
         if rewritten.blocks != last.blocks and not whole_names_copied(rewritten):
             alike(judge, Interpreter(rewritten))
         last = rewritten
 
 
 def test_the_judge_gives_the_same_before_and_after_early_ends_are_counted() -> None:
-    for mission in (ANY, RACE, FAILS_TWO, FAILS_ONE, SECOND_FAILS, DOOMED, DOOMED_ALL):
-        assert alike(Interpreter(mission), Interpreter(core(mission, until="early_ends"))) > 1
+    for each in (ANY, RACE, FAILS_TWO, FAILS_ONE, SECOND_FAILS, DOOMED, DOOMED_ALL):
+        assert alike(Interpreter(each), Interpreter(core(each, until="early_ends"))) > 1
+
+
+def test_the_judge_gives_the_same_before_and_after_guards_are_written_out() -> None:
+    """They are asked after all outcomes, abort and time among them, on an event, and as facts become so."""
+    hold = EntryGuard(when=("held",), otherwise="d"), EntryGuard(when=("door=open",), otherwise="fail")
+    leaves = Handler(event="call", goto="b"), Handler(when=("door=ajar",), goto="b")
+    within = Recursive(name="w", blocks=(go("x", failure="abort"),), abort="b", success="b")
+    timed = go("t", timeout=5.0, timeout_goto="b", success="succeed", failure="w")
+    of = mission(
+        ROBOT, go("a", handlers=leaves, failure="b", success="t"), timed, within, go("b", *hold), go("d")
+    )
+    for each in (of, DOORS):
+        rewritten = core(each, until="guards")
+        assert not [block for block in walk(rewritten.blocks) if block.guards]
+        assert alike(Interpreter(each), Interpreter(rewritten)) > 10

@@ -13,8 +13,9 @@ from mcpn.errors import InputError
 from mcpn.mission.expansion.copies import Copies
 from mcpn.mission.expansion.helpers import problems
 from mcpn.mission.flatten import flatten
-from mcpn.mission.model import Each, Mission, Objective, Parallel, Recursive, Use, walk
+from mcpn.mission.model import Each, FactRoute, Handler, Mission, Objective, Parallel, Recursive, Use, walk
 from mcpn.mission.passes import PASSES, core
+from mcpn.mission.robot import DeclaredEvent, Fact
 from mcpn.mission.writer import write_mission
 from mcpn.mission.xml import read_mission
 from mcpn.testing.elements import WIDEST
@@ -114,6 +115,68 @@ def test_a_block_that_recovers_becomes_its_runs_with_copies_of_the_sibling_betwe
     path.write_bytes(write_mission(written).replace(b'fails_as="take_run3"', b'fails_as="shelter"'))
     with pytest.raises(InputError, match="fails_as of take_run1 names shelter; expected"):
         read_mission(path)
+
+
+GUARDED = """<objective name="take" activities="a" timeout="9" timeout_goto="put" failure="put">
+    <route when="sunny" goto="put"/>
+    <on event="stop" goto="put"/>
+  </objective>
+  <objective name="put" activities="a">
+    <enter when="!sunny" else="rest"/>
+    <enter when="held" else="fail"/>
+  </objective>
+  <objective name="rest" activities="a" success="succeed"/>
+  <objective name="spare" activities="a" success="succeed"><enter when="held" else="rest"/></objective>"""
+
+
+def test_guards_become_facts_by_which_what_leads_to_them_chooses(tmp_path: Path) -> None:
+    facts = '<fact name="sunny"/><fact name="held"/>'
+    robot = f'<robot name="r">{facts}<event name="stop"/><activity name="a"/></robot>'
+    path = tmp_path / "m.xml"
+    path.write_text(f'<mission name="m" xmlns="urn:mcpn:mission:1">{robot}{GUARDED}</mission>')
+    written = core(read_mission(path), until="guards")
+    take, *others = written.blocks
+    cases = [("!sunny held", "put"), ("!sunny", "fail without reason")]
+    assert [(r.on, " ".join(r.when), r.goto) for r in take.routes] == [
+        ("success", "sunny", "rest"),  # while it is sunny no guard of put holds
+        *(("success", when, goto) for when, goto in cases),
+        *(("failure", when, goto) for when, goto in cases),
+        *(("timeout", when, goto) for when, goto in cases),
+    ]
+    assert (take.success, take.failure, take.timeout_goto) == ("rest", "rest", "rest")
+    assert [(" ".join(r.when), r.goto) for h in take.handlers for r in h.routes] == cases
+    assert [h.goto for h in take.handlers] == ["rest"]
+    assert [(block.name, len(block.guards)) for block in others] == [("put", 0), ("rest", 0), ("spare", 1)]
+    path.write_bytes(text := write_mission(written))
+    assert b'on="timeout"' in text
+    assert read_mission(path) == written
+    path.write_bytes(text.replace(b' core="true"', b""))
+    with pytest.raises(InputError, match=r"on of <route> is 'timeout'"):
+        read_mission(path)
+
+
+@pytest.mark.parametrize(
+    ("said", "found"),
+    [
+        ({"goto": "abort"}, "a route, though the mission is no core mission"),
+        ({"pause": "b"}, "a route, though the mission is no core mission"),
+    ],
+)
+def test_handlers_of_authors_have_no_routes(said: dict[str, str], found: str) -> None:
+    routes = (FactRoute(when=("sunny",), goto="b"),)
+    handler = Handler(event="stop", routes=routes, **said)  # type: ignore[arg-type]
+    first = Objective(name="o", activities=("a",), handlers=(handler,))
+    blocks = first, Objective(name="b", activities=("a",))
+    of = replace(
+        robot((), activity("a", ())),
+        facts=(Fact(name="sunny"),),
+        events=(DeclaredEvent(name="stop"),),
+    )
+    with pytest.raises(InputError, match=found):
+        flatten(mission(of, *blocks))
+    if "pause" in said:
+        with pytest.raises(InputError, match="has a route that is none of a handler"):
+            flatten(replace(mission(of, *blocks), core=True))
 
 
 def test_a_mission_built_in_python_says_that_it_is_a_core_mission() -> None:

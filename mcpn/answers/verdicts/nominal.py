@@ -351,11 +351,11 @@ def _led_as_meant(section: Section, failing: Set[str]) -> Iterator[str]:
 
 def _helpers(mission: Mission) -> Iterator[Written]:
     """The blocks that a text leads to by anything but success, and those that are run for others."""
-    yield from (("", handler.goto) for handler in mission.handlers if handler.goto is not None)
+    yield from (("", target) for handler in mission.handlers for target in handler.targets)
     for text, blocks in (("", mission.blocks), *((p.name, p.blocks) for p in mission.protocols)):
         for block in walk(blocks):
             late = block.timeout_goto
-            events = (target for handler in block.handlers for target in (handler.goto, handler.pause))
+            events = (target for handler in block.handlers for target in (*handler.targets, handler.pause))
             chosen = (
                 *(guard.otherwise for guard in block.guards),
                 *(route.goto for route in block.routes),

@@ -248,10 +248,10 @@ def targets(mission: Mission) -> Mapping[str, frozenset[Written]]:
         for handler in handlers:
             if handler.event is None:
                 continue
-            led = (owner[0], handler.goto or handler.pause or "")
             leads = found.setdefault(handler.event, set())
-            if led in blocks:
-                leads.add(led)
-            elif led[1] == ABORT and owner[1]:
-                leads.update(caught(owner))
+            for target in handler.targets or (handler.pause or "",):
+                if (owner[0], target) in blocks:
+                    leads.add((owner[0], target))
+                elif target == ABORT and owner[1]:
+                    leads.update(caught(owner))
     return {event: frozenset(leads) for event, leads in found.items()}

@@ -6,6 +6,7 @@ routes before them, with their conditions on facts and their reasons.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
@@ -153,7 +154,7 @@ def deciding(
     facts: Mapping[str, Fact],
 ) -> Destinations:
     """The leads of a block, its routes with a condition on facts or a reason put before the others."""
-    own: dict[str, list[tuple[Condition, str]]] = {"success": [], "failure": []}
+    own = defaultdict[str, list[tuple[Condition, str]]](list)
     named = {reason: list[tuple[Condition, str]]() for reason in reasons_led(exits)}
     for route in block.routes:
         decided = own[route.on] if route.reason is None else named.setdefault(route.reason, [])
@@ -166,14 +167,14 @@ def deciding(
     ) -> tuple[tuple[Condition, Destination], ...]:
         return tuple((when, failing if goto == FAIL else routes[goto]) for when, goto in cases)
 
-    success = by_facts(led(own["success"], routes[FAIL]), leads.success)
-    failure = by_facts(led(own["failure"], routes[FAIL]), leads.failure)
+    success, failure, abort, late = (
+        by_facts(led(own[on], routes[FAIL]), lead)
+        for on, lead in zip(("success", "failure", "abort", "timeout"), leads[:4], strict=True)
+    )
     found = dict[str, Named]()
     for reason, cases in named.items():
         # What fails so fails the block around for the same reason.
         around = exits.get(failing_for(reason), routes[FAIL])
         default = around if block.failure in (None, FAIL) else leads.failure
         found[reason] = Named(led(cases, around), by_facts(led(own["failure"], around), default))
-    return Destinations(
-        success, failure, leads.abort, leads.timed_out if block.timeout_goto else failure, found
-    )
+    return Destinations(success, failure, abort, late if block.timeout_goto else failure, found)

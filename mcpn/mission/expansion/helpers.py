@@ -55,7 +55,7 @@ def following(siblings: Sequence[Block]) -> dict[str, str]:
 def entered(siblings: Sequence[Block], around: Sequence[Handler]) -> set[str]:
     """The siblings that are the first, or that a route of one of them, or of a handler around, names."""
     routes = _routes(siblings)
-    led = (handler.goto for handler in around if handler.goto is not None)
+    led = (target for handler in around for target in handler.targets)
     return {siblings[0].name, *led}.union(*routes.values())
 
 
@@ -110,7 +110,7 @@ def _last_runs(
 
 def _behind(name: str, routes: Mapping[str, Sequence[str]], around: Sequence[Handler]) -> Collection[str]:
     """The siblings that routes lead to from the sibling of this name, directly or not, its recovery aside."""
-    stack = [*routes[name], *(handler.goto for handler in around if handler.goto is not None)]
+    stack = [*routes[name], *(target for handler in around for target in handler.targets)]
     seen = set[str]()
     while stack:
         if (at := stack.pop()) in routes and at not in seen:
@@ -138,4 +138,4 @@ def _routes(siblings: Sequence[Block]) -> dict[str, list[str]]:
 def _elsewhere(block: Block) -> list[str | None]:
     """Where a block leads otherwise than by success and failure."""
     late = block.timeout_goto
-    return [block.abort, late, *(handler.goto for handler in block.handlers)]
+    return [block.abort, late, *(target for handler in block.handlers for target in handler.targets)]

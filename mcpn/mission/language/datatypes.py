@@ -276,6 +276,8 @@ QUORUM = Datatype(
 )
 TRUTH = _one_of("truth", "holds", "fails")
 OUTCOME = _one_of("outcome", "success", "failure")
+CORE_OUTCOME = _one_of("outcome", "success", "failure", "abort", "timeout")
+"""What facts choose routes on in core missions."""
 STATUS = _one_of("status", "service", "oos")
 DETECTION = _one_of("detection", "at_once", "late")
 NOMINAL = _one_of("nominal", "entered", "endless", "optional", "fails", "unknown")

@@ -13,7 +13,15 @@ from inspect import get_annotations
 from types import UnionType
 from typing import Any, NamedTuple, TypeAlias, TypeVar, Union, get_args, get_origin
 
-from mcpn.mission.language.datatypes import BY_CLASS, CORE_NAME, Called, Children, Core, Datatype
+from mcpn.mission.language.datatypes import (
+    BY_CLASS,
+    CORE_NAME,
+    CORE_OUTCOME,
+    Called,
+    Children,
+    Core,
+    Datatype,
+)
 from mcpn.mission.model import BlockElement, Import, Mission, Protocols
 from mcpn.mission.robot import Described, Element, Robot
 
@@ -24,6 +32,9 @@ GROUPS: tuple[type[Described], ...] = (Described, Element, BlockElement)
 """Classes whose attributes several elements have."""
 _Element: TypeAlias = type[Described]
 _Note = TypeVar("_Note")
+
+
+_IN_CORE = {datatype.name: datatype for datatype in (CORE_NAME, CORE_OUTCOME)}
 
 
 class Field(NamedTuple):
@@ -86,9 +97,8 @@ class Field(NamedTuple):
                 yield self.children.inside or member
 
     def in_core(self) -> Field:
-        """The same in core missions, where names may be qualified."""
-        datatype = self.datatype
-        return self._replace(type=CORE_NAME if datatype.name == CORE_NAME.name else datatype)
+        """The same in core missions, where names may be qualified, and facts choose more routes."""
+        return self._replace(type=_IN_CORE.get(self.datatype.name, self.datatype))
 
 
 class Form(NamedTuple):

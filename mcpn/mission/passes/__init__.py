@@ -5,9 +5,9 @@ one after the other, parallel blocks and elementary objectives, each with the na
 (``visit_12.travel_try2``). Such a mission is a *core mission* (``core="true"`` in files): its names may be
 qualified, and blocks say by ``copy`` which copy of what is written they are.
 
-What no mission says remains for the objectives graph (:mod:`mcpn.mission.flatten`): that a guard holds for
-handlers, which have one target alone; for which reason blocks fail; and copies of siblings that run while
-others pause: they stand outside the block that they lead back into.
+What no mission says remains for the objectives graph (:mod:`mcpn.mission.flatten`): for which reason blocks
+fail; and copies of siblings that run while others pause: they stand outside the block that they lead back
+into.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from dataclasses import replace
 from mcpn.mission.model import Mission
 from mcpn.mission.passes.each import each
 from mcpn.mission.passes.early_ends import early_ends
+from mcpn.mission.passes.guards import guards
 from mcpn.mission.passes.limits import measure
 from mcpn.mission.passes.parameters import parameters
 from mcpn.mission.passes.recovery import recovery
@@ -34,6 +35,7 @@ PASSES: tuple[Callable[[Mission], Mission], ...] = (
     each,
     timeouts,
     recovery,
+    guards,
     early_ends,
     parameters,
 )

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from mcpn.mission.graph import TIMED_OUT
-from mcpn.mission.model import WHOLE, Block, Each, Handler, Parallel, Recursive
+from mcpn.mission.model import WHOLE, Block, Each, FactRoute, Handler, Parallel, Recursive
 from mcpn.mission.passes.rewriting import alone, common
 
 
@@ -84,9 +84,7 @@ def led(block: Block, names: Mapping[str, str]) -> dict[str, Any]:
             replace(guard, otherwise=names.get(guard.otherwise, guard.otherwise)) for guard in block.guards
         )
     if block.routes:
-        changes["routes"] = tuple(
-            replace(each, goto=names.get(each.goto, each.goto)) for each in block.routes
-        )
+        changes["routes"] = _routed(block.routes, names)
     if block.handlers:
         changes["handlers"] = handled(block.handlers, names)
     return changes
@@ -105,9 +103,14 @@ def handled(handlers: Iterable[Handler], names: Mapping[str, str]) -> tuple[Hand
             goto=handler.goto and names.get(handler.goto, handler.goto),
             pause=handler.pause and names.get(handler.pause, handler.pause),
             fails_as=handler.fails_as and names.get(handler.fails_as, handler.fails_as),
+            routes=_routed(handler.routes, names),
         )
         for handler in handlers
     )
+
+
+def _routed(routes: Iterable[FactRoute], names: Mapping[str, str]) -> tuple[FactRoute, ...]:
+    return tuple(replace(each, goto=names.get(each.goto, each.goto)) for each in routes)
 
 
 def one_copy(block: Block, **without: Any) -> Block:

@@ -155,7 +155,7 @@ def _vain(mission: Mission) -> Iterator[Problem]:
     def leads_out(block: Block) -> bool:
         """Whether a block aborts what it stands in."""
         ends = (block.success, block.failure, block.timeout_goto)
-        routes = [*ends, *(handler.goto for handler in block.handlers)]
+        routes = [*ends, *(target for handler in block.handlers for target in handler.targets)]
         routes += [*(route.goto for route in block.routes), *(guard.otherwise for guard in block.guards)]
         return ABORT in routes or (block.abort in (None, ABORT) and aborts(block))
 

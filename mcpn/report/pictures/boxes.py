@@ -145,7 +145,7 @@ class _Building:
 def facts_said(routes: Iterable[FactRoute]) -> Iterator[tuple[FactRoute, str]]:
     """Routes with a condition on facts or a reason, each with a label that says it."""
     for route in routes:
-        said = [route.on] if route.on == "failure" else []
+        said = [route.on] if route.on != "success" else []
         said += [f"for {route.reason}"] if route.reason is not None else []
         said += [f"when {' '.join(route.when)}"] if route.when else []
         yield route, " ".join(said)

@@ -318,14 +318,13 @@ def _own_events(box: Box) -> list[tuple[str, str, str]]:
 
 def _on_events(box: Box) -> list[tuple[str, str, str]]:
     """The lanes of what a box does on events."""
-    return [
-        (
-            "event",
-            f"{'pauses on' if h.pause else 'on'} {h.event or ' '.join(h.when)}" + (" once" if h.once else ""),
-            h.pause or h.goto or ABORT,
-        )
-        for h in box.handlers
-    ]
+    lanes = list[tuple[str, str, str]]()
+    for handler in box.handlers:
+        said = f"{'pauses on' if handler.pause else 'on'} {handler.event or ' '.join(handler.when)}"
+        said += " once" if handler.once else ""
+        lanes += (("event", f"{said} when {' '.join(each.when)}", each.goto) for each in handler.routes)
+        lanes.append(("event", said, handler.pause or handler.goto or ABORT))
+    return lanes
 
 
 def _labelled(box: Box) -> list[list[tuple[str, str, str]]]:

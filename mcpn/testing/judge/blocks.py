@@ -255,7 +255,8 @@ class _Writing:
         found.success, found.failure = success, failing.failure or FAIL
         found.abort, found.handlers, found.helper = by.abort or ABORT, by.handlers, True
         on_failure = (route for route in failing.routes if route.on == "failure")
-        found.deciding = tuple(route for route in on_failure if route.reason is None)
+        outwards = (route for route in by.routes if route.on in ("abort", "timeout"))
+        found.deciding = (*(route for route in on_failure if route.reason is None), *outwards)
         found.timed_out = by.timeout_goto
         return found
 

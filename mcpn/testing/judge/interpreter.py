@@ -230,7 +230,7 @@ class Interpreter:
             state = replace(state, happened=state.happened | once)
             for node, handler in found:
                 if handler.pause is None:
-                    routes.append((node, handler.goto or ABORT))
+                    routes.append((node, chosen(state, handler)))
                 else:
                     pause_graph, at = self.paused(node, handler, state), self.within(node, state)
                     state = replace(state, paused=state.paused | {(pause_graph.name, at)})
@@ -277,7 +277,7 @@ class Interpreter:
         new = state.facts - before.facts
         while True:
             becoming = (
-                (node, handler.goto or ABORT)
+                (node, chosen(state, handler))
                 for node in self.left_by_facts
                 if node in state.under_way and self.runs(node, state)
                 for handler in node.handlers
@@ -503,6 +503,11 @@ def unnamed(exit_: str) -> str:
     return FAIL if exit_.startswith(f"{FAIL} ") else exit_
 
 
+def chosen(state: State, handler: Handler) -> str:
+    """Where a handler leads as facts are; those of core missions may have several targets."""
+    return next((r.goto for r in handler.routes if so(state.facts, r.when)), handler.goto or ABORT)
+
+
 def led(state: State, node: WrittenBlock, by: str) -> tuple[WrittenBlock, str | WrittenBlock]:
     """Where an outcome of a block leads: the first of its routes whose facts are so, else the default.
 
@@ -513,7 +518,8 @@ def led(state: State, node: WrittenBlock, by: str) -> tuple[WrittenBlock, str | 
         The block that is left, the whole one where a route of that counts, and the route.
     """
     if by == TIMED_OUT and node.timed_out is not None:
-        return node, node.timed_out
+        late = (r.goto for r in node.deciding if r.on == TIMEOUT and so(state.facts, r.when))
+        return node, next(late, node.timed_out)
     whole, by = node, unnamed(by) if node.helper else by
     while unnamed(by) != by:
         for route in whole.deciding:
@@ -523,7 +529,7 @@ def led(state: State, node: WrittenBlock, by: str) -> tuple[WrittenBlock, str | 
             break
         assert whole.parent is not None
         whole = whole.parent
-    outcome = {SUCCEED: SUCCESS, FAIL: FAILURE, TIMED_OUT: FAILURE}.get(unnamed(by))
+    outcome = {SUCCEED: SUCCESS, FAIL: FAILURE, TIMED_OUT: FAILURE, ABORT: ABORT}.get(unnamed(by))
     asked = (r for r in node.deciding if r.on == outcome and r.reason is None)
     ways = {SUCCEED: node.success, FAIL: node.failure, TIMED_OUT: node.failure, ABORT: node.abort}
     to = next((route.goto for route in asked if so(state.facts, route.when)), ways[unnamed(by)])
@@ -537,7 +543,9 @@ def _read_of_objectives(mission: Mission) -> Iterator[str]:
     texts = (mission.blocks, *(protocol.blocks for protocol in mission.protocols))
     every = [block for blocks in texts for block in walk(blocks)]
     whens += [guard.when for block in every for guard in block.guards]
-    whens += [handler.when for block in every for handler in block.handlers]
+    handlers = [handler for block in every for handler in block.handlers]
+    whens += [handler.when for handler in handlers]
+    whens += [route.when for handler in handlers for route in handler.routes]
     whens += [route.when for block in every for route in block.routes]
     yield from (word.lstrip("!").partition("=")[0] for when in whens for word in when if "done(" in word)
 
