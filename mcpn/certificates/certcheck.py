@@ -97,8 +97,8 @@ def unpacked(path: str) -> dict[str, bytes]:
     return entries
 
 
-def parsed(entries: dict[str, bytes], name: str) -> Json:
-    """An entry of JSON, without fractions, numbers of more than 18 digits, or keys that are there twice."""
+def parsed(entries: dict[str, bytes], name: str, fraction: Json = None) -> Json:
+    """An entry of JSON, without fractions (unless they are read), long numbers, keys that are there twice."""
 
     def refused(text: str) -> NoReturn:
         raise Malformed(f"{name}: found the number {text[:20]}, expected a whole one of at most 18 digits")
@@ -109,7 +109,7 @@ def parsed(entries: dict[str, bytes], name: str) -> Json:
 
     need(name in entries, f"there is no entry {name}", Malformed)
     try:
-        hooks: Json = {"parse_float": refused, "parse_constant": refused}
+        hooks: Json = {"parse_float": fraction or refused, "parse_constant": refused}
         hooks["parse_int"] = lambda text: int(text) if len(text) <= 18 else refused(text)
         return json.loads(entries[name].decode(), object_pairs_hook=members, **hooks)
     except (ValueError, RecursionError) as error:

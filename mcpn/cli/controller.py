@@ -56,8 +56,7 @@ def _once() -> Callable[[str], None]:
     "--certificate",
     type=FILE,
     metavar="OUT",
-    help="Write the mission's net and claims to OUT, beside which ctlcheck walks a hierarchical or flat "
-    "controller.json.",
+    help="Write the mission's net and claims to OUT, beside which ctlcheck walks controller.json.",
 )
 @question(workers=True, trees=False)
 def controller(

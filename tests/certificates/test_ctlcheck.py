@@ -15,7 +15,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.certificates import certcheck, ctlcheck
+from mcpn.certificates import certcheck, ctlcheck, ctlforms
 from mcpn.certificates.net_entry import net_entry
 from mcpn.controller.document import document
 from mcpn.errors import ConfluenceError, LimitError, PremiseError, UnsafeError
@@ -33,7 +33,7 @@ Document = dict[str, Any]
 def judged(study: Study, controller: Document) -> tuple[int, int]:
     net = certcheck.Net(json.loads(json.dumps(net_entry(study.mission_net))))
     return ctlcheck.walked(
-        certcheck.Listing(net, 100_000, float("inf")), ctlcheck.WalkedController(controller)
+        certcheck.Listing(net, 100_000, float("inf")), ctlforms.WalkedController(controller)
     )
 
 
@@ -43,7 +43,7 @@ def made(study: Study, form: str) -> Document:
     return text
 
 
-@pytest.mark.parametrize("form", ["hierarchical", "flat"])
+@pytest.mark.parametrize("form", ["hierarchical", "flat", "modular"])
 def test_the_controller_of_ulysse_does_what_its_net_does(form: str) -> None:
     study = Study(read_mission(ULYSSE))
     assert judged(study, made(study, form)) == (260, 1332)
@@ -53,7 +53,7 @@ def test_the_controller_of_ulysse_does_what_its_net_does(form: str) -> None:
 @given(
     missions(max_hardware=3, max_objectives=2, max_sections=3, events=2)
     | missions(max_hardware=2, max_objectives=2, max_sections=3, events=2, facts=1),
-    st.sampled_from(["hierarchical", "flat"]),
+    st.sampled_from(["hierarchical", "flat", "modular"]),
 )
 def test_controllers_of_drawn_missions(mission: Mission, form: str) -> None:
     study = Study(mission)
@@ -99,17 +99,17 @@ def test_a_controller_that_does_something_else_is_refuted(change: Callable[..., 
         controller = json.loads(whole)
         change(controller, random.Random(seed))
         try:
-            ctlcheck.walked(graph, ctlcheck.WalkedController(controller))
+            ctlcheck.walked(graph, ctlforms.WalkedController(controller))
         except certcheck.Refuted:
             refuted += 1
     assert refuted >= 4  # an edge may be one that no run takes
 
 
-def test_both_files_alone_check_a_controller(tmp_path: Path) -> None:
+def test_the_files_alone_check_a_controller(tmp_path: Path) -> None:
     from mcpn.certificates.writing import certificate_of
 
     study = Study(read_mission(ULYSSE))
-    for program in (certcheck, ctlcheck):
+    for program in (certcheck, ctlcheck, ctlforms):
         shutil.copy(str(program.__file__), tmp_path)
     (tmp_path / "cert").write_bytes(certificate_of(study.verdicts()).to_bytes())
     (tmp_path / "controller.json").write_text(json.dumps(made(study, "flat")))
