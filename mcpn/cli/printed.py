@@ -58,12 +58,11 @@ def tell_warnings(mission_net: MissionNet) -> list[str]:
     Returns:
         These warnings: a report need not repeat them.
     """
-    from mcpn.mission.static.warnings import static_warnings
     from mcpn.report.terminal import plain
 
     if sys.stderr is None:
         return []
-    warnings = list(map(str, static_warnings(mission_net.usage)))
+    warnings = list(map(str, mission_net.warnings))
     for warning in warnings:
         click.echo(plain(f"warning: {warning}"), err=True)
     return warnings

@@ -13,11 +13,13 @@ from typing import NamedTuple
 from mcpn.drawing.status import Element, Flag, Status, statuses
 from mcpn.drawing.templates import Canvas, PaperTemplates, Role, TemplateSet
 from mcpn.drawing.templates.interface import Meeting
+from mcpn.errors import Problem
 from mcpn.events import START, What
 from mcpn.mission.flatten import ObjectivesGraph, flatten
 from mcpn.mission.model import Mission
 from mcpn.mission.robot import Activity, Fact, Hardware, Software
 from mcpn.mission.static.resource_use import Usage
+from mcpn.mission.static.warnings import static_warnings
 from mcpn.nets.petri import Marking, PetriNet
 from mcpn.notebook import Drawn
 
@@ -45,6 +47,11 @@ class MissionNet(Drawn):
     def __repr__(self) -> str:
         sizes = f"{len(self.net.places)} places, {len(self.net.transitions)} transitions"
         return f"<net of the mission {self.mission.name}: {sizes}>"
+
+    @cached_property
+    def warnings(self) -> tuple[Problem, ...]:
+        """What is suspicious in the mission by its text."""
+        return tuple(static_warnings(self.usage))
 
     @cached_property
     def by_role(self) -> Mapping[Role, tuple[int, ...]]:

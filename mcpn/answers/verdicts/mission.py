@@ -23,7 +23,7 @@ from mcpn.errors import ConfluenceError, DivergenceError, LimitError, Problem, S
 from mcpn.events import What
 from mcpn.mission.flatten import ObjectivesGraph
 from mcpn.mission.model import SUCCEED
-from mcpn.mission.static.warnings import names_of_objectives, static_warnings
+from mcpn.mission.static.warnings import names_of_objectives
 from mcpn.notebook import Told
 from mcpn.sentences import shortened
 from mcpn.spaces.algebra import S, Space
@@ -228,7 +228,7 @@ class MissionCheck(Told):
     @cached_property
     def warnings(self) -> list[Problem]:
         """What is suspicious in the mission, by its text and by its states, each once."""
-        problems = (*static_warnings(self.mission_net.usage), *self.unselectable, *self.futile)
+        problems = (*self.mission_net.warnings, *self.unselectable, *self.futile)
         return list({str(problem): problem for problem in problems}.values())
 
     @property
