@@ -654,11 +654,12 @@ class Checker:
         operators: Sequence[tuple[str, Sequence[int]]],
         max_bytes: int,
     ) -> None: ...
-    def decide(self, root: int, max_steps: int, seed: int = ...) -> str:
-        """``yes`` or ``no``, or the limit that was hit: ``steps``, ``bytes`` or ``tokens``.
+    def decide(self, root: int, max_steps: int, seed: int = ..., pause: int = ...) -> str:
+        """``yes`` or ``no``, or the limit that was hit: ``steps``, ``bytes`` or ``tokens``; or ``pause``.
 
         What is found out is kept, for other operators and for the same one with more steps. The seed draws
-        the order in which successors are tried; 0 for that of the transitions.
+        the order in which successors are tried; 0 for that of the transitions. A pause comes about every so
+        many steps: asked the same again, it goes on from there; asked anything else, it begins anew.
         """
 
     @property

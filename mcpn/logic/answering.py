@@ -439,12 +439,12 @@ class _Answers(OpenQuestions):
                 from mcpn.logic.on_the_fly import LocalChecks
 
                 self.local = LocalChecks(self.net, self.searches)
-            self.rounds += 1
+            seed, self.rounds = self.rounds, self.rounds + 1
             for part in parts:
                 if part in self.known.values:
                     continue
                 self.local.ask(asked)
-                value = self.local.decide(part, self.paced(steps), seed=self.rounds - 1)
+                value = yield from self.local.deciding(part, self.paced(steps), seed)
                 # EX is shown by one step; other parts that hold need a run, which is not known.
                 if value is False or (value and (runs or not self.typed or isinstance(part, EX))):
                     yield from self.learn(part, value, EXPLICIT)

@@ -30,6 +30,7 @@ from mcpn.spaces.search.goal import (
     wanted,
 )
 from mcpn.spaces.search.searches import Searches
+from mcpn.turns import Pausing, finished
 
 MAX_BYTES = 1 << 30
 Kind = Literal["goal", "not", "all", "any", "next", "until", "always"]
@@ -80,17 +81,25 @@ class OnTheFlyCheck:
         self._kernel = Checker((searches or Searches(net)).kernel, net.initial, encoded, nodes, max_bytes)
 
     def decide(self, formula: Formula, max_steps: int, seed: int = 0) -> bool | None:
-        """Whether a formula holds, or ``None`` where a limit was hit.
+        """What :meth:`deciding` finds."""
+        return finished(self.deciding(formula, max_steps, seed))
+
+    def deciding(self, formula: Formula, max_steps: int, seed: int = 0, *pause: int) -> Pausing[bool | None]:
+        """Whether a formula holds, or ``None`` where a limit was hit, with pauses.
 
         Args:
             formula: One of those given, or a part of one that begins with a temporal operator.
             max_steps: How often an operator may be asked at a marking, or an edge be followed.
             seed: Draws the order in which successors are tried; 0 for that of the transitions.
+            *pause: After about how many steps there is one, where the kernel is not to say.
         """
         if formula in (TRUE, FALSE):
             return formula == TRUE
         number = self._numbers[formula]
-        answer = "" if number in self._given_up else self._kernel.decide(number, max_steps, seed)
+        if number in self._given_up:
+            return None
+        while (answer := self._kernel.decide(number, max_steps, seed, *pause)) == "pause":
+            yield
         if answer in ("bytes", "tokens"):
             self._given_up.add(number)
         return {"yes": True, "no": False}.get(answer)
@@ -138,10 +147,10 @@ class LocalChecks:
             check = OnTheFlyCheck(net, formulas.values(), searches)
             self._by.update((formula, (check, same)) for formula, same in formulas.items())
 
-    def decide(self, formula: Formula, max_steps: int, seed: int = 0) -> bool | None:
-        """Whether a formula holds at first, as :meth:`OnTheFlyCheck.decide` says it."""
+    def deciding(self, formula: Formula, max_steps: int, seed: int = 0) -> Pausing[bool | None]:
+        """Whether a formula holds at first, as :meth:`OnTheFlyCheck.deciding` says it."""
         check, same = self._by[formula]
-        return check.decide(same, max_steps, seed)
+        return check.deciding(same, max_steps, seed)
 
 
 def _is_atom(formula: Formula) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from itertools import islice
 
 import pytest
 from hypothesis import assume, given
@@ -15,9 +16,10 @@ from mcpn.logic.formulas import EG, EU, EX
 from mcpn.logic.on_the_fly import LocalChecks, OnTheFlyCheck
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.nets.reduce.reduction import reduce_for_branching
-from mcpn.spaces.search.goal import TRUE, AtMost
+from mcpn.spaces.search.goal import TRUE, AtMost, Not
 from mcpn.spaces.search.searches import Searches
 from mcpn.testing.nets import philosophers
+from mcpn.turns import Pausing, finished
 from tests.draws import fewer
 from tests.logic.formulas import edges_of, formulas, read, satisfying
 from tests.nets.nets import graph_of, nets, state_machines, token_nets
@@ -53,6 +55,37 @@ def test_it_agrees_with_the_definitions(net: PetriNet, data: st.DataObject) -> N
         assert check.decide(core, 10**6) == (net.initial in satisfying(formula, net, edges))
 
 
+@fewer(0.5)
+@given(PLAIN, st.data())
+def test_pauses_change_nothing(net: PetriNet, data: st.DataObject) -> None:
+    assume(graph_of(net) is not None)
+    places, transitions = [p.name for p in net.places], [t.name for t in net.transitions]
+    drawn = data.draw(st.lists(formulas(places, transitions, leaves=8), min_size=1, max_size=4))
+    pause, seed = data.draw(st.integers(1, 9)), data.draw(st.integers(0, 3))
+    edges, cores = edges_of(net), [read(formula, net) for formula in drawn]
+    check = OnTheFlyCheck(net, cores)
+    for core in cores:  # left where they rest, since another is asked
+        next(check.deciding(core, 10**6, seed, pause), None)
+    for formula, core in zip(drawn, cores, strict=True):
+        value = net.initial in satisfying(formula, net, edges)
+        assert finished(check.deciding(core, 10**6, seed, pause)) == value
+
+
+def test_a_search_that_pauses_goes_on_where_it_was() -> None:
+    net = philosophers(6)
+    two_tokens = AtMost(((0, -1),), -2)
+    nested = EG(Not(EU(TRUE, two_tokens)))  # the search inside looks at every marking
+    check = OnTheFlyCheck(net, [nested])
+    answers = []
+
+    def work() -> Pausing[None]:
+        answers.append((yield from check.deciding(nested, 10**6, 0, 50)))
+
+    looked = [check.markings for _ in islice(work(), 1_000)]
+    assert looked[5] > looked[1]
+    assert answers == [True]
+
+
 def _stretched(net: PetriNet, transitions: Collection[int]) -> PetriNet:
     """The net with some transitions in two steps: what they take they take before they put."""
     builder = NetBuilder(net.name)
@@ -83,7 +116,7 @@ def test_a_net_reduced_for_formulas_answers_the_same(net: PetriNet, data: st.Dat
     checks = LocalChecks(net, Searches(net))
     checks.ask(list(cores))
     for core, value in cores.items():
-        assert checks.decide(core, 10**6) == value
+        assert finished(checks.deciding(core, 10**6)) == value
 
 
 def test_steps_that_nothing_disables_are_fired_at_once() -> None:

@@ -36,7 +36,7 @@ constexpr std::uint32_t kDeepest = 1000;  // searches recurse into what is neste
 constexpr const char* kKinds[] = {"all", "any", "at_most", "dead", "not_dead"};
 constexpr const char* kOperators[] = {"goal", "not", "all", "any", "next", "until", "always"};
 constexpr std::size_t kOperands[] = {1, 1, 0, 0, 1, 2, 1};  // 0: any number
-constexpr const char* kAnswers[] = {"no", "yes", "steps", "bytes", "tokens"};
+constexpr const char* kAnswers[] = {"no", "yes", "steps", "bytes", "tokens", "pause"};
 constexpr const char* kLassos[] = {"found", "none", "steps", "bytes", "tokens"};
 constexpr const char* kOutcomes[] = {"reached", "unreachable", "states", "bytes", "tokens"};
 
@@ -205,10 +205,11 @@ void bind_search(nb::module_& module) {
         }
         new (self) Checker(net, initial, goals, std::move(operators), max_bytes);
       }, nb::arg("net"), nb::arg("initial"), nb::arg("goals"), nb::arg("operators"), nb::arg("max_bytes"))
-      .def("decide", [](Checker& checker, std::uint32_t root, std::uint64_t max_steps, std::uint64_t seed) {
+      .def("decide", [](Checker& checker, std::uint32_t root, std::uint64_t max_steps, std::uint64_t seed,
+                        std::uint64_t pause) {
         if (root >= checker.operators()) throw std::invalid_argument("no such operator");
-        const Local found = run([&](const GoOn& go_on) { return checker.decide(root, max_steps, seed, go_on); });
+        const Local found = run([&](const GoOn& go_on) { return checker.decide(root, max_steps, seed, pause, go_on); });
         return std::string(kAnswers[int(found)]);
-      }, nb::arg("root"), nb::arg("max_steps"), nb::arg("seed") = 0)
+      }, nb::arg("root"), nb::arg("max_steps"), nb::arg("seed") = 0, nb::arg("pause") = kLook)
       .def_prop_ro("markings", [](const Checker& checker) { return checker.markings(); });
 }

@@ -6,11 +6,72 @@ namespace mcpn::search {
 
 namespace {
 
-constexpr std::uint64_t kLook = 1u << 12;  // steps from one look at signals and memory to the next
-
 struct Hit { Local limit; };
 
 }  // namespace
+
+// The markings that a search has entered and not decided, in the order in which they were entered, and their numbers.
+// It stays while the checker pauses; the operator and the marking that it is asked for tell that it is to go on.
+struct Checker::Search {
+  explicit Search(Checker& of) : checker(of) {}
+  void open(std::uint32_t op, std::uint32_t from) {
+    if (at != kNone && number == op && start == from) return;
+    close();
+    number = op;
+    start = at = from;
+  }
+  void close() {
+    for (const std::uint32_t state : undecided) numbers[state] = 0;
+    undecided.clear();
+    path.clear();
+    at = kNone;
+  }
+  std::uint32_t entered(std::uint32_t state) const { return state < numbers.size() ? numbers[state] : 0; }
+  // The successors are tried from one on that the seed draws.
+  void enter(std::uint32_t state) {
+    if (state >= numbers.size()) numbers.resize(checker.out_.size());
+    undecided.push_back(state);
+    numbers[state] = std::uint32_t(undecided.size());
+    const std::uint32_t count = checker.expand(state).count;
+    const std::uint64_t drawn = checker.seed_ ? (checker.seed_ * 0x9E3779B97F4A7C15ull ^ state) * 0xBF58476D1CE4E5B9ull >> 33 : 0;
+    path.push_back({state, 0, count ? std::uint32_t(drawn % count) : 0, std::uint32_t(undecided.size())});
+  }
+  // The next successor of the last marking of the path, or kNone.
+  std::uint32_t next() {
+    Frame& frame = path.back();
+    const std::uint32_t count = checker.out_[frame.state].count;
+    if (frame.next == count) return kNone;
+    const std::uint32_t edge = (frame.first + frame.next++) % count;
+    return checker.target(frame.state, edge);
+  }
+  // Takes the last marking off the path; where its component ends there, all of it is false.
+  void leave() {
+    const Frame frame = path.back();
+    path.pop_back();
+    if (!path.empty()) path.back().low = std::min(path.back().low, frame.low);
+    if (frame.low != numbers[frame.state]) return;
+    while (undecided.size() >= frame.low) {
+      decide(undecided.back(), false);
+      undecided.pop_back();
+    }
+  }
+  // Whatever is undecided comes to the end of the path: all of it is true.
+  void succeed() {
+    for (const std::uint32_t state : undecided) decide(state, true);
+    undecided.clear();
+  }
+  void decide(std::uint32_t state, bool value) {
+    checker.learn(number, state, value);
+    numbers[state] = 0;
+  }
+
+  Checker& checker;
+  std::uint32_t number = 0, start = 0;
+  std::uint32_t at = kNone;  // the marking that is looked at; kNone where nothing is searched
+  std::vector<std::uint32_t> numbers;  // by marking, 0 outside
+  std::vector<std::uint32_t> undecided;
+  std::vector<Frame> path;
+};
 
 Checker::Checker(const TokenNet& net, const Marking& initial, const Goals& goals, std::vector<Operator> operators,
                  std::uint64_t max_bytes)
@@ -18,22 +79,36 @@ Checker::Checker(const TokenNet& net, const Marking& initial, const Goals& goals
   begin();
 }
 
+Checker::~Checker() = default;
+
 void Checker::begin() {
   while (width_ + 1 < std::size(kWidths) && !Packed(1, kWidths[width_]).fits(initial_)) ++width_;
   packed_ = std::make_unique<Packed>(net_.places, kWidths[width_]);
   out_.clear();
   edges_.clear();
-  numbers_.clear();
+  searches_.clear();
   values_.assign(operators_.size(), {});
   marking_.assign(net_.places, 0);
   packed_->add(packed_->packed(initial_));
   out_.push_back({});
 }
 
-Local Checker::decide(std::uint32_t root, std::uint64_t max_steps, std::uint64_t seed, const GoOn& go_on) {
-  steps_ = 0;
+void Checker::forget() {
+  for (const auto& search : searches_) search->close();
+}
+
+Local Checker::decide(std::uint32_t root, std::uint64_t max_steps, std::uint64_t seed, std::uint64_t pause,
+                      const GoOn& go_on) {
+  const bool same = paused_ && root == root_ && max_steps == most_steps_ && seed == seed_;
+  if (!same) {
+    forget();
+    steps_ = 0;
+  }
+  paused_ = false;
+  root_ = root;
   most_steps_ = max_steps;
   seed_ = seed;
+  pause_at_ = steps_ + pause;
   go_on_ = &go_on;
   if (!packed_->fits(initial_)) return Local::tokens;
   for (bool emptied = false;;) {
@@ -41,8 +116,9 @@ Local Checker::decide(std::uint32_t root, std::uint64_t max_steps, std::uint64_t
     try {
       return holds(root, 0) ? Local::yes : Local::no;
     } catch (const Hit& hit) {
+      paused_ = hit.limit == Local::pause;
       const bool wider = hit.limit == Local::tokens && width_ + 1 < std::size(kWidths);
-      if (hit.limit == Local::steps) return hit.limit;
+      if (paused_ || hit.limit == Local::steps) return hit.limit;
       if (!wider && (hit.limit == Local::tokens || emptied)) return hit.limit;
       if (wider) ++width_;
       else emptied = true;  // what other operators have taken is given back, once
@@ -54,7 +130,7 @@ Local Checker::decide(std::uint32_t root, std::uint64_t max_steps, std::uint64_t
 std::uint64_t Checker::bytes() const {
   std::uint64_t total = packed_->bytes() + out_.capacity() * sizeof(Out) + edges_.capacity() * sizeof(Edge);
   for (const auto& values : values_) total += values.capacity() * 8;
-  for (const auto& numbers : numbers_) total += numbers->capacity() * 4;
+  for (const auto& search : searches_) total += search->numbers.capacity() * 4;
   return total;
 }
 
@@ -140,63 +216,6 @@ bool Checker::holds(std::uint32_t number, std::uint32_t state) {
   return found;
 }
 
-// Numbers of the markings that a search has entered and not decided, in the order in which they were entered.
-struct Checker::Search {
-  explicit Search(Checker& of) : checker(of) {
-    if (checker.numbers_.size() <= checker.depth_)
-      checker.numbers_.push_back(std::make_unique<std::vector<std::uint32_t>>());
-    numbers = checker.numbers_[checker.depth_++].get();
-  }
-  ~Search() {
-    for (const std::uint32_t state : undecided) (*numbers)[state] = 0;
-    --checker.depth_;
-  }
-  Search(const Search&) = delete;
-  std::uint32_t number(std::uint32_t state) const { return state < numbers->size() ? (*numbers)[state] : 0; }
-  // The successors are tried from one on that the seed draws.
-  void enter(std::uint32_t state) {
-    if (state >= numbers->size()) numbers->resize(checker.out_.size());
-    undecided.push_back(state);
-    (*numbers)[state] = std::uint32_t(undecided.size());
-    const std::uint32_t count = checker.expand(state).count;
-    const std::uint64_t drawn = checker.seed_ ? (checker.seed_ * 0x9E3779B97F4A7C15ull ^ state) * 0xBF58476D1CE4E5B9ull >> 33 : 0;
-    path.push_back({state, 0, count ? std::uint32_t(drawn % count) : 0, std::uint32_t(undecided.size())});
-  }
-  // The next successor of the last marking of the path, or kNone.
-  std::uint32_t next() {
-    Frame& frame = path.back();
-    const std::uint32_t count = checker.out_[frame.state].count;
-    if (frame.next == count) return kNone;
-    const std::uint32_t edge = (frame.first + frame.next++) % count;
-    return checker.target(frame.state, edge);
-  }
-  // Takes the last marking off the path; where its component ends there, all of it is false.
-  void leave(std::uint32_t op) {
-    const Frame frame = path.back();
-    path.pop_back();
-    if (!path.empty()) path.back().low = std::min(path.back().low, frame.low);
-    if (frame.low != (*numbers)[frame.state]) return;
-    while (undecided.size() >= frame.low) {
-      decide(op, undecided.back(), false);
-      undecided.pop_back();
-    }
-  }
-  // Whatever is undecided comes to the end of the path: all of it is true.
-  void succeed(std::uint32_t op) {
-    for (const std::uint32_t state : undecided) decide(op, state, true);
-    undecided.clear();
-  }
-  void decide(std::uint32_t op, std::uint32_t state, bool value) {
-    checker.learn(op, state, value);
-    (*numbers)[state] = 0;
-  }
-
-  Checker& checker;
-  std::vector<std::uint32_t>* numbers;
-  std::vector<std::uint32_t> undecided;
-  std::vector<Frame> path;
-};
-
 bool Checker::until(std::uint32_t number, std::uint32_t start) {
   const std::uint32_t left = operators_[number].inside[0], right = operators_[number].inside[1];
   return search(number, start, false, [&](std::uint32_t state) {
@@ -211,34 +230,43 @@ bool Checker::always(std::uint32_t number, std::uint32_t start) {
 
 // Whether a path leads along ways to an end, or, where paths may stay, to a circle or to where nothing may fire.
 template <class Look> bool Checker::search(std::uint32_t number, std::uint32_t start, bool may_stay, Look look) {
-  Search search(*this);
-  for (std::uint32_t state = start;;) {  // a marking that the search has not entered and whose value is not known
-    const Met met = look(state);
+  if (searches_.size() == depth_) searches_.push_back(std::make_unique<Search>(*this));
+  Search& search = *searches_[depth_++];
+  search.open(number, start);
+  const auto ended = [&](bool value) {
+    search.close();
+    --depth_;
+    return value;
+  };
+  for (;;) {  // at a marking that the search has not entered and whose value is not known
+    const Met met = look(search.at);
     bool success = met == Met::end;
     if (met == Met::way) {
-      search.enter(state);
-      success = may_stay && out_[state].count == 0;
+      search.enter(search.at);
+      success = may_stay && out_[search.at].count == 0;
     } else {
-      learn(number, state, success);
+      learn(number, search.at, success);
     }
     for (bool fresh = false; !success && !fresh;) {
-      if (search.path.empty()) return false;
-      state = search.next();
+      if (search.path.empty()) return ended(false);
+      const std::uint32_t state = search.next();
       if (state == kNone) {
-        search.leave(number);
+        search.leave();
       } else if (const auto value = known(number, state)) {
         success = *value;
-      } else if (const std::uint32_t at = search.number(state)) {
+      } else if (const std::uint32_t at = search.entered(state)) {
         success = may_stay;  // a circle
         search.path.back().low = std::min(search.path.back().low, at);
       } else {
         fresh = true;
+        search.at = state;
       }
     }
     if (success) {
-      search.succeed(number);
-      return true;
+      search.succeed();
+      return ended(true);
     }
+    if (steps_ >= pause_at_) throw Hit{Local::pause};
   }
 }
 

@@ -20,16 +20,20 @@ struct Operator {
   std::vector<std::uint32_t> inside;  // operators before this one; of a goal, its node among the goals
 };
 
-enum class Local : std::uint8_t { no, yes, steps, bytes, tokens };
+enum class Local : std::uint8_t { no, yes, steps, bytes, tokens, pause };
+
+constexpr std::uint64_t kLook = 1u << 12;  // steps from one look at signals and memory, or pause, to the next
 
 class Checker {
  public:
   Checker(const TokenNet& net, const Marking& initial, const Goals& goals, std::vector<Operator> operators,
           std::uint64_t max_bytes);
+  ~Checker();
 
   // Whether an operator holds at the initial marking, or the limit that was hit. What is found out is kept for
-  // other operators, and for the same with more steps.
-  Local decide(std::uint32_t root, std::uint64_t max_steps, std::uint64_t seed, const GoOn& go_on);
+  // other operators, and for the same with more steps. After so many steps to a pause it rests: asked the same
+  // again, it goes on from there; asked anything else, it forgets where it was.
+  Local decide(std::uint32_t root, std::uint64_t max_steps, std::uint64_t seed, std::uint64_t pause, const GoOn& go_on);
 
   std::uint64_t markings() const { return packed_->size(); }
   std::size_t operators() const { return operators_.size(); }
@@ -42,6 +46,7 @@ class Checker {
   enum class Met : std::uint8_t { wall, way, end };  // what a search does with a marking: turn back, go on, succeed
 
   void begin();
+  void forget();
   bool holds(std::uint32_t number, std::uint32_t state);
   bool holds_goal(std::uint32_t node, std::uint32_t state);
   bool until(std::uint32_t number, std::uint32_t state);
@@ -58,14 +63,16 @@ class Checker {
   Marking initial_;
   Goals goals_;
   std::vector<Operator> operators_;
-  std::uint64_t max_bytes_, steps_ = 0, most_steps_ = 0, seed_ = 0;
+  std::uint64_t max_bytes_, steps_ = 0, most_steps_ = 0, pause_at_ = 0, seed_ = 0;
+  std::uint32_t root_ = 0;
+  bool paused_ = false;
   std::size_t width_ = 0;  // of kWidths
   const GoOn* go_on_ = nullptr;
   std::unique_ptr<Packed> packed_;
   std::vector<Out> out_;                           // by marking
   std::vector<Edge> edges_;
   std::vector<std::vector<std::uint64_t>> values_;  // by operator: two bits for each marking, known and true
-  std::vector<std::unique_ptr<std::vector<std::uint32_t>>> numbers_;  // by depth of search: by marking, 0 outside
+  std::vector<std::unique_ptr<Search>> searches_;  // by depth
   std::size_t depth_ = 0;
   Marking marking_;
   Packed::Row row_;
