@@ -339,6 +339,18 @@ def test_progress_is_told_and_its_errors_stop_the_operation() -> None:
     assert start.count() == 1
 
 
+def test_progress_is_told_between_short_operations() -> None:
+    store, start, _ = permutations(3)
+    told: list[int] = []
+    store.progress = told.append
+    assert (start | start) == start
+    assert not told
+    time.sleep(1.01)  # each second, and no operation takes that long
+    assert (start | start) == start
+    assert (start | start) == start
+    assert told == [store.live_nodes]
+
+
 def test_a_store_does_one_thing_at_a_time() -> None:
     store, start, events = permutations(30, memory_limit=1 << 36)
     begun = threading.Event()
@@ -362,6 +374,7 @@ def test_a_store_does_one_thing_at_a_time() -> None:
     outcome.append("seen")
     worker.join(30)
     assert not worker.is_alive()
+    store.progress = None
     assert (start | start) == start
 
 

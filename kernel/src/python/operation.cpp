@@ -21,7 +21,7 @@ constexpr std::size_t kCallersBase = 1u << 20;  // of a caller's stack beside th
 // Tells the caller of a long operation that it goes on, and hears whether it should: with the GIL.
 class Watch {
  public:
-  Watch(const Store& store, const nb::object& progress) : store_(store), progress_(progress) {}
+  Watch(const Store& store, Progress& progress) : store_(store), progress_(progress) {}
   // Whether it is time again: the GIL is not to be asked for at every look.
   bool due() {
     const auto now = std::chrono::steady_clock::now();
@@ -30,19 +30,21 @@ class Watch {
     return true;
   }
   bool must_stop() {
-    if (PyErr_CheckSignals() != 0) return true;
-    const auto now = std::chrono::steady_clock::now();
-    if (progress_.is_none() || now < due_) return false;
-    due_ = now + std::chrono::seconds(1);
-    PyObject* told = PyObject_CallFunction(progress_.ptr(), "K", static_cast<unsigned long long>(store_.live()));
+    return PyErr_CheckSignals() != 0 || told_to_stop();
+  }
+  bool told_to_stop() {
+    if (progress_.told.is_none()) return false;
+    if (std::chrono::steady_clock::now() < progress_.due) return false;
+    progress_.wait();
+    PyObject* told = PyObject_CallFunction(progress_.told.ptr(), "K", static_cast<unsigned long long>(store_.live()));
     Py_XDECREF(told);
     return told == nullptr;
   }
 
  private:
   const Store& store_;
-  const nb::object& progress_;
-  std::chrono::steady_clock::time_point due_ = std::chrono::steady_clock::now() + std::chrono::seconds(1), next_{};
+  Progress& progress_;
+  std::chrono::steady_clock::time_point next_{};
 };
 
 void run_here(Store& store, const std::function<void()>& body, Watch& watch) {
@@ -92,8 +94,9 @@ void run_on_deep_stack(Store& store, std::function<void()> body, Watch& watch) {
 
 }  // namespace
 
-void run_operation(Store& store, std::function<void()> body, const nb::object& progress) {
+void run_operation(Store& store, std::function<void()> body, Progress& progress) {
   Watch watch(store, progress);
+  if (watch.told_to_stop()) throw nb::python_error();
   if (kCallersBase + by_level(store) <= room_on_stack())
     run_here(store, body, watch);
   else

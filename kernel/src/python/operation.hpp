@@ -8,9 +8,18 @@
 
 #include <nanobind/nanobind.h>
 
+#include <chrono>
 #include <functional>
 
 #include "diagrams/store.hpp"
 
-// Told now and then, with the GIL, by how many nodes live.
-void run_operation(mcpn::Store& store, std::function<void()> body, const nanobind::object& progress);
+// Who is told each second, with the GIL, by how many nodes live: within an operation, or before the next of many short
+// ones. It may end them by an error.
+struct Progress {
+  nanobind::object told = nanobind::none();
+  std::chrono::steady_clock::time_point due{};
+
+  void wait() { due = std::chrono::steady_clock::now() + std::chrono::seconds(1); }
+};
+
+void run_operation(mcpn::Store& store, std::function<void()> body, Progress& progress);

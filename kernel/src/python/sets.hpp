@@ -41,7 +41,7 @@ class PyStore : public std::enable_shared_from_this<PyStore> {
  public:
   PyStore(std::uint64_t levels, std::uint64_t memory_limit) : store(checked(levels), memory_limit) {}
   Store store;
-  nanobind::object progress = nanobind::none();
+  Progress progress;
 
   // One operation at a time: the GIL is free meanwhile, so that another thread could ask for one.
   void run(std::function<void()> body) {
