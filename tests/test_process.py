@@ -290,7 +290,7 @@ def test_an_interruption_names_the_questions_that_are_open(tmp_path: Path, numbe
     script = f"""
 import os, sys
 from mcpn.spaces.registry import Spaces
-Spaces.go_on = lambda *_: os.kill(os.getpid(), {int(number)})
+Spaces.going_on = lambda *_: iter([os.kill(os.getpid(), {int(number)})])
 examinations = "ReachabilityDeadlock", "OneSafe", "Liveness"
 sys.argv = ["mcpn", "ask", {str(path)!r}, *(f"--examination={{each}}" for each in examinations)]
 from mcpn.cli import main

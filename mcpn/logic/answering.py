@@ -38,7 +38,7 @@ from mcpn.spaces.engines import Choice, NoSpace
 from mcpn.spaces.search import EXPLICIT, HOME, INITIAL_STATE, RANDOM_WALK, STATE_EQUATION
 from mcpn.spaces.search.goal import FALSE, TRUE, And, AtMost, Formula
 from mcpn.steps import Doing, step
-from mcpn.turns import FIRST_SLICE, in_turns
+from mcpn.turns import FIRST_SLICE, finished, in_turns
 
 if TYPE_CHECKING:
     from mcpn._kernel import Store
@@ -264,9 +264,11 @@ class _Answers(OpenQuestions):
         questions, steps = self.questions, FIRST_STEPS
         try:
             if questions.searchable and not (self.typed or self.net.priorities):
-                while steps < MOST_STEPS and not questions.made and not questions.spaces.go_on(steps):
+                ended = questions.made or finished(questions.spaces.going_on(steps))
+                while not ended and steps < MOST_STEPS:
                     yield None
                     steps *= STEPS_FACTOR
+                    ended = yield from questions.spaces.going_on(steps)
             yield from self.one_safe()
             space = questions.space if self.waiting else None
             self.tell_open()

@@ -28,6 +28,7 @@ from mcpn.spaces.markings.explicit import MAX_MARKINGS, Counts, KernelNet, count
 from mcpn.spaces.names import PROGRESS, Names
 from mcpn.spaces.stable.run_to_completion import MAX_STABLE_STATES, PROOF_BY_MARKINGS
 from mcpn.steps import Doing, step
+from mcpn.turns import Pausing
 
 if TYPE_CHECKING:
     from mcpn.spaces.arrays import ArraySpace
@@ -340,7 +341,7 @@ class Spaces:
     def _ordered(self, order: Order | None, seed: int | None) -> SymbolicSpace:
         return reach_markings(self.net, order=order, seed=seed)
 
-    def go_on(self, steps: int) -> bool:
+    def going_on(self, steps: int) -> Pausing[bool]:
         """Goes on with the diagram of all markings of a net without priorities, as ``auto`` asks for it.
 
         Args:
@@ -349,7 +350,7 @@ class Spaces:
         Returns:
             Whether it has ended; where an error has ended it, whoever asks for the space meets it.
         """
-        return self._reaching(tokens=True, edges=True).go_on(steps)
+        return self._reaching(tokens=True, edges=True).going_on(steps)
 
     def counted(self, max_states: int | None = None, *, tokens: bool = True) -> Counts:
         """The sizes of the markings graph, counted marking by marking without keeping the firings."""

@@ -341,7 +341,7 @@ def test_what_a_search_leaves_open_is_named_and_no_space_is_built() -> None:
 
     with (
         patch("mcpn.spaces.registry.Spaces.space", side_effect=AssertionError),
-        patch("mcpn.spaces.registry.Spaces.go_on", side_effect=AssertionError),
+        patch("mcpn.spaces.registry.Spaces.going_on", side_effect=AssertionError),
         pytest.raises(LimitError, match=r"engine search leaves open: ring-12-Liveness$"),
     ):
         search()
@@ -425,7 +425,7 @@ def test_examinations_that_imply_each_other_are_answered_as_by_the_space(net: Pe
     ]
     expected = {v.name: v.value for v in answer_all(Questions(net, engine="explicit"), fires, examinations)}
     with patch(
-        "mcpn.spaces.registry.Spaces.go_on", return_value=False
+        "mcpn.spaces.registry.Spaces.going_on", lambda *_: iter(())
     ):  # what is known without the space first
         for asked in (examinations, examinations[:1], examinations[1:2]):
             searched = {v.name: v.value for v in answer_all(Questions(net), fires, asked)}

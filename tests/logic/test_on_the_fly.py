@@ -184,6 +184,6 @@ def test_the_kernel_checks_what_it_is_given() -> None:
 
 def test_a_space_that_nobody_asked_for_is_not_begun(monkeypatch: pytest.MonkeyPatch) -> None:
     questions = Questions(philosophers(2), engine="search")
-    monkeypatch.setattr(questions.spaces, "go_on", lambda _: pytest.fail("it is begun"))
+    monkeypatch.setattr(questions.spaces, "going_on", lambda _: pytest.fail("it is begun"))
     found = list(answer_all(questions, (), ["Liveness", "ReachabilityDeadlock"]))
     assert {verdict.value for verdict in found} == {"TRUE", "FALSE"}

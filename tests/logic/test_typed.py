@@ -184,7 +184,7 @@ def no_space(*_: object, **__: object) -> Any:
 def test_a_search_answers_without_the_space(formula: str, holds: bool) -> None:
     net = ring(40)
     needed = "EG" in formula  # a path that stays: no search finds one
-    with patch("mcpn.spaces.registry.Spaces.go_on", lambda *_: False):
+    with patch("mcpn.spaces.registry.Spaces.going_on", lambda *_: iter(())):
         if needed:
             answer = Questions(net).answer(formula)
         else:
@@ -201,7 +201,7 @@ def test_formulas_of_one_call_share_a_search_and_keep_their_order() -> None:
     asked = ["EF (eat1 & eat5)", "EF deadlock", "think0 & EF deadlock", "EF deadlock"]
     with (
         patch("mcpn.spaces.registry.Spaces.space", no_space),
-        patch("mcpn.spaces.registry.Spaces.go_on", lambda *_: False),
+        patch("mcpn.spaces.registry.Spaces.going_on", lambda *_: iter(())),
     ):
         found = answer_typed(Questions(ring(30)), asked)
     assert [answer.formula for answer in found] == asked
@@ -214,7 +214,7 @@ def test_where_no_space_can_be_had_an_answer_says_that_no_run_is_shown() -> None
 
     with (
         patch("mcpn.spaces.registry.Spaces.space", none),
-        patch("mcpn.spaces.registry.Spaces.go_on", lambda *_: False),
+        patch("mcpn.spaces.registry.Spaces.going_on", lambda *_: iter(())),
     ):
         answer = Questions(ring(8)).answer("EG think0")
         assert answer.holds

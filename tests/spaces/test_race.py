@@ -6,7 +6,7 @@ import threading
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
-from math import inf
+from math import ceil, inf
 from pathlib import Path
 
 import pytest
@@ -18,7 +18,7 @@ from mcpn.errors import LimitError, UnsafeError
 from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.spaces.diagrams.encoding import Encoding
 from mcpn.spaces.diagrams.order import cuthill_mckee
-from mcpn.spaces.diagrams.race import FIRST_BUDGET, LEAST_BUDGET, SIDE_BY_SIDE, Race, Resting
+from mcpn.spaces.diagrams.race import FIRST_BUDGET, LEAST_BUDGET, SIDE_BY_SIDE, SLICE, Race, Resting
 from mcpn.spaces.diagrams.race_entrants import ByOrder, OneByOne
 from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
 from mcpn.spaces.diagrams.symbolic import reach, reaching
@@ -47,11 +47,11 @@ class Worker:
 
     def run(self, steps: int) -> int:
         self.budgets.append(steps)
-        if self.patient and steps >= SIDE_BY_SIDE // 2:
+        if self.patient and beside_others():
             self.begun.set()
             assert self.cancelled.wait(30)
             raise Cancelled
-        if self.after is not None and steps >= SIDE_BY_SIDE:
+        if self.after is not None and beside_others():
             assert self.after.begun.wait(30)
         self.done += steps
         if self.done >= self.memory:
@@ -67,15 +67,25 @@ class Worker:
         self.cancelled.set()
 
 
+def beside_others() -> bool:
+    """Whether runners work in parallel."""
+    return threading.current_thread() is not threading.main_thread()
+
+
 def winner(needs: list[int]) -> int:
-    """The first of those that end in the earliest round, by hand."""
+    """The first of those that end in the earliest slice of the earliest round, by hand."""
     budget, done = 50_000, [0] * len(needs)
     while True:
         given = [budget // (rank + 1 if rank < 3 else int((rank + 1) ** 1.5)) for rank in range(len(needs))]
-        done = [had + part if part >= LEAST_BUDGET else 0 for had, part in zip(done, given, strict=True)]
-        ended = [rank for rank, (had, need) in enumerate(zip(done, needs, strict=True)) if had >= need]
-        if ended:
-            return ended[0]
+        slices = ceil(budget / SLICE)
+        for _ in range(slices):
+            done = [
+                had + part // slices if part >= LEAST_BUDGET else 0
+                for had, part in zip(done, given, strict=True)
+            ]
+            ended = [rank for rank, (had, need) in enumerate(zip(done, needs, strict=True)) if had >= need]
+            if ended:
+                return ended[0]
         budget *= 2
 
 
@@ -95,7 +105,8 @@ def test_later_orders_are_not_made_where_the_first_wins() -> None:
 
 def test_who_can_no_longer_win_is_stopped() -> None:
     endless = Worker(1, 1 << 60, patient=True)
-    assert Race(iter([Worker(0, 2 * SIDE_BY_SIDE, after=endless), endless]), 1 << 60, 2).run() == 0
+    needs = sum(FIRST_BUDGET << doubled for doubled in range(8)) + 1  # ends in the first slice side by side
+    assert Race(iter([Worker(0, needs, after=endless), endless]), 1 << 60, 2).run() == 0
     assert endless.cancelled.is_set()
 
 
@@ -115,12 +126,27 @@ def test_one_near_its_end_works_alone() -> None:
     assert len(first.budgets) == len(beside.budgets) + 1
 
 
+def test_a_race_rests_inside_a_round_and_ends_as_one_that_does_not() -> None:
+    def drawn() -> list[Worker]:
+        return [Worker(0, 1 << 60), Worker(1, 5 * SLICE)]
+
+    resting, rests, most = Resting(Race(iter(drawn()), 1 << 60, 1).rounds()), list[int](), FIRST_BUDGET
+    while not resting.ended:
+        rests.append(sum(1 for _ in resting.going_on(most)))
+        most *= 2
+    assert resting.made == Race(iter(drawn()), 1 << 60, 1).run() == 1
+    assert max(rests) > 4
+    race = Race(iter(workers := drawn()), 1 << 60, 1, 8 * SLICE, resumable=False)
+    assert race.run() == 1
+    assert workers[0].budgets == [8 * SLICE, 16 * SLICE]
+
+
 def test_an_error_in_one_ends_the_others() -> None:
     endless = Worker(1, 1 << 60, patient=True)
     failing = Worker(0, 1 << 60)
 
     def run(steps: int) -> int:
-        if steps >= SIDE_BY_SIDE:
+        if beside_others():
             assert endless.begun.wait(30)
             raise ZeroDivisionError
         raise BudgetExceeded

@@ -2,7 +2,8 @@
 
 No order of places is good for every net, and none tells beforehand how good it is. So all of them work, in
 rounds: each order is given steps (:attr:`mcpn._kernel.Store.steps`), the fewer the later it stands, and twice
-as many in each round. An order that its budget ended goes on in the next round from what its store remembers.
+as many in each round. An order that its budget ended goes on in the next round from what its store remembers;
+so large budgets are given out in slices, between which the race may rest.
 One explorer of markings one by one runs beside them: state spaces that are small but have no small diagram
 are its own.
 
@@ -10,20 +11,20 @@ At first they stand as the candidates do. From the second round on, those whose 
 near their end stand before the others (:attr:`Runner.outlook`).
 
 The race is repeatable whatever the machine: budgets and progress are counts, and the winner is the first, as
-they stand in that round, of those that end in the earliest round in which any does.
+they stand in that round, of those that end in the earliest slice in which any does.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import dataclass, field
 from math import isqrt
 from typing import TYPE_CHECKING, Generic, Protocol, TypeAlias, TypeVar, cast
 
 from mcpn._kernel import BudgetExceeded, Cancelled, MemoryLimit
 from mcpn.errors import McpnError
-from mcpn.turns import finished
+from mcpn.turns import Pausing, finished
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -32,6 +33,9 @@ FIRST_BUDGET = 50_000
 BUDGET_FACTOR = 2
 SIDE_BY_SIDE = 8_000_000
 """Budgets from which on runners work in parallel; below they take turns, so that a winner saves work."""
+
+SLICE = 500_000
+"""Steps of the first runner in a slice of a round, about a quarter of a second."""
 
 FAVOURED = 3
 """Of this many runners, number *i* gets a budget divided by *i*; later ones, by ``i ** 1.5``."""
@@ -46,7 +50,7 @@ budgets meanwhile."""
 Result = TypeVar("Result", covariant=True)
 Made = TypeVar("Made")
 Work: TypeAlias = Generator[int, None, Made]
-"""Work that says before each of its rounds how many steps it is of, and that may rest between them."""
+"""Work in rounds. It says how many steps its round is of where it may rest: before the round, and inside."""
 
 
 class Resting(Generic[Made]):
@@ -62,10 +66,15 @@ class Resting(Generic[Made]):
         self.ended = False
 
     def go_on(self, most: int) -> bool:
+        """What :meth:`going_on` returns, without pauses."""
+        return finished(self.going_on(most))
+
+    def going_on(self, most: int) -> Pausing[bool]:
         """Takes rounds of at most so many steps; whether the work has ended, be it by an error."""
         try:
             while not self.ended and self._next <= most:
                 self._next = next(self._work)
+                yield
         except StopIteration as end:
             self.ended, self._made = True, cast(Made, end.value)
         except McpnError as error:
@@ -118,12 +127,14 @@ class Race(Generic[Result]):
         memory: Bytes that all of them may hold from round to round.
         workers: How many work at a time.
         first_budget: Steps of the first runner in the first round.
+        resumable: Whether runners go on where a slice has ended; else each round is one.
     """
 
     runners: Iterator[Racer[Result]]
     memory: int
     workers: int
     first_budget: int = FIRST_BUDGET
+    resumable: bool = True
     limit: MemoryLimit | None = None
     _drawn: list[Racer[Result]] = field(default_factory=list)
     _out: set[int] = field(default_factory=set)
@@ -132,8 +143,7 @@ class Race(Generic[Result]):
         """Round after round, each with its budget; returns as :meth:`run` does."""
         budget = self.first_budget
         while True:
-            yield budget
-            result = self._side_by_side(budget) if self._spread(budget) else self._in_turn(budget)
+            result = yield from self._round(budget)
             if result is not None:
                 return result
             if len(self._out) == len(self._drawn):
@@ -144,6 +154,28 @@ class Race(Generic[Result]):
     def run(self) -> Result | None:
         """The result of the winner, or ``None`` where none stays within memory."""
         return finished(self.rounds())
+
+    def _round(self, budget: int) -> Work[Result | None]:
+        """One round, slice by slice."""
+        slices = -(-budget // SLICE) if self.resumable else 1
+        spread, given = self._spread(budget), list[tuple[int, int]]()
+        for number in range(slices):
+            standing = self._given(budget, slices, given) if number == 0 else given
+            working = ((rank, steps) for rank, steps in standing if rank not in self._out)
+            if spread:
+                yield budget
+                result = self._side_by_side(list(working))
+            else:
+                result = yield from self._in_turn(working, budget)
+            if result is not None:
+                return result
+        return None
+
+    def _given(self, budget: int, slices: int, given: list[tuple[int, int]]) -> Iterator[tuple[int, int]]:
+        """Those that work in a round and what each has in a slice of it, which is kept for later slices."""
+        for rank, steps in self._budgets(budget):
+            given.append((rank, max(steps // slices, 1)))
+            yield given[-1]
 
     def _spread(self, budget: int) -> bool:
         if self.workers == 1 or budget < SIDE_BY_SIDE or len(self._drawn) - len(self._out) < 2:
@@ -179,16 +211,16 @@ class Race(Generic[Result]):
             pass
         return None
 
-    def _in_turn(self, budget: int) -> Result | None:
-        for rank, steps in self._budgets(budget):
+    def _in_turn(self, given: Iterable[tuple[int, int]], budget: int) -> Work[Result | None]:
+        for rank, steps in given:
+            yield budget
             if (result := self._attempt(rank, steps)) is not None:
                 return result
         return None
 
-    def _side_by_side(self, budget: int) -> Result | None:
+    def _side_by_side(self, given: list[tuple[int, int]]) -> Result | None:
         from concurrent.futures import ThreadPoolExecutor, as_completed
 
-        given = list(self._budgets(budget))
         with ThreadPoolExecutor(self.workers) as pool:
             working: dict[Future[Result | None], int] = {
                 pool.submit(self._attempt, rank, steps): place for place, (rank, steps) in enumerate(given)

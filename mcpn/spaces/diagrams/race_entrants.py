@@ -159,9 +159,9 @@ class OneByOne:
     def run(self, steps: int) -> SymbolicSpace | UnsafeError:
         """Explores as long as so many steps of a closure take."""
         prepared = self._prepared
-        if steps < self.least_steps:
-            raise BudgetExceeded(f"{steps} steps are too few to begin")
         if self._explorer is None:
+            if steps < self.least_steps:
+                raise BudgetExceeded(f"{steps} steps are too few to begin")
             self._explorer = prepared.kernel.explorer(prepared.initial, self.memory_limit, self.edges)
         if self._cancelled:
             raise Cancelled

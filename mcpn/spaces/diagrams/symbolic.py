@@ -70,7 +70,7 @@ def reaching(
     memory_limit: int = DEFAULT_MEMORY,
     edges: bool = False,
 ) -> Work[SymbolicSpace]:
-    """As :func:`reach`, as work that may rest between the rounds of the race."""
+    """As :func:`reach`, as work that may rest between the slices of the race."""
     if error := unsafe_at_start(net):
         raise error
     space = yield from closing(net, Encoding, order=order, seed=seed, memory_limit=memory_limit, edges=edges)
@@ -118,7 +118,9 @@ def _race(
     first = FIRST_BUDGET_OF_MISSIONS if net.priorities else FIRST_BUDGET
     limit: MemoryLimit | None = None
     for workers in sorted({min(cores(), MOST_WORKERS), 1}, reverse=True):  # one alone may have all the memory
-        race = Race(runners(net, encodes, seed, memory_limit // workers, edges), memory_limit, workers, first)
+        entrants = runners(net, encodes, seed, memory_limit // workers, edges)
+        # With priorities each of many closures begins anew.
+        race = Race(entrants, memory_limit, workers, first, resumable=not net.priorities)
         winner = yield from race.rounds()
         if isinstance(winner, UnsafeError):
             raise winner
