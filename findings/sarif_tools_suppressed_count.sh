@@ -3,7 +3,7 @@
 #   accepted, nor one that is absent from the run and stands in the file as what has been mended.
 # Package: PyPI sarif-tools 3.0.5
 # Seen: Both are counted as errors, and the exit code fails the build. Results without a level are warnings, as the format says.
-# Source: SARIF 2.1.0, 3.27.23 (suppressions: viewers should not show these) and 3.27.24 (baselineState: absent); found by running it
+# Source: SARIF 2.1.0, 3.27.23 (suppressions) and 3.27.24 (baselineState: absent, in the run before alone); found by running it
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
