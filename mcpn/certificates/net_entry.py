@@ -7,21 +7,33 @@ from typing import Any
 
 from mcpn.certificates.certcheck import VERSION
 from mcpn.drawing.compose import MissionNet
-from mcpn.errors import InputError
+from mcpn.errors import LimitError
 from mcpn.events import Event
-from mcpn.nets.petri import Arcs, PetriNet
+from mcpn.nets.petri import Arcs
+
+ALWAYS, NEVER = "always marked", "never marked"
+"""Places that stand for weights of arcs; names of a mission's net have no spaces."""
 
 
-def net_entry(mission_net: MissionNet) -> dict[str, Any]:
+def net_entry(mission_net: MissionNet, *, diagrams: bool = False) -> dict[str, Any]:
     """The net of a mission as the certificate holds it.
+
+    Its arcs have no weights. In a net with one token in a place, at most, a transition that puts several into
+    one does as one that puts one where one is always; one that needs several never fires.
 
     Args:
         mission_net: The net, with what its places mean.
+        diagrams: Whether diagrams say which of its places are marked, and so of no others.
 
     Raises:
-        InputError: An arc has a weight, or a place several tokens.
+        LimitError: An arc has a weight, and diagrams are asked for.
     """
     net, roles = mission_net.net, defaultdict[int, list[list[str]]](list)
+    weighted = [t.name for t in net.transitions if _several(t.consume, t.read, t.produce)]
+    if diagrams and weighted:
+        raise LimitError(f"no certificate by diagrams: {weighted[0]} has an arc with a weight")
+    beyond = [{"name": ALWAYS, "initial": 1, "roles": []}, {"name": NEVER, "initial": 0, "roles": []}]
+    always = len(net.places)
     roles[mission_net.beginning].append(["begin", ""])
     for place, role in mission_net.roles.items():
         roles[place].append([*role])
@@ -31,15 +43,16 @@ def net_entry(mission_net: MissionNet) -> dict[str, Any]:
         "places": [
             {"name": place.name, "initial": place.initial, "roles": roles[number]}
             for number, place in enumerate(net.places)
-        ],
+        ]
+        + (beyond if weighted else []),
         "transitions": [
             {
                 "name": t.name,
                 "event": [] if t.event is None else event_entry(t.event),
                 "rank": t.rank,
-                "consume": _places(net, t.consume),
-                "produce": _places(net, t.produce),
-                "read": _places(net, t.read),
+                "consume": _places(t.consume),
+                "produce": _places(t.produce) + [always] * _several(t.produce),
+                "read": _places(t.read) + [always + 1] * _several(t.consume, t.read),
             }
             for t in net.transitions
         ],
@@ -51,11 +64,10 @@ def event_entry(event: Event) -> list[str]:
     return [event.what.value, event.element, *([event.reason] if event.reason else [])]
 
 
-def _places(net: PetriNet, arcs: Arcs) -> list[int]:
-    for place, weight in arcs:
-        if weight != 1:
-            name = net.places[place].name
-            raise InputError.at(
-                None, f"found an arc of weight {weight} at {name}, expected 1: no certificate"
-            )
+def _places(arcs: Arcs) -> list[int]:
     return [place for place, _ in arcs]
+
+
+def _several(*sides: Arcs) -> bool:
+    """Whether some arc carries several tokens."""
+    return any(weight > 1 for arcs in sides for _, weight in arcs)

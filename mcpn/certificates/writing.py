@@ -154,7 +154,13 @@ def _by_diagrams(check: MissionCheck, error: LimitError) -> Certificate:
     trusted["net"] = PLAYED, "corecheck lists the states, and they are too many"
     diagrams = writer.document(claims.values())
     return Certificate(
-        mission_net.mission.name, net_entry(mission_net), [], trusted, core_entry(mission_net), (), diagrams
+        mission_net.mission.name,
+        net_entry(mission_net, diagrams=True),
+        [],
+        trusted,
+        core_entry(mission_net),
+        (),
+        diagrams,
     )
 
 
