@@ -150,9 +150,18 @@ def entered(graph: LabelledStates, said: Json) -> set[State]:
         certcheck.need(len(role) == 2, f"{role} is no role of an element")
         inside |= graph.listing.saying(*role)
     stopped = stopping(graph, said["stopped"])
-    again = set[int]().union(*(graph.ending(name) | stopped.get(name, set()) for name in said["again"]))
-    start = {n for s, edges in enumerate(graph.edges) for t, n in edges if s not in inside or t in again}
-    return graph.listing.closure(start & first, graph.net.carrying("out of service"))
+    again = [of_objective(graph, name, stopped) for name in said["again"]]
+
+    def ends(s: State, t: int, n: State) -> bool:
+        return any(s in one.running and (t in one.over or n not in one.running) for one in again)
+
+    start = {
+        n
+        for s, edges in enumerate(graph.edges)
+        for t, n in edges
+        if n in first and (s not in inside or ends(s, t, n))
+    }
+    return graph.listing.closure(start, graph.net.carrying("out of service"))
 
 
 def cut_sets(graph: LabelledStates, claim: Json) -> None:

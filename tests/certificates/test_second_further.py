@@ -51,6 +51,21 @@ SMALL = """
 """
 
 
+LEFT = """
+<mission xmlns="urn:mcpn:mission:1" name="left">
+  <robot name="r">
+    <hardware name="arm"/><event name="stop"/>
+    <activity name="hold"><alternative name="on" consumes="arm"/></activity>
+    <activity name="rest"><alternative name="on"/></activity>
+  </robot>
+  <objective name="one" activities="rest" success="succeed" failure="fail">
+    <on event="stop" goto="other"/>
+  </objective>
+  <objective name="other" activities="hold"/>
+</mission>
+"""
+
+
 @pytest.fixture(scope="module")
 def checker(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The program."""
@@ -164,6 +179,20 @@ def test_both_refute_what_is_wrong(checker: Path, small: bytes, kind: str, chang
     with rewritten(small, "further.json", _of_kind(kind, change)) as path:
         found = agreed(checker, path)
     assert [each[0] for each in found].count("refuted") == 1
+
+
+def test_a_run_that_is_left_has_ended(checker: Path, tmp_path: Path) -> None:
+    """Where only a declared event leads from one objective to another, it enters the other one."""
+    (tmp_path / "mission.xml").write_text(LEFT.lstrip())
+    data = certificate_of_causes(Study(read_mission(tmp_path / "mission.xml")).causes()).to_bytes()
+
+    def change(document: Any) -> None:
+        found = (claim for claim in document["claims"] if claim["kind"] == "cut_sets_at_entry")
+        claim = next(claim for claim in found if claim["subject"] == ["success", "other"])
+        claim["statement"] |= {"inside": [["objective", "one"]], "again": ["one"]}
+
+    with rewritten(data, "further.json", change) as path:
+        assert verdicts(agreed(checker, path)) == {"proved"}
 
 
 @pytest.mark.parametrize("count", [40, pytest.param(5000, marks=pytest.mark.slow)])
