@@ -215,8 +215,8 @@ class Net:
             )
         return self.alone[t]
 
-    def carrying(self, what: str, *of: str) -> set[int]:
-        """The transitions of an event, of one of some elements, or of any where none is named."""
+    def carrying(self, what: str, *of: str | None) -> set[int]:
+        """The transitions of an event, of one of some elements (None is no element), or else of any."""
         return {t for t in self.events if self.event[t][0] == what and (not of or self.event[t][1] in of)}
 
 
@@ -298,8 +298,8 @@ class Listing:
             need(way[-1][2] in (None, end), "confluent: internal firings lead to two stable markings")
             way[-1][2] = end
 
-    def saying(self, role: str, *of: str) -> set[State]:
-        """The states that mark a place with a role, of one of some elements or of any if none is named."""
+    def saying(self, role: str, *of: str | None) -> set[State]:
+        """The states that mark a place with a role, of some elements (None is none), or else of any."""
         places = 0
         for (said, element), own in self.net.roles.items():
             places |= own if said == role and (not of or element in of) else 0
@@ -564,13 +564,13 @@ def nominal(graph: Listing, claim: Json) -> None:
     net, said = graph.net, part(claim, "statement", fails=[str], endless=[str], meant=[str], repaired=[str])
     numbers = numbered(graph, claim)
     need(claim["holds"], "that it fails is never certified")
-    onward = net.carrying("start") | net.carrying("success") | net.carrying("failure", *said["fails"], "")
-    onward -= net.carrying("success", *said["fails"], "")
+    onward = net.carrying("start") | net.carrying("success") | net.carrying("failure", *said["fails"], None)
+    onward -= net.carrying("success", *said["fails"], None)
     lost = graph.saying("oos", *said["repaired"]) if said["repaired"] else set[State]()
-    begin = graph.closure([0], net.carrying("repaired", *said["repaired"], "")) - lost
+    begin = graph.closure([0], net.carrying("repaired", *said["repaired"], None)) - lost
     need(begin, "what is out of service at first cannot come back")
     reached, success = graph.closure(begin, onward), graph.ended("success")
-    free = success | graph.saying("objective", *said["endless"], "")
+    free = success | graph.saying("objective", *said["endless"], None)
     for state in reached - success:
         after = [n for t, n in graph.edges[state] if t in onward]
         need(after, f"a nominal run ends in state {state}, which is no success")
@@ -608,11 +608,11 @@ def cut_sets(graph: Listing, claim: Json) -> None:
 
     cuts, survived = [mask(lost) for lost in said["cuts"]], [mask(each["lost"]) for each in runs]
     for lost in said["cuts"]:
-        may = set(graph.net.events) - graph.net.carrying("repaired", *lost, "")
+        may = set(graph.net.events) - graph.net.carrying("repaired", *lost, None)
         need(not graph.closure(started(lost), may) & goal, f"{lost} is survived")
         graph.within()
     for each in runs:
-        first, banned = each["run"][: max(each["by"], 0)], graph.net.carrying("repaired", *each["lost"], "")
+        first, banned = each["run"][: max(each["by"], 0)], graph.net.carrying("repaired", *each["lost"], None)
         start = graph.walked(first)
         need(start in started(each["lost"]), f"{each['lost']} is not lost before the start")
         end = graph.walked(each["run"][len(first) :], start, banned)

@@ -143,8 +143,8 @@ def without_another(cuts: list[int]) -> None:
 
 def entered(graph: LabelledStates, said: Json) -> set[State]:
     """The states just after an entry, and those that further losses lead to at once."""
-    first = graph.listing.saying("objective", *said["entered"], "")
-    first |= graph.listing.saying("pending", *said["entered"], "")
+    first = graph.listing.saying("objective", *said["entered"], None)
+    first |= graph.listing.saying("pending", *said["entered"], None)
     inside = set[State]()
     for role in said["inside"]:
         certcheck.need(len(role) == 2, f"{role} is no role of an element")
@@ -188,7 +188,7 @@ def cut_sets(graph: LabelledStates, claim: Json) -> None:
 
     cuts, survived = masks(bit, said["cuts"]), masks(bit, (each["lost"] for each in runs))
     for lost in said["cuts"]:
-        banned = goal.over | graph.net.carrying("repaired", *lost, "")
+        banned = goal.over | graph.net.carrying("repaired", *lost, None)
         after = graph.onward(lost_in(lost), goal.running, banned)
         certcheck.need(not after & goal.won, f"{lost} is survived")
     for each in runs:
@@ -196,7 +196,7 @@ def cut_sets(graph: LabelledStates, claim: Json) -> None:
         first = each["run"][: max(each["by"], 0)]
         state = graph.listing.walked(first)
         certcheck.need(state in lost_in(each["lost"]), f"{each['lost']} is not lost at that moment")
-        banned = goal.over | graph.net.carrying("repaired", *each["lost"], "")
+        banned = goal.over | graph.net.carrying("repaired", *each["lost"], None)
         for t in each["run"][len(first) :]:
             state = graph.listing.walked([t], state, banned)
             certcheck.need(state in goal.running, f"{each['lost']}: the run leaves what it is of")
@@ -263,7 +263,7 @@ def worst(graph: LabelledStates, claim: Json) -> None:
 
     def losing(lost: int) -> set[State]:
         names = [name for name, own in bit.items() if lost & own]
-        banned = goal.over | graph.net.carrying("repaired", *names, "")
+        banned = goal.over | graph.net.carrying("repaired", *names, None)
         return by_lost.get(lost, set()) - graph.leading(goal.won, goal.running, banned)
 
     for cut in cuts:
@@ -305,7 +305,8 @@ class JumpStates:
             by_event["repaired", each["name"]] = interval(each["repaired"])
         same_hardware(graph, [each["name"] for each in said["hardware"]])
         for each in said["events"]:
-            fine = each["event"][:1] in (["declared"], ["detected"]) and tuple(each["event"]) not in by_event
+            fine = len(each["event"]) == 2 and each["event"][0] in ("declared", "detected")
+            fine = fine and tuple(each["event"]) not in by_event
             certcheck.need(fine, f"{each['event']} has no rate of its own")
             by_event[tuple(each["event"])] = interval(each["rate"])
         self.rates = {t: by_event.get(net.event[t], (Fraction(0),) * 2) for t in net.events}

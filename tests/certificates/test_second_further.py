@@ -181,6 +181,28 @@ def test_both_refute_what_is_wrong(checker: Path, small: bytes, kind: str, chang
     assert [each[0] for each in found].count("refuted") == 1
 
 
+def test_an_element_without_a_name_is_none_of_those_named(checker: Path, small: bytes) -> None:
+    """No entry is left where the places of what is entered say that of an element without a name."""
+    entries = entries_of(small)
+    for place in entries["net.json"]["places"]:
+        place["roles"] = [
+            [role, "" if role in ("objective", "pending") and of == "first" else of]
+            for role, of in place["roles"]
+        ]
+    with rewritten(small, "net.json", lambda document: document.update(entries["net.json"])) as path:
+        found = agreed(checker, path)
+    assert ("refuted", "cut_sets_at_entry: success: first") in found
+
+
+def test_an_event_of_three_texts_has_no_rate(checker: Path, small: bytes) -> None:
+    def longer(document: Any) -> None:
+        claim = next(claim for claim in document["claims"] if claim["key"] == "chance: abort")
+        claim["statement"]["events"].append({"event": ["declared", "stop", "stop"], "rate": ["1", "1"]})
+
+    with rewritten(small, "further.json", longer) as path:
+        assert ("refuted", "chance: abort") in agreed(checker, path)
+
+
 def test_a_run_that_is_left_has_ended(checker: Path, tmp_path: Path) -> None:
     """Where only a declared event leads from one objective to another, it enters the other one."""
     (tmp_path / "mission.xml").write_text(LEFT.lstrip())
