@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 try:
     from mcpn.certificates import certcheck
-    from mcpn.certificates.coregraph import ENDS, CoreGraph, Event, Json, Place
+    from mcpn.certificates.coregraph import ENDS, CoreGraph, Event, Json, Place, facts_of, handlers_of
     from mcpn.certificates.corerobot import RUNS, CoreRobot, Facts, Names, RobotMoment
 except ImportError:  # the files alone, beside each other
     import certcheck  # type: ignore[import-not-found, no-redef]
@@ -30,6 +30,8 @@ except ImportError:  # the files alone, beside each other
         Event,
         Json,
         Place,
+        facts_of,
+        handlers_of,
     )
     from corerobot import (  # type: ignore[import-not-found, no-redef]
         RUNS,
@@ -69,11 +71,18 @@ class CoreMission:
         certcheck.shaped(document, {**certcheck.FORMAT, "graph": dict, "robot": dict}, "core.json")
         self.graph = CoreGraph(document["graph"], "core.json: graph", {*ENDS})
         every = [*self.graph.every()]
-        self.objectives = {each["name"]: each for each in every}
-        fine = len(every) == len(self.objectives)
-        certcheck.need(fine, "core.json: two objectives have one name", certcheck.Malformed)
+        self.objectives = {each["name"]: each for each in every if "activities" in each}
+        fine = len({each["name"] for each in every}) == len(every)
+        certcheck.need(fine, "core.json: two sections have one name", certcheck.Malformed)
         own = {name: each["activities"] for name, each in self.objectives.items()}
         self.robot = CoreRobot(document["robot"], own)
+        unknown = {fact for each in every for fact in facts_of(each)} - {fact for fact, _ in self.robot.facts}
+        certcheck.need(
+            not unknown, f"core.json: no fact {min(unknown, default='')[:60]}", certcheck.Malformed
+        )
+        handled = {h["event"] for each in every for h in handlers_of(each)} & self.robot.changing.keys()
+        words = f"core.json: {min(handled, default='')[:60]} changes facts and is handled"
+        certcheck.need(not handled, words, certcheck.Malformed)
         out = frozenset(name for name, each in self.robot.hardware.items() if each["out"])
         none = frozenset[str]()
         self.first = CoreState("begin", none, self.robot.facts, frozenset(), out, none, none)
@@ -255,9 +264,14 @@ def agree(net: frozenset[Any], mission: frozenset[Any], where: str) -> None:
         )
 
 
+def mission_of(entries: dict[str, bytes]) -> CoreMission:
+    """The core mission of a certificate."""
+    return CoreMission(certcheck.parsed(entries, "core.json"))
+
+
 def played(graph: certcheck.Listing, entries: dict[str, bytes]) -> tuple[int, int]:
     """Walks the states of a certificate's net beside its core mission, as :func:`walked`."""
-    return walked(graph, CoreMission(certcheck.parsed(entries, "core.json")))
+    return walked(graph, mission_of(entries))
 
 
 def checked(path: str, seconds: float = 600, most: int = 2_000_000) -> tuple[int, int]:
@@ -269,7 +283,8 @@ def checked(path: str, seconds: float = 600, most: int = 2_000_000) -> tuple[int
         certcheck.Limit: A limit was hit.
     """
     until, (entries, net, _) = time.monotonic() + seconds, certcheck.read(path)
-    return played(certcheck.Listing(net, most, until), entries)
+    mission = mission_of(entries)  # whatever is malformed is so before anything is refuted
+    return walked(certcheck.Listing(net, most, until), mission)
 
 
 def main(arguments: list[str] | None = None) -> int:

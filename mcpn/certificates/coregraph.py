@@ -59,13 +59,39 @@ OBJECTIVE = {**SECTION, "activities": [str], "sets": [[str]]}
 BRANCH = {"name": str, "mandatory": bool, "graph": dict}
 PAUSE = {"graph": dict, "handlers": [HANDLER]}
 BLOCK = {**SECTION, "branches": [BRANCH], "pauses": [PAUSE], "needed": int, "failing": int, "hasty": bool}
+OWN_ENDS = {"success", "failure"}
+"""The outcomes for which each section has a route."""
 GO_ON = "go on"
 """The exit of what runs while a block pauses by which it goes on."""
+
+
+def handlers_of(section: Json) -> list[Json]:
+    """All handlers of a section, those while it pauses among them."""
+    return [*section["handlers"], *(h for each in section.get("pauses", ()) for h in each["handlers"])]
+
+
+def facts_of(section: Json) -> Iterator[str]:
+    """The facts that a section asks or changes."""
+    leads = [*section["routes"].values(), *(e["to"] for e in [*section["left"], *handlers_of(section)])]
+    for each in [*section["left"], *(case for cases in leads for case in cases)]:
+        yield from (fact for fact, _ in each["when"])
+    yield from (fact for fact, *_ in section.get("sets", ()))
 
 
 def paired(some: list[list[str]], size: int = 2) -> bool:
     """Whether lists are all of one size."""
     return all(len(each) == size for each in some)
+
+
+def fitting(section: Json) -> bool:
+    """Whether a section has routes for how it ends, and names in it differ."""
+    routes, sets = section["routes"].keys(), section.get("sets", [])
+    names = [each["name"] for each in section.get("branches", ())] + section.get("activities", [])
+    others = () if "branches" in section else routes - OWN_ENDS - {"timeout"}
+    fine = paired(sets, 3) and all(on in ("success", "failure", "start") for *_, on in sets)
+    fine = fine and len({(fact, on) for fact, _, on in sets}) == len(sets)
+    fine = fine and len(set(names)) == len(names) and routes >= OWN_ENDS
+    return fine and all(each.startswith("failure ") for each in others)
 
 
 class CoreGraph:
@@ -85,8 +111,9 @@ class CoreGraph:
                 certcheck.shaped(cases, [CASE], f"{where}: {name}: {outcome}")
             if "branches" in section:
                 leaving = section["routes"].keys() | {GO_ON}
+                exits = {*ENDS} if "abort" in leaving else {*ENDS} - {"abort"}
                 inside = [
-                    CoreGraph(each["graph"], f"{where}: {each['name']}", {*ENDS})
+                    CoreGraph(each["graph"], f"{where}: {each['name']}", exits)
                     for each in section["branches"]
                 ]
                 pauses = [
@@ -96,10 +123,8 @@ class CoreGraph:
                 for level, each in zip(pauses, section["pauses"], strict=True):
                     level[0].complete(each["handlers"], len(pauses), f"{where}: {name}")
         for name, section in self.sections.items():
-            fine = paired(section.get("sets", []), 3) and all(
-                paired(each["when"]) for each in section["left"]
-            )
-            certcheck.need(fine, f"{where}: {name}: its sets, or left", certcheck.Malformed)
+            fine = fitting(section) and all(paired(each["when"]) for each in section["left"])
+            certcheck.need(fine, f"{where}: {name}: its routes, names, sets or left", certcheck.Malformed)
             leads = [*section["routes"].values(), *(each["to"] for each in section["left"])]
             handlers = [{"event": "", "once": "", "to": cases, "pauses": 0} for cases in leads]
             self.complete(
@@ -112,7 +137,7 @@ class CoreGraph:
     def complete(self, handlers: list[Json], pauses: int, where: str) -> None:
         """Something of this graph leads to what there is, whatever facts are."""
         for each in handlers:
-            fine = 0 <= each["pauses"] <= pauses
+            fine = 0 <= each["pauses"] <= pauses and not (each["pauses"] and each["to"])
             if not each["pauses"]:
                 known = self.exits | self.sections.keys()
                 fine = bool(each["to"]) and not each["to"][-1]["when"]
@@ -122,10 +147,9 @@ class CoreGraph:
             )
 
     def every(self) -> Iterator[Json]:
-        """All objectives, at any depth."""
+        """All sections, at any depth."""
         for name, section in self.sections.items():
-            if name not in self.phases:
-                yield section
+            yield section
             for level in (level for levels in self.phases.get(name, ()) for level in levels):
                 yield from level.every()
 
@@ -165,9 +189,7 @@ class CoreGraph:
 
     def routed(self, name: str, outcome: str, facts: Facts) -> Place:
         """Where an outcome of a section leads."""
-        cases = self.sections[name]["routes"].get(outcome)
-        certcheck.need(cases, f"core.json: {name} cannot end by {outcome}", certcheck.Malformed)
-        return self.led(cases, facts)
+        return self.led(self.sections[name]["routes"][outcome], facts)
 
     def enter(self, target: str) -> Place:
         """An exit, an objective, or a block with its branches at their entries."""

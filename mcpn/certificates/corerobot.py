@@ -70,17 +70,32 @@ def so(when: Iterable[Iterable[str]], facts: Facts) -> bool:
     return all((fact, value) in facts for fact, value in when)
 
 
+def sound(robot: Json, where: str) -> None:
+    """Names differ, facts that are named are there, and what is detected or produced may be."""
+    names = {key: [each["name"] for each in robot[key]] for key in ROBOT}
+    sets = [each["sets"] for each in robot["events"]]
+    pairs = [*sets, *(way["requires"] for each in robot["activities"] for way in each["alternatives"])]
+    produced = [k for each in robot["activities"] for k in each["produces"]]
+    detected = {k for each in robot["activities"] for k in each["detects"]}
+    wrong = ""
+    if any(len(set(each)) < len(each) for each in (*names.values(), produced)):
+        wrong = "a name is there twice, or something is produced twice"
+    elif any(len(pair) != 2 or pair[0] not in names["facts"] for each in pairs for pair in each):
+        wrong = "a fact has no value, or is not there"
+    elif any(len({fact for fact, _ in each}) < len(each) for each in sets):
+        wrong = "an event changes a fact twice"
+    elif {*produced, *names["software"]} & {*names["hardware"]} or detected - {*names["hardware"]}:
+        wrong = "hardware is produced or named as software, or what is detected is none"
+    certcheck.need(not wrong, f"{where}: {wrong}", certcheck.Malformed)
+
+
 class CoreRobot:
     """What a robot has, and which activities run for which objective."""
 
     def __init__(self, document: Json, objectives: dict[str, list[str]]) -> None:
         where = "core.json: robot"
         certcheck.shaped(document, ROBOT, where)
-        pairs = [each["sets"] for each in document["events"]]
-        pairs += [way["requires"] for each in document["activities"] for way in each["alternatives"]]
-        fine = all(len(pair) == 2 for each in pairs for pair in each)
-        fine = fine and all(len({e["name"] for e in document[key]}) == len(document[key]) for key in ROBOT)
-        certcheck.need(fine, f"{where}: a name is there twice, or a fact has no value", certcheck.Malformed)
+        sound(document, where)
         self.objectives = objectives
         self.hardware = {each["name"]: each for each in document["hardware"]}
         self.activities = {each["name"]: each for each in document["activities"]}

@@ -66,7 +66,7 @@ class Core {
   std::map<std::string, Facts> events;
   std::vector<Activity> activities;
   std::vector<bool> contended;  // resources: hardware, then software
-  std::set<std::string> objectives;
+  std::set<std::string> names;  // of sections
 
   // The hardware that activities, and what may produce for them at any depth, consume in some alternative.
   std::set<std::size_t> used(const std::vector<std::size_t>& of) const {
@@ -95,6 +95,13 @@ class Core {
       found.emplace_back(at->second, pair[1]);
     }
     return found;
+  }
+
+  // Changes of which none is of the same fact as another one.
+  static Facts once(Facts sets) {
+    std::set<std::size_t> changed;
+    for (const Fact& each : sets) require(changed.insert(each.first).second, "a fact changes twice");
+    return sets;
   }
 
   void robot(const Json& of) {
@@ -128,7 +135,7 @@ class Core {
     }
     for (const Json& each : of.at("events").items) {
       keys(each, {"name", "sets"}, "an event");
-      events.emplace(text(each.at("name")), facts_of(each.at("sets")));
+      events.emplace(text(each.at("name")), once(facts_of(each.at("sets"))));
     }
     std::map<std::size_t, std::size_t> producers;
     for (const Json& each : of.at("activities").items) {
@@ -200,6 +207,7 @@ class Core {
       const Int pause = whole(each.at("pauses"));
       require(pause >= 0 && std::size_t(pause) <= pauses, "no such pause");
       require(!pause || list(each.at("to")).empty(), "a handler that pauses and leads elsewhere");
+      require(!events.count(text(each.at("event"))), "an event changes facts and is handled: " + text(each.at("event")));
       found.push_back({text(each.at("event")), text(each.at("once")), pause ? Cases() : cases(each.at("to"), in, exits), std::size_t(pause)});
     }
     return found;
@@ -209,6 +217,7 @@ class Core {
     auto graph = std::make_unique<Graph>();
     for (const Json& each : list(of.at("sections"))) {
       require(each.kind == Json::object && each.members.count("name"), "a section without a name");
+      require(!exits.count(text(each.at("name"))), "a section is named as an exit: " + text(each.at("name")));
       require(graph->numbers.emplace(text(each.at("name")), graph->numbers.size()).second, "two sections of one name: " + text(each.at("name")));
     }
     require(graph->numbers.count(text(of.at("entry"))), "no section " + text(of.at("entry")));
@@ -219,23 +228,30 @@ class Core {
   Section section(const Json& of, const Graph& in, const std::set<std::string>& exits) {
     Section made_of;
     made_of.name = text(of.at("name"));
+    require(names.insert(made_of.name).second, "two sections of one name: " + made_of.name);
     made_of.block = of.members.count("branches") > 0;
     if (made_of.block)
       keys(of, {"name", "routes", "handlers", "left", "branches", "pauses", "needed", "failing", "hasty"}, "a block");
     else
       keys(of, {"name", "routes", "handlers", "left", "activities", "sets"}, "an objective");
     require(of.at("routes").kind == Json::object, "routes that are no object");
-    for (const auto& [outcome, to] : of.at("routes").members) made_of.routes.emplace(outcome, cases(to, in, exits));
+    for (const auto& [outcome, to] : of.at("routes").members) {
+      const bool fits = made_of.block || outcome == "success" || outcome == "failure" || outcome == "timeout" || outcome.rfind("failure ", 0) == 0;
+      require(fits, "no objective ends by " + outcome);
+      made_of.routes.emplace(outcome, cases(to, in, exits));
+    }
+    require(made_of.routed("success") && made_of.routed("failure"), "no route for success or failure: " + made_of.name);
     for (const Json& each : list(of.at("left"))) {
       keys(each, {"when", "to"}, "what is left");
       made_of.left.push_back({facts_of(each.at("when")), cases(each.at("to"), in, exits)});
     }
     made_of.handlers = handlers(of.at("handlers"), in, exits, made_of.block ? list(of.at("pauses")).size() : 0);
     if (!made_of.block) {
-      require(objectives.insert(made_of.name).second, "two objectives of one name: " + made_of.name);
       for (const std::string& name : texts(of.at("activities"))) {
         const auto at = activity_numbers_.find(name);
         require(at != activity_numbers_.end(), "no activity " + name);
+        const auto& own = made_of.activities;
+        require(std::find(own.begin(), own.end(), at->second) == own.end(), "an objective runs twice " + name);
         made_of.activities.push_back(at->second);
       }
       for (const Json& each : list(of.at("sets"))) {
@@ -244,14 +260,16 @@ class Core {
         const auto at = fact_numbers_.find(set[0]);
         require(at != fact_numbers_.end(), "no fact " + set[0]);
         made_of.sets[set[2]].emplace_back(at->second, set[1]);
+        once(made_of.sets[set[2]]);
       }
       return made_of;
     }
-    std::set<std::string> names;
+    std::set<std::string> branches, ends{"succeed", "fail"};
+    if (made_of.routed("abort")) ends.insert("abort");
     for (const Json& each : list(of.at("branches"))) {
       keys(each, {"name", "mandatory", "graph"}, "a branch");
-      require(names.insert(text(each.at("name"))).second, "two branches of one name");
-      made_of.branches.push_back({text(each.at("name")), truth(each.at("mandatory")), made(each.at("graph"), {"succeed", "fail", "abort"})});
+      require(branches.insert(text(each.at("name"))).second, "two branches of one name");
+      made_of.branches.push_back({text(each.at("name")), truth(each.at("mandatory")), made(each.at("graph"), ends)});
     }
     std::set<std::string> outcomes{"go on"};
     for (const auto& [outcome, _] : made_of.routes) outcomes.insert(outcome);
@@ -501,7 +519,6 @@ class Play {
   }
   static std::string leave(const State& state, const Graph& in, Node& node, const std::string& outcome) {
     const auto found = node.at->routes.find(outcome);
-    require(found != node.at->routes.end(), node.at->name + " ends in " + outcome + " and has no such route");
     return led(state, in, node, found->second);
   }
   static std::string decided(const State& state, const Graph& in, Node& node) {
@@ -891,10 +908,10 @@ int checked(const std::string& path, const Clock& clock) {
   const auto files = unzipped(path);
   require(files.count("core.json") > 0, "there is no entry core.json");
   const Net net = net_of(parsed(files.at("net.json")));
-  const Json core = parsed(files.at("core.json"));
+  const Core core(parsed(files.at("core.json")));  // whatever is malformed is so before anything is refuted
   try {
     const States states(net, clock);
-    walk(net, states, Core(core), clock);
+    walk(net, states, core, clock);
   } catch (const Unsafe&) {
     throw Refuted("the net is not safe");
   } catch (const NotConfluent&) {
