@@ -1,0 +1,349 @@
+"""Mutants of nets, of core missions and of controllers that are walked beside each other: none is accepted.
+
+Usage: ``python experiments/faults/core_mutants.py [--mutants N] [--seed S] [--of core|controller]
+[--second]`` changes N times a net beside its core mission or its controller, or puts another mission's core,
+or a changed controller, beside a net. What corecheck, with ``--second`` also the program in C++, and ctlcheck
+accept is held against another oracle: the net as mcpn's templates draw it of that mission, and the controller
+as its runtime takes events. Both are followed in pairs with the unchanged ones, and must have the same events
+and say the same. Exit code 1 if they do not, or one program alone accepts it. 1,000 mutants take some minutes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import copy
+import json
+import random
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Callable, Hashable, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
+
+sys.path.append(str(Path(__file__).resolve().parents[2]))
+
+from lxml import etree
+
+from experiments.faults.both_checkers import MOST, proved
+from experiments.faults.certificates import Truth, apart, change_net
+from mcpn.certificates import certcheck, ctlcheck
+from mcpn.certificates.core_entry import core_entry
+from mcpn.certificates.net_entry import net_entry
+from mcpn.controller.document import document
+from mcpn.errors import McpnError
+from mcpn.mission.xml import read_mission
+from mcpn.robot.runtime.file_schema import ControllerFileError, digest_of
+from mcpn.robot.runtime.tables import RuntimePosition, Tables
+from mcpn.study import Study
+
+Document = dict[str, Any]
+At = TypeVar("At", bound=Hashable)
+HOME = """<mission xmlns="urn:mcpn:mission:1" name="home">
+  <robot name="cart">
+    <hardware name="wheels"/><hardware name="eye" detected="late"/><hardware name="ear" repairable="false"/>
+    <software name="map"/>
+    <event name="call"/>
+    <activity name="locate" produces="map">
+      <alternative name="by_eye" consumes="eye"/><alternative name="by_ear" consumes="ear"/>
+    </activity>
+    <activity name="drive" switch_back="true">
+      <alternative name="mapped" consumes="map wheels"/><alternative name="blind"/>
+    </activity>
+    <activity name="rest" detects="eye"/>
+  </robot>
+  <objective name="go" activities="drive" failure="abort" timeout="10"/>
+  <parallel name="both" failure="back" success="back">
+    <objective name="see" activities="drive"/>
+    <objective name="wait" activities="rest" mandatory="false"/>
+  </parallel>
+  <objective name="back" activities="rest" success="succeed" failure="go">
+    <on event="call" goto="abort" once="true"/>
+  </objective>
+</mission>
+"""
+DAY = """<mission xmlns="urn:mcpn:mission:1" name="day">
+  <robot name="lamp">
+    <hardware name="bulb"/><hardware name="panel" initial="oos"/>
+    <fact name="light"/><fact name="warm"/>
+    <event name="dusk"><sets fact="light" to="false"/></event>
+    <event name="rain"/>
+    <activity name="shine" requires="light" consumes="bulb"/>
+    <activity name="glow"><alternative name="full" consumes="panel"/><alternative name="half"/></activity>
+  </robot>
+  <objective name="rise" activities="glow" failure="fail"><sets fact="light" to="true"/></objective>
+  <parallel name="noon" failure="abort" success="set">
+    <on event="rain" pause="shelter"/>
+    <objective name="lit" activities="shine"/>
+    <objective name="lazy" activities="glow" mandatory="false">
+      <sets fact="warm" to="true" on="start"/>
+    </objective>
+  </parallel>
+  <objective name="set" activities="glow" success="succeed" failure="rise"/>
+  <objective name="shelter" activities="glow"/>
+</mission>
+"""
+LOOK = {"begin", "success", "failure", "abort", "objective", "pending", "done", "active", "wait", "want"}
+LOOK |= {"refused", "oos", "known", "fact", "happened"}
+"""The roles that core missions say something of."""
+ENDS = {"begin", "success", "failure", "abort"}
+ORDERS = ("stop", "release", "select", "start")
+"""What a controller orders; what ``arm`` and ``disarm`` do in time no checker judges."""
+
+
+# What is so, by other code than the checkers'.
+
+
+class Moves(NamedTuple):
+    """What is said in a state, and where each event leads; None where it leads to several states."""
+
+    said: Hashable
+    after: Mapping[Hashable, Any]
+
+
+def alike(one: Callable[[At], Moves], other: Callable[[At], Moves], first: tuple[At, At]) -> bool:
+    """Whether both say the same, and have the same events, in all states that they reach together."""
+    met, todo = {first}, [first]
+    for a, b in todo:  # grows while it is walked
+        here, there = one(a), other(b)
+        if here.said != there.said or here.after.keys() != there.after.keys():
+            return False
+        for event, target in here.after.items():
+            pair = (target, there.after[event])
+            if None in pair:
+                return False
+            if pair not in met:
+                met.add(pair)
+                todo.append(pair)
+    return True
+
+
+def of_net(truth: Truth, roles: set[str]) -> Callable[[int], Moves]:
+    """The states of a net, with what its places say by some roles."""
+    said: list[set[tuple[str, str]]] = [set() for _ in range(truth.graph.states)]
+    for role, element in truth.roles:
+        word = ("wait" if role == "want" else role, "" if role in ENDS else element)
+        for state in truth.mask(truth.says(role, element)).nonzero()[0] if role in roles else ():
+            said[state].add(word)
+    after: list[dict[Hashable, Any]] = [{} for _ in said]
+    graph = truth.graph
+    for s, t, n in zip(graph.sources.tolist(), graph.labels.tolist(), graph.targets.tolist(), strict=True):
+        event = truth.events[t]
+        after[s][event] = n if after[s].get(event, n) == n else None
+    return lambda state: Moves(frozenset(said[state]), after[state])
+
+
+def of_controller(tables: Tables) -> Callable[[Any], Moves]:
+    """The states of a controller, with what it orders."""
+
+    def moves(at: RuntimePosition) -> Moves:
+        inside = at.section.state(at.state) if at.section else None
+        shows = (sorted(inside.objectives), sorted(inside.mode.items())) if inside else ()
+        after = dict[Hashable, Any]()
+        for event in tables.possible(at):
+            step = tables.after(at, event)
+            if step is not None:
+                orders = [str(each) for each in step[1] if each.verb in ORDERS]
+                after[event, tuple(orders)] = step[0]._replace(
+                    gone=frozenset(step[0].gone), true=frozenset(step[0].true)
+                )
+        return Moves((at.phase, frozenset(at.gone), repr(shows)), after)
+
+    return moves
+
+
+def as_runtime(controller: Document) -> tuple[Callable[[Any], Moves], Any]:
+    """A controller as the runtime takes it, and where it begins."""
+    tables = Tables({**controller, "digest": digest_of(controller)})
+    gone, true = frozenset(tables.out_of_service), frozenset(tables.true_at_first)
+    return of_controller(tables), RuntimePosition("before", None, 0, gone, true)
+
+
+# Missions and their changes.
+
+
+class Original(NamedTuple):
+    """A mission with its net, and what is beside it."""
+
+    text: str
+    net: Document
+    core: Document
+    controllers: list[Document]
+
+    @property
+    def truth(self) -> Truth:
+        """What its net does."""
+        return Truth(self.net)
+
+
+def plain(value: Any) -> Any:
+    """A document as it is read back."""
+    return json.loads(json.dumps(value))
+
+
+def study_of(text: str) -> Study:
+    """A mission that is written out."""
+    with tempfile.NamedTemporaryFile(suffix=".xml") as file:
+        Path(file.name).write_text(text)
+        return Study(read_mission(file.name))
+
+
+@cache
+def originals() -> list[Original]:
+    """The missions."""
+    found = list[Original]()
+    for text in (HOME, DAY):
+        study = study_of(text)
+        net = study.mission_net
+        forms = [plain(document(study.controller(form), net)) for form in ("hierarchical", "flat")]  # type: ignore[arg-type]
+        found.append(Original(text, plain(net_entry(net)), plain(core_entry(net)), forms))
+    return found
+
+
+def other_mission(text: str, draw: random.Random) -> str:
+    """A mission of which an attribute is left out, or has the value of another one, or an element is gone."""
+    root = etree.fromstring(text)
+    nodes = [each for each in root.iter() if each.attrib and each is not root]
+    node = draw.choice(nodes)
+    key = draw.choice(list(node.attrib))
+    values = {str(value) for each in nodes for value in each.attrib.values()} | {"true", "false", "oos"}
+    match draw.randrange(5):
+        case 0:
+            node.getparent().remove(node)
+        case 1:
+            del node.attrib[key]
+        case 2:
+            more = [
+                "shared",
+                "faulty",
+                "repairable",
+                "mandatory",
+                "switch_back",
+                "detected",
+                "initial",
+                "failure",
+            ]
+            node.set(draw.choice(more), draw.choice(["true", "false", "late", "oos", "succeed", "fail"]))
+        case _:
+            node.set(key, draw.choice(sorted(values)))
+    return etree.tostring(root, encoding="unicode")
+
+
+def change_controller(controller: Document, draw: random.Random) -> str:
+    """Changes a controller at one place; says where."""
+    part = draw.choice(["types", "types", "types", "sections", "late", "hardware", "activities", "changing"])
+    places = list(_places(controller[part]))
+    if places:
+        holder, key = draw.choice(places)
+        found = holder[key]
+        alike = [h[k] for h, k in places if type(h[k]) is type(found)]
+        if isinstance(found, list | dict) and draw.random() < 0.5:
+            del holder[key]
+        else:
+            holder[key] = copy.deepcopy(draw.choice(alike))
+    return part
+
+
+def _places(value: Any) -> Any:
+    """All places inside a value that hold something."""
+    inside = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, found in inside:
+        yield value, key
+        yield from _places(found)
+
+
+# The campaign.
+
+
+def of_core(draw: random.Random, second: bool) -> tuple[str, bool, list[str]]:
+    """Changes a net or a core mission: how, whether it is accepted, and what is wrong with that."""
+    original = draw.choice(originals())
+    net, core, other = copy.deepcopy(original.net), original.core, original.net
+    if draw.random() < 0.5:
+        how, other = change_net(net, draw), net
+    else:
+        how = "another mission"
+        try:
+            drawn = study_of(other_mission(original.text, draw)).mission_net
+        except McpnError:
+            return "no mission", False, []
+        core, other = plain(core_entry(drawn)), plain(net_entry(drawn))
+    first, second_ = proved("core", {"net": net, "core": core}, second)
+    if not first | second_:
+        return how, False, []
+    return how, True, apart(first, second_) + _unlike(original.net, other, LOOK)
+
+
+def _unlike(net: Document, other: Document, roles: set[str]) -> list[str]:
+    """What is wrong where two nets should do the same."""
+    try:
+        same = alike(of_net(Truth(net), roles), of_net(Truth(other), roles), (0, 0))
+    except McpnError as error:
+        return [str(error)]
+    return [] if same else ["it does something else"]
+
+
+def of_walked(draw: random.Random, _: bool) -> tuple[str, bool, list[str]]:
+    """Changes a net or a controller: how, whether it is accepted, and what is wrong with that."""
+    original = draw.choice(originals())
+    controller = draw.choice(original.controllers)
+    net, changed = copy.deepcopy(original.net), copy.deepcopy(controller)
+    in_net = draw.random() < 0.4
+    how = change_net(net, draw) if in_net else f"controller: {change_controller(changed, draw)}"
+    try:
+        graph = certcheck.Listing(certcheck.Net(net), MOST, float("inf"))
+        ctlcheck.walked(graph, ctlcheck.WalkedController(changed))
+    except (certcheck.Refuted, certcheck.Malformed, certcheck.Limit):
+        return how, False, []
+    except (
+        KeyError,
+        IndexError,
+        TypeError,
+        ValueError,
+        AttributeError,
+    ):  # as ctlcheck: not as mcpn writes it
+        return how, False, []
+    if in_net:
+        return how, True, _unlike(original.net, net, {*ENDS, "objective", "active", "oos"})
+    (was, begin), (now, first) = as_runtime(controller), (None, None)
+    try:
+        now, first = as_runtime(changed)
+    except ControllerFileError:
+        return f"{how}, refused as it is loaded", True, []
+    return how, True, [] if alike(was, now, (begin, first)) else ["it does something else"]
+
+
+CAMPAIGNS = {"core": of_core, "controller": of_walked}
+
+
+def campaign(of: str, mutants: int, seed: int, second: bool = False) -> tuple[Counter[str], list[str]]:
+    """Changes what is walked; what became of each change, and those that are accepted wrongly."""
+    found, wrong = Counter[str](), list[str]()
+    for number in range(mutants):
+        how, accepted, why = CAMPAIGNS[of](random.Random(f"{seed} {number}"), second)
+        wrong += [f"{of}: mutant {number} of seed {seed}, {how}: {each}" for each in why]
+        found[f"{how}: {'accepted' if accepted else 'not accepted'}"] += 1
+    return found, wrong
+
+
+def main() -> int:
+    """Runs what the command line asks for."""
+    parser = argparse.ArgumentParser(description="Mutants of nets, core missions and controllers.")
+    parser.add_argument("--mutants", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--second", action="store_true", help="ask the program in C++, too")
+    parser.add_argument("--of", choices=(*CAMPAIGNS,), action="append")
+    asked, every = parser.parse_args(), list[str]()
+    for of in asked.of or CAMPAIGNS:
+        found, wrong = campaign(of, asked.mutants, asked.seed, asked.second)
+        for how, times in sorted(found.items()):
+            print(f"{times:6} {how}")
+        print(f"{of}: {asked.mutants} mutants, {len(wrong)} wrongly accepted")
+        every += wrong
+    print("\n".join(every))
+    return 1 if every else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
