@@ -5,7 +5,7 @@ Usage: ``python experiments/faults/core_mutants.py [--mutants N] [--seed S] [--o
 or a changed controller, beside a net. What corecheck, with ``--second`` also the program in C++, and ctlcheck
 accept is held against another oracle: the net as mcpn's templates draw it of that mission, and the controller
 as its runtime takes events. Both are followed in pairs with the unchanged ones, and must have the same events
-and say the same. Exit code 1 if they do not, or one program alone accepts it. 1,000 mutants take some minutes.
+and say the same. Exit code 1 if they do not, or one program alone accepts it. 1,000 mutants take a minute.
 """
 
 from __future__ import annotations

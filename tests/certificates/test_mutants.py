@@ -8,8 +8,8 @@ from types import ModuleType
 
 import pytest
 
-from experiments.faults import further_mutants
-from mcpn.certificates import certcheck, diagcheck
+from experiments.faults import core_mutants, further_mutants
+from mcpn.certificates import certcheck, corecheck, ctlcheck, diagcheck
 from tests.conftest import ROOT
 
 
@@ -66,3 +66,25 @@ def test_no_false_claim_of_the_other_entries_is_proved_of_many(of: str) -> None:
 def test_a_checker_of_diagrams_that_believes_everything_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(diagcheck, "judge", lambda of, claim: None)
     assert further_mutants.campaign("diagrams", 12, 3)[1]
+
+
+@pytest.mark.parametrize("of", ["core", "controller"])
+def test_nothing_else_is_accepted_beside_a_net(of: str) -> None:
+    found, wrong = core_mutants.campaign(of, 8, 3)
+    assert wrong == []
+    assert sum(found.values()) == 8
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
+@pytest.mark.parametrize("of", ["core", "controller"])
+def test_nothing_else_is_accepted_beside_a_net_of_many(of: str) -> None:
+    assert core_mutants.campaign(of, 2_000, 5)[1] == []
+
+
+@pytest.mark.parametrize(("of", "program"), [("core", corecheck), ("controller", ctlcheck)])
+def test_a_walk_that_believes_everything_is_found_out(
+    monkeypatch: pytest.MonkeyPatch, of: str, program: ModuleType
+) -> None:
+    monkeypatch.setattr(program, "walked", lambda graph, other: (1, 1))
+    assert core_mutants.campaign(of, 10, 4)[1]
