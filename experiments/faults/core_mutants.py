@@ -28,7 +28,7 @@ from lxml import etree
 
 from experiments.faults.both_checkers import MOST, proved
 from experiments.faults.certificates import Truth, apart, change_net
-from mcpn.certificates import certcheck, ctlcheck
+from mcpn.certificates import certcheck, ctlcheck, ctlforms
 from mcpn.certificates.core_entry import core_entry
 from mcpn.certificates.net_entry import net_entry
 from mcpn.controller.document import document
@@ -88,8 +88,6 @@ LOOK = {"begin", "success", "failure", "abort", "objective", "pending", "done", 
 LOOK |= {"refused", "oos", "known", "fact", "happened"}
 """The roles that core missions say something of."""
 ENDS = {"begin", "success", "failure", "abort"}
-ORDERS = ("stop", "release", "select", "start")
-"""What a controller orders; what ``arm`` and ``disarm`` do in time no checker judges."""
 
 
 # What is so, by other code than the checkers'.
@@ -144,7 +142,7 @@ def of_controller(tables: Tables) -> Callable[[Any], Moves]:
         for event in tables.possible(at):
             step = tables.after(at, event)
             if step is not None:
-                orders = [str(each) for each in step[1] if each.verb in ORDERS]
+                orders = [str(each) for each in step[1]]
                 after[event, tuple(orders)] = step[0]._replace(
                     gone=frozenset(step[0].gone), true=frozenset(step[0].true)
                 )
@@ -293,16 +291,10 @@ def of_walked(draw: random.Random, _: bool) -> tuple[str, bool, list[str]]:
     how = change_net(net, draw) if in_net else f"controller: {change_controller(changed, draw)}"
     try:
         graph = certcheck.Listing(certcheck.Net(net), MOST, float("inf"))
-        ctlcheck.walked(graph, ctlcheck.WalkedController(changed))
+        ctlcheck.walked(graph, ctlforms.WalkedController(changed))
     except (certcheck.Refuted, certcheck.Malformed, certcheck.Limit):
         return how, False, []
-    except (
-        KeyError,
-        IndexError,
-        TypeError,
-        ValueError,
-        AttributeError,
-    ):  # as ctlcheck: not as mcpn writes it
+    except (LookupError, TypeError, ValueError, AttributeError):  # ctlcheck: not as mcpn writes it
         return how, False, []
     if in_net:
         return how, True, _unlike(original.net, net, {*ENDS, "objective", "active", "oos"})
