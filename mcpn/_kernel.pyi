@@ -619,23 +619,33 @@ class TokenNet:
         The seed draws the order of markings that are equally near.
         """
 
-    def lasso(
+@disjoint_base
+class PathFinder:
+    """Looks for paths from a marking that an automaton accepts.
+
+    An edge of the automaton is given by the roots that hold, the bits of its marks, its target, what fires
+    (``None``: anything) and whether nothing may; it accepts every path from states of ``accepting_all``.
+    States of one strongly connected component have one number in ``components``.
+    """
+
+    def __init__(
         self,
+        net: TokenNet,
         initial: Sequence[int],
         goals: Goals,
         roots: Sequence[int],
         edges: Sequence[Sequence[tuple[Sequence[int], int, int, Sequence[int] | None, bool]]],
         marks: int,
         accepting_all: Sequence[bool],
-        max_steps: int,
-        max_bytes: int,
-        seed: int,
-    ) -> tuple[str, int, list[int], int | None]:
-        """A path that an automaton accepts: ``found``, ``none`` or the limit hit; pairs seen; run; cycle.
+        components: Sequence[int],
+    ) -> None: ...
+    def search(
+        self, max_steps: int, max_bytes: int, seed: int, guided: bool, pause: int
+    ) -> tuple[str, list[int], int | None]:
+        """``found``, ``none``, the limit hit (``steps``, ``bytes`` or ``tokens``) or ``pause``; run; cycle.
 
-        An edge of the automaton is given by the roots that hold, the bits of its marks, its target, what
-        fires (``None``: anything) and whether nothing may; it accepts every path from states of
-        ``accepting_all``.
+        Depth first a step follows an edge of the product; guided by the additive heuristic it evaluates one
+        of its members. A pause comes after so many steps: asked the same again, it goes on from there.
         """
 
 @disjoint_base

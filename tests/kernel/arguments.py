@@ -345,6 +345,16 @@ CLASSES: dict[type, Callable[[Caller], tuple[Any, ...]]] = {
         me.operators(),
         me.bytes_limit(),
     ),
+    kernel.PathFinder: lambda me: (
+        me.some(kernel.TokenNet),
+        me.marking(),
+        me.some(kernel.Goals),
+        me.numbers(2),
+        me.edges(),
+        me.random.getrandbits(3),
+        [me.flag(), me.flag()],
+        [me.number(2), me.number(2)],
+    ),
     kernel.BigSteps: lambda me: (
         me.some(kernel.SafeNet),
         me.numbers(),
@@ -473,16 +483,12 @@ METHODS: dict[str, Callable[[Caller, Any], tuple[Any, ...]]] = {
         me.bytes_limit(),
         me.number(1 << 60),
     ),
-    "TokenNet.lasso": lambda me, _: (
-        me.marking(),
-        me.some(kernel.Goals),
-        me.numbers(2),
-        me.edges(),
-        me.random.getrandbits(3),
-        [me.flag(), me.flag()],
+    "PathFinder.search": lambda me, _: (
         me.limit(),
         me.bytes_limit(),
         me.number(1 << 60),
+        me.flag(),
+        me.limit(),
     ),
     "Checker.decide": lambda me, _: (me.root(), me.limit(), me.number(9)),
 }

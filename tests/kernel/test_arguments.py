@@ -69,7 +69,7 @@ def test_goals_are_those_of_the_net() -> None:
     with pytest.raises(ValueError, match="goals of another net"):
         net.walk([1, 0], other, [0], 10, 10, 0)
     with pytest.raises(ValueError, match="goals of another net"):
-        net.lasso([1, 0], other, [0], [[]], 0, [False], 10, 1 << 20, 0)
+        kernel.PathFinder(net, [1, 0], other, [0], [[]], 0, [False], [0])
     with pytest.raises(ValueError, match="goals of another net"):
         kernel.Checker(net, [1, 0], other, [("goal", [0])], 1 << 20)
 

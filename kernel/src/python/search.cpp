@@ -37,7 +37,7 @@ constexpr const char* kKinds[] = {"all", "any", "at_most", "dead", "not_dead"};
 constexpr const char* kOperators[] = {"goal", "not", "all", "any", "next", "until", "always"};
 constexpr std::size_t kOperands[] = {1, 1, 0, 0, 1, 2, 1};  // 0: any number
 constexpr const char* kAnswers[] = {"no", "yes", "steps", "bytes", "tokens", "pause"};
-constexpr const char* kLassos[] = {"found", "none", "steps", "bytes", "tokens"};
+constexpr const char* kLassos[] = {"found", "none", "steps", "bytes", "tokens", "pause"};
 constexpr const char* kOutcomes[] = {"reached", "unreachable", "states", "bytes", "tokens"};
 
 void check(const std::vector<Arc>& arcs, std::uint32_t places) {
@@ -156,16 +156,20 @@ void bind_search(nb::module_& module) {
         });
         return std::tuple(std::string(kOutcomes[int(found.outcome)]), found.states, found.run);
       }, nb::arg("initial"), nb::arg("goals"), nb::arg("root"), nb::arg("max_states"), nb::arg("max_bytes"),
-         nb::arg("seed"))
-      .def("lasso", [](const TokenNet& net, const Marking& initial, const Goals& goals,
-                       const std::vector<std::uint32_t>& roots, const std::vector<std::vector<GivenEdge>>& edges,
-                       std::uint64_t marks, const std::vector<bool>& accepting_all, std::uint64_t max_steps,
-                       std::uint64_t max_bytes, std::uint64_t seed) {
+         nb::arg("seed"));
+
+  nb::class_<PathFinder>(module, "PathFinder")
+      .def("__init__", [](PathFinder* self, const TokenNet& net, const Marking& initial, const Goals& goals,
+                          const std::vector<std::uint32_t>& roots, const std::vector<std::vector<GivenEdge>>& edges,
+                          std::uint64_t marks, const std::vector<bool>& accepting_all,
+                          const std::vector<std::uint32_t>& components) {
         check(initial, net);
         check(goals, roots, net);
-        if (edges.empty() || edges.size() != accepting_all.size())
+        if (edges.empty() || edges.size() != accepting_all.size() || edges.size() != components.size())
           throw std::invalid_argument("an automaton without states, or not told of each what it accepts");
-        Automaton automaton{{}, marks, accepting_all};
+        Automaton automaton{{}, marks, accepting_all, components};
+        for (const std::uint32_t number : components)
+          if (number >= edges.size()) throw std::invalid_argument("no such component of the automaton");
         for (const auto& of : edges) {
           auto& told = automaton.edges.emplace_back();
           for (const auto& [literals, bears, target, fired, rests] : of) {
@@ -173,16 +177,22 @@ void bind_search(nb::module_& module) {
             for (const std::uint32_t literal : literals)
               if (literal >= roots.size()) throw std::invalid_argument("no such literal");
             AutomatonEdge edge{literals, bears & marks, target, !fired, rests, fired.value_or(std::vector<Transition>{})};
+            for (const Transition t : edge.fired)
+              if (t >= net.rules.size()) throw std::invalid_argument("no such transition");
             std::sort(edge.fired.begin(), edge.fired.end());
             told.push_back(std::move(edge));
           }
         }
+        new (self) PathFinder(net, initial, goals, roots, std::move(automaton));
+      }, nb::arg("net"), nb::arg("initial"), nb::arg("goals"), nb::arg("roots"), nb::arg("edges"), nb::arg("marks"),
+         nb::arg("accepting_all"), nb::arg("components"))
+      .def("search", [](PathFinder& finder, std::uint64_t max_steps, std::uint64_t max_bytes, std::uint64_t seed,
+                        bool guided, std::uint64_t pause) {
         const Lasso found = run([&](const GoOn& go_on) {
-          return find_lasso(net, initial, goals, roots, automaton, {max_steps, max_bytes, seed}, go_on);
+          return finder.search({max_steps, max_bytes, seed, guided}, pause, go_on);
         });
-        return std::tuple(std::string(kLassos[int(found.outcome)]), found.states, found.run, found.cycle);
-      }, nb::arg("initial"), nb::arg("goals"), nb::arg("roots"), nb::arg("edges"), nb::arg("marks"),
-         nb::arg("accepting_all"), nb::arg("max_steps"), nb::arg("max_bytes"), nb::arg("seed"));
+        return std::tuple(std::string(kLassos[int(found.outcome)]), found.run, found.cycle);
+      }, nb::arg("max_steps"), nb::arg("max_bytes"), nb::arg("seed"), nb::arg("guided"), nb::arg("pause"));
 
   nb::class_<Checker>(module, "Checker")
       .def("__init__", [](Checker* self, const TokenNet& net, const Marking& initial, const Goals& goals,

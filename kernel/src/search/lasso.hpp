@@ -5,6 +5,7 @@
 // there is none where it comes to its end. A marking in which nothing may fire repeats for ever.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -25,21 +26,55 @@ struct Automaton {
   std::vector<std::vector<AutomatonEdge>> edges;  // by state; the initial one is 0
   std::uint64_t marks;                            // those that an accepted path meets again and again
   std::vector<bool> accepting_all;                // states from which every path is accepted
+  std::vector<std::uint32_t> components;          // by state: the number of its strongly connected component
+};
+
+// What is asked: a path from the initial marking that an automaton accepts, whose literals are roots among the goals.
+struct PathTask {
+  TokenNet net;
+  Marking initial;
+  Goals goals;
+  std::vector<std::uint32_t> roots;
+  Automaton automaton;
 };
 
 struct LassoOptions {
   std::uint64_t max_steps, max_bytes, seed;
+  bool guided;  // greedily by the additive heuristic of planning, or depth first
+  bool operator==(const LassoOptions&) const = default;
 };
 
 struct Lasso {
-  enum Outcome : std::uint8_t { found, none, steps, bytes, tokens } outcome;
-  std::uint64_t states = 0;                 // of the product
+  enum Outcome : std::uint8_t { found, none, steps, bytes, tokens, pause } outcome;
   std::vector<Transition> run{};            // of an accepted path, up to where it repeats or is decided, or ends
   std::optional<std::size_t> cycle{};       // where the part begins that repeats, if one does
 };
 
-Lasso find_lasso(const TokenNet& net, const Marking& initial, const Goals& goals,
-                 const std::vector<std::uint32_t>& roots, const Automaton& automaton, const LassoOptions& options,
-                 const GoOn& go_on);
+// A search under way.
+class LassoSearch {
+ public:
+  virtual ~LassoSearch() = default;
+  virtual Lasso go_on(std::uint64_t steps, const GoOn& still) = 0;
+};
+
+// Greedily, in legs: to where the automaton may accept, round by all marks, and back to where that began.
+std::unique_ptr<LassoSearch> guided(const PathTask& task, std::uint32_t bits, const LassoOptions& options);
+
+class PathFinder {
+ public:
+  PathFinder(TokenNet net, Marking initial, Goals goals, std::vector<std::uint32_t> roots, Automaton automaton);
+  ~PathFinder();
+
+  // Rests after so many steps to a pause: asked the same again, it goes on from there; asked otherwise, it begins anew.
+  Lasso search(const LassoOptions& options, std::uint64_t pause, const GoOn& still);
+
+ private:
+  void begin(const LassoOptions& options, std::size_t width);
+
+  PathTask task_;
+  LassoOptions options_{};
+  std::size_t width_ = 0;  // of kWidths
+  std::unique_ptr<LassoSearch> search_;
+};
 
 }  // namespace mcpn::search

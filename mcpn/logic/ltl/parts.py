@@ -38,8 +38,15 @@ from mcpn.spaces.search.portfolio import ROUNDS, Portfolio
 from mcpn.spaces.search.searches import Searches
 from mcpn.turns import Pausing, finished
 
-RESTARTS = (*[64] * 8, *[8] * 4, 1)
-"""By random order of the search, the divisor of its steps: a search that begins badly may never end."""
+RESTARTS = (
+    *[(64, False)] * 2,
+    *[(400, True)] * 2,
+    *[(64, False)] * 6,
+    *[(8, False)] * 4,
+    (1, False),
+)
+"""Searches with a drawn order each, for one that begins badly may never end: the divisor of the steps, and
+whether it is guided, so that each step looks at all of the net."""
 
 MOST_ASKED = 8
 """Limit on conditions that are tested for holding at some time on every path."""
@@ -63,9 +70,9 @@ class _Asked:
     search: PathSearch
     reduction: Reduction | None = None
 
-    def found(self, steps: int, seed: int) -> FoundPath | None:
+    def finding(self, steps: int, seed: int, *, guided: bool) -> Pausing[FoundPath | None]:
         """How the search ends; ``None`` where it finds a path that is a cycle in the smaller net alone."""
-        path = self.search.search(steps, seed)
+        path = yield from self.search.searching(steps, seed, guided=guided)
         return path if self.reduction is None or path.outcome != "found" else self._lifted(path)
 
     def _lifted(self, path: FoundPath) -> FoundPath | None:
@@ -139,8 +146,9 @@ class PathParts:
         asked = self._searches[path]
         if asked is None:
             return None
-        for number, share in enumerate(RESTARTS):
-            answer = asked.found(steps // share, len(RESTARTS) * seed + number)
+        for number, (share, guided) in enumerate(RESTARTS):
+            number += len(RESTARTS) * seed
+            answer = yield from asked.finding(steps // share, number, guided=guided)
             if answer is None or answer.outcome != "steps":
                 break
             yield

@@ -1,7 +1,8 @@
 """Some path that an automaton accepts, found marking by marking: no space is built.
 
-The native kernel searches the product of the net and the automaton depth first, in an order that a seed
-draws. It ends with a lasso; or it has seen the whole product without one, and no path is accepted.
+The native kernel searches the product of the net and the automaton: depth first, in an order that a seed
+draws, or greedily by the additive heuristic of planning, to where the automaton may accept, round by what it
+asks for again and again, and back. It ends with a lasso; or it has seen that no path is accepted.
 """
 
 from __future__ import annotations
@@ -9,12 +10,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Literal, NamedTuple, TypeAlias, cast
 
+from mcpn._kernel import PathFinder
 from mcpn.logic.ltl.automaton import Automaton, AutomatonEdge
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.search.goal import Formula, Goal, as_goal, encode
 from mcpn.spaces.search.searches import MAX_BYTES, Searches
+from mcpn.turns import Pausing, finished
 
 MOST_MARKS = 64
+PAUSE, GUIDED_PAUSE = 16_000, 100
+"""Steps from pause to pause: each follows an edge of the product, or looks at all of the net."""
 Outcome: TypeAlias = Literal["found", "none", "steps", "bytes", "tokens"]
 
 
@@ -55,26 +60,47 @@ class PathSearch:
                 self.fits = False
                 return
             self._goals[literal] = goal
-        self._encoded, self._roots = encode(list(self._goals.values()), len(net.places))
+        encoded, roots = encode(list(self._goals.values()), len(net.places))
         self._numbers = {literal: number for number, literal in enumerate(self._goals)}
-        self._edges = [list(map(self._edge, edges)) for edges in automaton.edges]
-        self._marks = (1 << automaton.marks) - 1
-        self._all = [q in automaton.accepting_all for q in range(len(automaton.edges))]
-
-    def search(self, max_steps: int, seed: int, max_bytes: int = MAX_BYTES) -> FoundPath:
-        """Searches, with a limit on steps of the product and on memory."""
-        outcome, _, run, cycle = self._searches.kernel.lasso(
-            self._net.initial,
-            self._encoded,
-            self._roots,
-            self._edges,
-            self._marks,
-            self._all,
-            max_steps,
-            max_bytes,
-            seed,
+        components = automaton.components()
+        component_of = {q: number for number, inside in enumerate(components) for q in inside}
+        self._finder = PathFinder(
+            self._searches.kernel,
+            net.initial,
+            encoded,
+            roots,
+            [list(map(self._edge, edges)) for edges in automaton.edges],
+            (1 << automaton.marks) - 1,
+            [q in automaton.accepting_all for q in range(len(automaton.edges))],
+            [component_of[q] for q in range(len(automaton.edges))],
         )
-        return FoundPath(cast(Outcome, outcome), tuple(run), cycle)
+
+    def search(
+        self, max_steps: int, seed: int, max_bytes: int = MAX_BYTES, *, guided: bool = False
+    ) -> FoundPath:
+        """What :meth:`searching` finds."""
+        return finished(self.searching(max_steps, seed, max_bytes, guided=guided))
+
+    def searching(
+        self, max_steps: int, seed: int, max_bytes: int = MAX_BYTES, *, guided: bool = False
+    ) -> Pausing[FoundPath]:
+        """Searches, with pauses.
+
+        Args:
+            max_steps: Edges of the product that are followed; if guided, its members that are looked at.
+            seed: Draws the order.
+            max_bytes: Limit on memory.
+            guided: Whether to search greedily. Such a search finds a path, or none, or nothing.
+
+        Returns:
+            How it has ended.
+        """
+        pause = GUIDED_PAUSE if guided else PAUSE
+        while True:
+            outcome, run, cycle = self._finder.search(max_steps, max_bytes, seed, guided, pause)
+            if outcome != "pause":
+                return FoundPath(cast(Outcome, outcome), tuple(run), cycle)
+            yield
 
     def _edge(self, edge: AutomatonEdge) -> tuple[Sequence[int], int, int, Sequence[int] | None, bool]:
         fired, rests = edge.fires(len(self._net.transitions))

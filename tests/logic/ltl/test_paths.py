@@ -275,16 +275,16 @@ def test_a_search_finds_what_tableaux_find(net: PetriNet, data: st.DataObject) -
             if expected:
                 event(f"repeats: {found.cycle is not None}")
                 assert_found(found, net, written, edges)
+        for seed in range(2):
+            found = search.search(100, seed, guided=True)
+            event(f"guided: {found.outcome}, where there is one: {expected}")
+            assert found.outcome in (("found", "steps") if expected else ("none", "steps"))
+            if found.outcome == "found":
+                assert_found(found, net, written, edges)
 
 
 def test_a_search_for_paths_says_which_limit_it_hit() -> None:
-    builder = NetBuilder("counter")
-    for bit in range(20):
-        builder.place(f"off{bit}", initial=1)
-        builder.place(f"on{bit}")
-        builder.transition(f"up{bit}", consume=[f"off{bit}"], produce=[f"on{bit}"])
-        builder.transition(f"down{bit}", consume=[f"on{bit}"], produce=[f"off{bit}"])
-    net = builder.build()
+    net = bits(20)
     formula = parse_open("(F G tokens(on0, off0) = 2) & F (on1 & X on2)", Names(net))
     search = PathSearch(net, translated(normal(formula)))
     assert search.search(1_000, 0).outcome == "steps"
@@ -294,6 +294,54 @@ def test_a_search_for_paths_says_which_limit_it_hit() -> None:
     grows.transition("more", produce=["heap"])
     automaton = translated(normal(parse_open("G F !heap", Names(grows.build()))))
     assert PathSearch(grows.build(), automaton).search(10**9, 0, max_bytes=1 << 20).outcome == "bytes"
+
+
+def bits(count: int) -> PetriNet:
+    """Bits that go on and off, each by itself."""
+    builder = NetBuilder("bits")
+    for bit in range(count):
+        builder.place(f"off{bit}", initial=1)
+        builder.place(f"on{bit}")
+        builder.transition(f"up{bit}", consume=[f"off{bit}"], produce=[f"on{bit}"])
+        builder.transition(f"down{bit}", consume=[f"on{bit}"], produce=[f"off{bit}"])
+    return builder.build()
+
+
+def test_a_guided_search_goes_to_what_is_asked_for_and_back() -> None:
+    net = bits(24)
+    all_on, all_off = (" & ".join(f"{state}{bit}" for bit in range(24)) for state in ("on", "off"))
+    for text in (
+        f"(G F ({all_on})) & G F ({all_off})",
+        f"F ({all_on} & X G on3)",
+        f"F (({all_on}) & F G ({all_off} | on5))",
+    ):
+        search = PathSearch(net, translated(normal(parse_open(text, Names(net)))))
+        assert search.search(20_000, 1).outcome == "steps"
+        found = search.search(500, 1, guided=True)
+        assert found.outcome == "found", text
+        assert found.cycle is not None
+        marking, passed = net.initial, [net.initial]
+        for t in found.run:
+            assert t in net.enabled(marking)
+            passed.append(marking := net.fire(marking, t))
+        assert passed[found.cycle] == marking
+        on = {sum(m[net.place_index[f"on{bit}"]] for bit in range(24)) for m in passed[found.cycle :]}
+        if text.startswith("(G F"):
+            assert {0, 24} <= on
+
+
+@pytest.mark.parametrize("guided", [False, True])
+def test_pauses_change_nothing_of_a_search_for_paths(guided: bool) -> None:
+    net, rests = bits(9), 0
+    for text in ("(G F (on0 & on1 & on2 & on6)) & G F (off0 & off1 & on3)", "F (on8 & X G (on2 & off8))"):
+        finder = PathSearch(net, translated(normal(parse_open(text, Names(net)))))._finder
+        for seed in range(3):
+            whole = finder.search(500, 1 << 30, seed, guided, 1 << 40)
+            finder.search(500, 1 << 30, seed + 1, guided, 1)  # which rests, and is not gone on with
+            while (paused := finder.search(500, 1 << 30, seed, guided, 1))[0] == "pause":
+                rests += 1
+            assert paused == whole
+    assert rests > 30
 
 
 @given(NETS, st.data())
