@@ -3,7 +3,8 @@
 Usage: ``python experiments/nets/search_families.py [--seconds 15] [--bounds 16] [--engine search]
 [FAMILY...]``. Nets are drawn from families: those of :mod:`mcpn.testing.nets` and some that are made here,
 each large, where the share of answers is counted, and small, where every answer is compared with that of the
-space. Each net has a process with so many seconds of CPU time.
+space. Each net has a process with so many seconds of CPU time. ``--paths 16`` asks so many formulas on paths
+instead, drawn as well.
 """
 
 from __future__ import annotations
@@ -25,7 +26,18 @@ from mcpn.nets.petri import NetBuilder, PetriNet
 from mcpn.testing.nets import FAMILIES
 
 EXAMINATIONS = ("OneSafe", "QuasiLiveness", "StableMarking", "Liveness", "ReachabilityDeadlock")
-UPPER_BOUNDS = "UpperBounds"
+UPPER_BOUNDS, LTL = "UpperBounds", "LTL"
+PATHS = (
+    *("A (F G {0})", "A (G F {0})", "A (G ({0} -> F {1}))", "A ((G F {0}) -> G F {1})", "A ({0} U {1})"),
+    *(
+        "A (G ({0} -> X {1}))",
+        "A (G !({0} & F ({1} & F {2})))",
+        "A (X X ({0} | G {1}))",
+        "A (F G ({0} | {1}))",
+    ),
+    *("A (F ({0} & F ({1} & X G {2})))", "A ((F G {0}) | G F ({1} & F {2}))", "A (!((G F {0}) & G F {1}))"),
+)
+"""Formulas on paths, by conditions that are drawn."""
 
 
 def producers(size: int) -> PetriNet:
@@ -183,26 +195,52 @@ def drawn(net: PetriNet, bounds: int) -> list[tuple[int, ...]]:
     return [tuple(draw.sample(range(count), min(draw.choice((1, 1, 2, 3, 4)), count))) for _ in range(bounds)]
 
 
-def answer(net: PetriNet, bounds: int, engine: str, seconds: int, answers: Connection) -> None:
-    """Answers the bounds and the examinations of a net; sends them as they come."""
+def drawn_paths(net: PetriNet, count: int) -> list[str]:
+    """Formulas on paths, of conditions on what may fire and on tokens; the same net has the same."""
+    draw = random.Random(f"paths of {net.name}")
+
+    def names(of: list[str], most: int) -> str:
+        return ", ".join(f'"{one}"' for one in draw.sample(of, min(draw.randint(1, most), len(of))))
+
+    places, transitions = [p.name for p in net.places], [t.name for t in net.transitions]
+
+    def atom() -> str:
+        enabled, held = f"enabled({names(transitions, 2)})", f"tokens({names(places, 3)})"
+        least = draw.choice((1, 1, 2, 3))
+        return draw.choice((enabled, f"!{enabled}", f"{held} >= {least}", f"{held} < {least}"))
+
+    def condition() -> str:
+        return " & ".join(atom() for _ in range(draw.choice((1, 1, 2, 3, 4))))
+
+    return [draw.choice(PATHS).format(*(f"({condition()})" for _ in range(3))) for _ in range(count)]
+
+
+def answer(net: PetriNet, bounds: int, paths: int, engine: str, seconds: int, answers: Connection) -> None:
+    """Answers the bounds and the examinations of a net, or formulas on paths; sends them as they come."""
     from mcpn.errors import McpnError, Source
     from mcpn.logic.answering import answer_all
     from mcpn.logic.asking import Questions
     from mcpn.logic.contest import Property
+    from mcpn.logic.syntax import parse
+    from mcpn.spaces.names import Names
 
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
     asked = [
         Property(f"{UPPER_BOUNDS}-{i}", places, Source(net.name))
         for i, places in enumerate(drawn(net, bounds))
     ]
+    texts = drawn_paths(net, paths)
+    asked += [
+        Property(f"{LTL}-{i}", parse(text, Names(net)), Source(net.name)) for i, text in enumerate(texts)
+    ]
     with suppress(McpnError):
-        for verdict in answer_all(Questions(net, engine=engine), asked, EXAMINATIONS):
+        for verdict in answer_all(Questions(net, engine=engine), asked, () if paths else EXAMINATIONS):
             answers.send((verdict.name.removeprefix(f"{net.name}-"), verdict.value))
 
 
-def run(net: PetriNet, bounds: int, engine: str, seconds: int) -> dict[str, str]:
+def run(net: PetriNet, bounds: int, paths: int, engine: str, seconds: int) -> dict[str, str]:
     """What one process answers in its time."""
-    return dict(told_by(answer, net, bounds, engine, seconds))
+    return dict(told_by(answer, net, bounds, paths, engine, seconds))
 
 
 def main() -> None:
@@ -213,22 +251,26 @@ def main() -> None:
     parser.add_argument("families", nargs="*")
     parser.add_argument("--seconds", type=int, default=15)
     parser.add_argument("--bounds", type=int, default=16)
+    parser.add_argument("--paths", type=int, default=0, help="formulas on paths, and nothing else")
     parser.add_argument("--engine", default="search")
     parser.add_argument("--small", action="store_true", help="the small nets alone")
+    parser.add_argument("--large", action="store_true", help="the large nets alone")
     arguments = parser.parse_args()
+    bounds, paths = 0 if arguments.paths else arguments.bounds, arguments.paths
+    names = [f"{LTL}-{i}" for i in range(paths)]
+    names = names or [*(f"{UPPER_BOUNDS}-{i}" for i in range(bounds)), *EXAMINATIONS]
     makers = {name: (FAMILIES[name].net, *sizes) for name, sizes in KNOWN.items()} | dict(OWN)
     given, asked, wrong = Counter[str](), Counter[str](), 0
     for family in arguments.families or makers:
         make, small, large = makers[family]
-        for size in (*small, *(() if arguments.small else large)):
+        for size in (*(() if arguments.large else small), *(() if arguments.small else large)):
             net = make(size)
             before = cpu_of_children()
-            found = run(net, arguments.bounds, arguments.engine, arguments.seconds)
+            found = run(net, bounds, paths, arguments.engine, arguments.seconds)
             cpu = cpu_of_children() - before
-            names = [*(f"{UPPER_BOUNDS}-{i}" for i in range(arguments.bounds)), *EXAMINATIONS]
             note = ""
             if size in small:
-                right = run(net, arguments.bounds, "symbolic", 4 * arguments.seconds)
+                right = run(net, bounds, paths, "symbolic", 4 * arguments.seconds)
                 differ = [name for name in found if name in right and found[name] != right[name]]
                 wrong += len(differ)
                 note = f"  compared {len(right)}, wrong: {' '.join(differ) or 'none'}"
