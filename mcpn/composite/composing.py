@@ -23,7 +23,7 @@ from mcpn.composite.sections import WholeNet
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.forgetful import forgetful
 from mcpn.drawing.permanent_loss import crashing_anytime, mortal
-from mcpn.drawing.sections import SectionParts, many_apart, part_of, refuse_wide
+from mcpn.drawing.sections import SectionParts, part_of, refuse_wide
 from mcpn.drawing.templates import TemplateSet
 from mcpn.drawing.templates.named import looks_at_no_names
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, WorkersError
@@ -87,8 +87,7 @@ def composite_space(
     nets = {name: with_death(net) for name, net in immortal.items()}
     explored: dict[str, Explored] = {}
     dying = [net.net if may_die else None for net in nets.values()]
-    wide = [many_apart(parts[name]) for name in nets]
-    results = _explored([net.net for net in immortal.values()], dying, wide)
+    results = _explored([net.net for net in immortal.values()], dying)
     for number, name in enumerate(nets, 1):
         step(Doing.EXPLORING, section=name, number=number, total=len(nets))
         with in_section(name):
@@ -121,12 +120,10 @@ def _itself(mission_net: MissionNet) -> MissionNet:
     return mission_net
 
 
-def _explored(
-    nets: Sequence[PetriNet], dying: Sequence[PetriNet | None], wide: Sequence[bool]
-) -> Iterator[Explored]:
+def _explored(nets: Sequence[PetriNet], dying: Sequence[PetriNet | None]) -> Iterator[Explored]:
     """Explores some nets, and yields results in their order; workers send proofs, too."""
     executor = workers()
-    each = list(zip(nets, dying, wide, strict=True))
+    each = list(zip(nets, dying, strict=True))
     if executor is None:
         yield from (explore_local(*one) for one in each)
         return

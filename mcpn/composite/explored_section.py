@@ -17,10 +17,9 @@ from mcpn.errors import LimitError
 from mcpn.nets.petri import PetriNet
 from mcpn.spaces.diagrams.encoding import Encoding
 from mcpn.spaces.diagrams.order import clustered
-from mcpn.spaces.diagrams.race import Resting
 from mcpn.spaces.diagrams.reached_markings import SymbolicSpace
 from mcpn.spaces.diagrams.spaces import DiagramAlternatives
-from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY, reaching
+from mcpn.spaces.diagrams.symbolic import DEFAULT_MEMORY, reach
 from mcpn.spaces.markings.explicit import KernelNet
 from mcpn.spaces.stable.big_steps import MOST_STEPS, BigStepSpace, Steps, reach_in_big_steps
 from mcpn.spaces.stable.open_conflicts import open_conflicts
@@ -79,11 +78,7 @@ class Explored:
         )
 
 
-WIDE_FIRST = 64_000_000
-"""Steps of the last round in which all markings of a wide section are tried before its big steps."""
-
-
-def explore_local(net: PetriNet, dying: PetriNet | None = None, wide: bool = False) -> Explored:
+def explore_local(net: PetriNet, dying: PetriNet | None = None) -> Explored:
     """What is known of a local net.
 
     Args:
@@ -92,22 +87,18 @@ def explore_local(net: PetriNet, dying: PetriNet | None = None, wide: bool = Fal
             (:func:`mcpn.drawing.permanent_loss.mortal`): then it is this one that is explored.
             Death only disables repairs, so the big steps of ``net`` prove that events have one outcome
             in it, too.
-        wide: Whether all markings are tried before big steps (:func:`mcpn.drawing.sections.many_apart`).
 
     Raises:
         UnsafeError: The net is not 1-safe.
         LimitError: A limit was hit.
     """
     explored_net = net if dying is None else dying
-    markings = Resting(reaching(explored_net))
-    if wide and markings.go_on(WIDE_FIRST):
-        return Explored(markings.made)
     name, places = "clusters", clustered(explored_net)
     encoding = Encoding(explored_net, places, DEFAULT_MEMORY)
     big_steps = reach_in_big_steps(KernelNet(net), encoding)
     if big_steps is None:
         try:
-            return Explored(markings.made)
+            return Explored(reach(explored_net))
         except LimitError:
             encoding = Encoding(explored_net, places, DEFAULT_MEMORY)
             big_steps = reach_in_big_steps(KernelNet(net), encoding, most=MOST_STEPS)
@@ -145,9 +136,9 @@ def _with_losses(
     return stable, {**steps, **dict.fromkeys(losses.values())}, also
 
 
-def explore_and_prove(net: PetriNet, dying: PetriNet | None = None, wide: bool = False) -> Explored:
+def explore_and_prove(net: PetriNet, dying: PetriNet | None = None) -> Explored:
     """What is known of a local net, with all that a worker can prove of it; see :func:`explore_local`."""
-    explored = explore_local(net, dying, wide)
+    explored = explore_local(net, dying)
     if dying is None:
         _ = explored.conflicts, explored.ends  # asked for here, they are known where this goes
     return explored

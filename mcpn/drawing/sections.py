@@ -49,9 +49,6 @@ MOST_OF_BOTH_WIDE = 200
 MOST_AT_ONCE = 12
 """Such branches that one failure of hardware concerns: each more doubles at least what may come of it."""
 
-FEW_BRANCHES = 8
-"""Branches that are apart from one another and whose big steps are found first; of more all markings are."""
-
 MOST_ALTERNATIVES = 60
 """Alternatives of one activity in such a section."""
 
@@ -386,14 +383,6 @@ def refuse_wide(parts: Iterable[LocalPart]) -> None:
                     f"{section.name} has {found} {what}, the limit for composition and diagrams is {limit}"
                 )
                 raise LimitError(str(Problem(section.source, message)))
-
-
-def many_apart(part: LocalPart) -> bool:
-    """Whether one section has so many branches, apart from one another, that few markings say what happens.
-
-    An event that stops them all then has very many big steps, and all markings one small diagram.
-    """
-    return _width(part.graph) > FEW_BRANCHES and _most_concerned(part)[1] <= 1
 
 
 def _most_concerned(part: LocalPart) -> tuple[str, int]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pickle
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -14,7 +13,7 @@ from mcpn.composite.composing import composite_space
 from mcpn.composite.explored_section import Explored, explore_and_prove, explore_local
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.permanent_loss import mortal
-from mcpn.drawing.sections import SectionParts, many_apart
+from mcpn.drawing.sections import SectionParts
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.mission.model import Mission, Objective, Parallel, Recursive
 from mcpn.mission.robot import Hardware
@@ -91,11 +90,10 @@ def test_many_steps_come_after_all_markings(monkeypatch: pytest.MonkeyPatch) -> 
     assert by_markings.space.stable is not None
     assert by_markings.space.stable.count() == stable
 
-    def limited(_: PetriNet) -> Iterator[int]:
-        yield 1
+    def limited(_: PetriNet) -> None:
         raise LimitError("too many bytes")
 
-    monkeypatch.setattr(exploring, "reaching", limited)
+    monkeypatch.setattr(exploring, "reach", limited)
     after_all = explore_local(net)
     assert after_all.steps is not None
     assert after_all.space.reachable.count() == stable
@@ -104,24 +102,20 @@ def test_many_steps_come_after_all_markings(monkeypatch: pytest.MonkeyPatch) -> 
         explore_local(net)
 
 
-@pytest.mark.parametrize(
-    ("branches", "apart", "wide"), [(9, True, True), (8, True, False), (9, False, False)]
-)
-def test_many_branches_that_are_apart_are_reached_by_markings(
-    branches: int, apart: bool, wide: bool, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("apart", [True, False])
+def test_many_branches_are_reached_by_markings_as_by_big_steps(
+    apart: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The composite is the same as by big steps, which such branches have very many of."""
-    ways = [(f"h{i}",) if apart or i else ("h0", "h1") for i in range(branches)]
+    ways = [(f"h{i}",) if apart or i else ("h0", "h1") for i in range(9)]
     of = robot(
-        tuple(Hardware(name=f"h{i}", shared=True) for i in range(branches)),
+        tuple(Hardware(name=f"h{i}", shared=True) for i in range(9)),
         *(activity(f"a{i}", way) for i, way in enumerate(ways)),
     )
-    work = tuple(Objective(name=f"o{i}", activities=(f"a{i}",)) for i in range(branches))
+    work = tuple(Objective(name=f"o{i}", activities=(f"a{i}",)) for i in range(9))
     found = compose(mission(of, Parallel(name="p", blocks=work)))
-    assert many_apart(SectionParts(found.usage).alone(found.graph.sections[0])) is wide
     said = []
-    for first in (0, exploring.WIDE_FIRST):
-        monkeypatch.setattr(exploring, "WIDE_FIRST", first)
+    for most in (big_steps.MOST_SINGLY, 0):
+        monkeypatch.setattr(big_steps, "MOST_SINGLY", most)
         space = composite_space(found)
         said.append((space.everything.count(), space.firings(space.everything)))
     assert said[0] == said[1]
