@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import Literal
 
 import click
 
-from mcpn.cli.options import FILE, Question, question
+from mcpn.cli.options import EXIT_FAILED, FILE, Question, question
 from mcpn.cli.printed import emit_json
 from mcpn.cli.verified import require_verified
 from mcpn.errors import SemanticsError
@@ -56,7 +57,7 @@ def _once() -> Callable[[str], None]:
     "--certificate",
     type=FILE,
     metavar="OUT",
-    help="Write the mission's net and claims to OUT, beside which ctlcheck walks controller.json.",
+    help="Write the mission's net and claims to OUT, and have ctlcheck walk controller.json beside it.",
 )
 @question(workers=True, trees=False)
 def controller(
@@ -84,7 +85,7 @@ def controller(
     question.keep_apart(mission, study, certificate)
     tables = form == "auto" and target not in OF_RULES
     made = "hierarchical" if form == "minimised" or tables else form
-    told, most = _once(), question.max_states
+    told, most, walked = _once(), question.max_states, None
     if form == "minimised" and most is None:  # whose file is small whatever is listed for it
         most = MAX_TABLE_STATES
     with question.work():
@@ -108,17 +109,30 @@ def controller(
         with question.work():
             written = certificate_of(study.verdicts(), question.max_states)
         write_atomically(certificate, written.to_bytes())
+        walked = _walked(certificate, output / "controller.json" if target == "json" else None)
     bytes_ = sum(len(text.encode()) for text in texts.values())
     if bytes_ > MANY_BYTES and found.form != "modular" and target in OF_RULES:
         mb = bytes_ / 1e6
         click.echo(f"note: {mb:,.0f} MB; --form modular has rules in place of tables, mostly less", err=True)
     paths = [str(output / name) for name in texts]
     if question.as_json:
-        emit_json({"mission": found.mission, "form": found.form, "size": size, "files": paths})
-        return
-    click.echo(f"{found.form} controller of {found.mission}: {size}")
-    for path in paths:
-        click.echo(path)
-    if certificate is not None:
-        beside = output / "controller.json"
-        click.echo(f"check it: python -m mcpn.certificates.ctlcheck {certificate} {beside}")
+        said = {} if walked is None else {"walked": walked}
+        emit_json({"mission": found.mission, "form": found.form, "size": size, "files": paths, **said})
+    else:
+        click.echo(f"{found.form} controller of {found.mission}: {size}")
+        for path in (*paths, *([] if walked is None else [f"ctlcheck: {walked}"])):
+            click.echo(path)
+    if walked is not None and walked.startswith("refuted"):
+        sys.exit(EXIT_FAILED)
+
+
+def _walked(certificate: Path, controller: Path | None) -> str:
+    """What ctlcheck says of a controller beside a certificate, and how it is asked elsewhere."""
+    from mcpn.certificates import ctlcheck
+    from mcpn.certificates.verified import MOST, SECONDS
+
+    if controller is None:
+        return "not checked: it walks controller.json, which --target json writes"
+    _, said = ctlcheck.checked(str(certificate), str(controller), MOST, SECONDS)
+    how, _, why = said.partition("controller: ")
+    return f"{how.strip()}: {why} (python -m mcpn.certificates.ctlcheck {certificate} {controller})"

@@ -19,13 +19,16 @@ from mcpn.certificates import certcheck, ctlcheck, ctlforms
 from mcpn.certificates.net_entry import net_entry
 from mcpn.controller.document import document
 from mcpn.errors import ConfluenceError, LimitError, PremiseError, UnsafeError
-from mcpn.mission.model import Mission
+from mcpn.mission.model import Mission, Objective
+from mcpn.mission.writer import save_mission
 from mcpn.mission.xml import read_mission
 from mcpn.study import Study
 from mcpn.testing import missions
+from tests.commands import mcpn, output
 from tests.conftest import ULYSSE
 from tests.draws import fewer
 from tests.shares import returns_early
+from tests.small import activity, hw, mission, robot
 
 Document = dict[str, Any]
 
@@ -103,6 +106,19 @@ def test_a_controller_that_does_something_else_is_refuted(change: Callable[..., 
         except certcheck.Refuted:
             refuted += 1
     assert refuted >= 4  # an edge may be one that no run takes
+
+
+def test_the_command_says_what_it_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "m.xml"
+    save_mission(
+        mission(robot(hw("arm"), activity("work", ("arm",))), Objective(name="o", activities=("work",))), path
+    )
+    asked = ["controller", path, "--form", "modular", "-o", tmp_path, "--certificate", tmp_path / "m.cert"]
+    # the arm in and out of service, before and after either end; as "o" runs it works, is out, or is back
+    assert "\nctlcheck: proved: 9 pairs of states, " in mcpn(*asked).stdout
+    assert output(*asked, "--target", "c")["walked"].startswith("not checked: it walks controller.json")
+    monkeypatch.setattr(ctlcheck, "checked", lambda *_: (1, "refuted      controller: why"))
+    assert output(*asked, code=1)["walked"].startswith("refuted: why")
 
 
 def test_the_files_alone_check_a_controller(tmp_path: Path) -> None:
