@@ -246,6 +246,8 @@ class CertifiedSets:
         certcheck.need(
             len(self.at) == places, "a place is in neither order nor partners", certcheck.Malformed
         )
+        known = set(document["again"]) <= {*range(len(net.name))}
+        certcheck.need(known, "again: what is no transition", certcheck.Malformed)
         size = len(document["order"])
         self.sets, self.pairs = Families(size, most, until), Families(2 * size, most, until)
         self.roots = self.sets.read(document["nodes"], "diagrams.json: nodes")

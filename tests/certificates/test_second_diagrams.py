@@ -76,6 +76,13 @@ def test_both_prove_each_claim_of_a_small_mission(checker: Path, small: dict[str
     assert agreed(checker, small) == {"proved"}
 
 
+@pytest.mark.parametrize("number", [-1, 10**12])
+def test_what_is_no_transition_is_malformed(checker: Path, small: dict[str, Any], number: int) -> None:
+    document = small["diagrams.json"]
+    entries = {**small, "diagrams.json": {**document, "again": [*document["again"], number]}}
+    assert agreed(checker, entries) == {"malformed"}
+
+
 @pytest.mark.parametrize("count", [12, pytest.param(3000, marks=pytest.mark.slow)])
 def test_both_say_the_same_of_changed_certificates(
     checker: Path, small: dict[str, Any], fresh_seed: int, count: int
