@@ -276,6 +276,13 @@ class PetriNet(Drawn, ValueRecord):
         for place, weight in self.transitions[transition].produce:
             marking[place] += weight
 
+    def undo_in_place(self, marking: list[int], transition: int) -> None:
+        """Takes back the firing of a transition that has led to the marking."""
+        for place, weight in self.transitions[transition].produce:
+            marking[place] -= weight
+        for place, weight in self.transitions[transition].consume:
+            marking[place] += weight
+
     def marked(self, marking: Sequence[int]) -> frozenset[str]:
         """Names of the places that hold a token."""
         return frozenset(place.name for place, tokens in zip(self.places, marking, strict=True) if tokens)

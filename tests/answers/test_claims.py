@@ -7,6 +7,7 @@ from itertools import pairwise
 from pathlib import Path
 from string import Formatter
 from tracemalloc import get_traced_memory, start, stop
+from typing import Any
 
 import pytest
 from hypothesis import event, given
@@ -14,7 +15,7 @@ from hypothesis import strategies as st
 
 from mcpn.answers.causes.fmeca import fmeca
 from mcpn.answers.causes.prospects import Prospects
-from mcpn.answers.claims import KINDS, Claim, claims_of, claims_of_causes, entries, found
+from mcpn.answers.claims import KINDS, Claim, claims_of, claims_of_causes, claims_of_losses, entries, found
 from mcpn.answers.claims.parts import FormulaParts
 from mcpn.errors import ConfluenceError, LimitError, UnsafeError
 from mcpn.mission.model import SUCCEED, Mission, Objective
@@ -346,3 +347,19 @@ def test_what_claims_keep_grows_as_their_objectives_do() -> None:
         stop()
         assert [c.holds for c in claims if c.kind == "succeeds_without"] == [True] * sites
     assert kept[1] < 4 * kept[0]
+
+
+def test_ways_that_losses_leave_are_found_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each loss asked again for the ways without it: of many sections that was a third of causes."""
+    blocks = [Objective(name=name, activities=("a",)) for name in ("first", "second")]
+    study = Study(mission(robot(hw("h1", "h2", "h3"), activity("a", ("h1", "h2"), ("h3",))), *blocks))
+    prospects, asked = study.causes(engine="local").prospects, list[tuple[object, object]]()
+    reaching = type(prospects.space).reaching
+
+    def counted(space: Any, goal: Any, along: Any = None, transitions: Any = None, guards: Any = None) -> Any:
+        asked.append((goal, transitions))
+        return reaching(space, goal, along, transitions, guards)
+
+    monkeypatch.setattr(type(prospects.space), "reaching", counted)
+    assert claims_of_losses(prospects)
+    assert len(asked) == len({*asked}) == 4  # with all events, and without each repair

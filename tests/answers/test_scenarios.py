@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from random import Random
 
 import pytest
@@ -292,3 +293,18 @@ def test_a_run_to_where_nothing_can_succeed_any_more_has_begun(engine: Engine) -
     run = asked.prospects.to_failure(asked.prospects.mission, ["h"])
     assert run is not None
     assert {"MISSION_EV_START", "h_EV_OOS"} <= {*events(run)}
+
+
+def test_putting_losses_off_keeps_no_marking_for_each_event() -> None:
+    """Of a run through 1,000 sites these took a third of all memory, and of 3,000 nine times as much."""
+    blocks = [Objective(name=f"o{i}", activities=("a",)) for i in range(300)]
+    found = compose(mission(robot(hw("h"), activity("a", ())), *blocks))
+    of = [found.start, *(t for t, each in enumerate(found.net.transitions) if "EV_OK" in each.name)]
+    striking, walked = Striking(found), Run(found.net, tuple(of), settles=True)
+    striking.on(walked)  # what is found once for the net is there
+    tracemalloc.start()
+    try:
+        assert striking.on(walked) == walked
+        assert tracemalloc.get_traced_memory()[1] < len(of) * len(found.net.places)
+    finally:
+        tracemalloc.stop()

@@ -31,10 +31,13 @@ from mcpn.nets.petri import Marking
 from mcpn.spaces.algebra import Alike, Edge, Piece, S, Space, Without, partition
 from mcpn.spaces.memoized import memoized
 from mcpn.spaces.projections import ImageStore
-from mcpn.spaces.run import Completion, Run, transitions_of
+from mcpn.spaces.run import Completion, Evolution, Run, transitions_of
 
 _PASSED = (What.START, What.SUCCESS)
 """Events past which a loss may be put off: of others it may be the reason, or they are losses themselves."""
+
+Step: TypeAlias = tuple[int, ...]
+"""An event of a run, and the internal transitions that fire after it."""
 
 
 class Striking:
@@ -55,40 +58,53 @@ class Striking:
         that the robot does and the same marking follows; where it changes nothing before the next other event
         either, to just behind the start.
         """
-        events = [t for t in run.transitions if not self.mission_net.net.transitions[t].internal]
-        marking = list(self.mission_net.net.initial)
-        for _ in self._completion.settle(marking):
+        net = self.mission_net.net
+        evolution, steps = Evolution(self._completion, list(net.initial)), list[Step]()
+        for _ in evolution.settle():
             pass
-        markings = [tuple(marking)]
-        for t in events:
-            markings.append(self._completion.after(markings[-1], t)[1])
-        for place in range(len(events) - 1, -1, -1):
-            if self._event(events[place]).what is What.OUT_OF_SERVICE:
-                self._put_off(events, markings, place)
-        return replace(run, transitions=tuple(events))
+        for t in (t for t in run.transitions if not net.transitions[t].internal):
+            evolution.fire(t)
+            steps.append((t, *evolution.settle()))
+        before = evolution.marking
+        for place in reversed(range(len(steps))):
+            for t in reversed(steps[place]):
+                net.undo_in_place(before, t)
+            if self._event(steps[place][0]).what is What.OUT_OF_SERVICE:
+                self._put_off(steps, tuple(before), place)
+        return replace(run, transitions=tuple(t for t, *_ in steps))
 
-    def _put_off(self, events: list[int], markings: list[Marking], place: int) -> None:
+    def _put_off(self, steps: list[Step], before: Marking, place: int) -> None:
         """Puts one loss off, in place.
 
         Args:
-            events: The events of the run.
-            markings: The stable markings before the first of them and after each.
+            steps: Those of the run.
+            before: The stable marking before the loss.
             place: Where the loss stands.
         """
-        now, best = place, (events[:], markings[:])
-        while now + 1 < len(events) and not self._strikes(markings[now], markings[now + 1]):
-            passed = self._event(events[now + 1])
-            first = self._fired(markings[now], events[now + 1]) if passed.what in _PASSED else None
+        now, after, swapped = place, self._played(before, steps[place]), list[tuple[Step, Step]]()
+        while now + 1 < len(steps) and not self._strikes(before, after):
+            (lost, *_), (next_, *_) = earlier, later = steps[now], steps[now + 1]
+            passed = self._event(next_)
+            first = self._fired(before, next_) if passed.what in _PASSED else None
             if first is None or self._ended(first[1]):
                 break
-            second = self._fired(first[1], events[now])
-            if second is None or second[1] != markings[now + 2]:
+            second = self._fired(first[1], lost)
+            if second is None or second[1] != self._played(after, later):
                 break
-            (events[now], markings[now + 1]), (events[now + 1], markings[now + 2]) = first, second
-            if passed.what is What.START or self._strikes(first[1], second[1]):
-                best = events[:], markings[:]
+            swapped.append((earlier, later))
+            (steps[now], before), (steps[now + 1], after) = first, second
+            if passed.what is What.START or self._strikes(before, after):
+                swapped.clear()  # here it may stay
             now += 1
-        events[:], markings[:] = best
+        for number, pair in enumerate(reversed(swapped), 1):
+            steps[now - number : now - number + 2] = pair
+
+    def _played(self, marking: Marking, step: Step) -> Marking:
+        """The marking after a step from one in which it can be taken."""
+        changing = list(marking)
+        for t in step:
+            self.mission_net.net.fire_in_place(changing, t)
+        return tuple(changing)
 
     def _event(self, transition: int) -> Event:
         event = self.mission_net.net.transitions[transition].event
@@ -102,10 +118,13 @@ class Striking:
     def _doing(self, marking: Marking) -> Situation:
         return replace(situation(self.mission_net, marking), out_of_service=(), unnoticed=())
 
-    def _fired(self, marking: Marking, transition: int) -> tuple[int, Marking] | None:
+    def _fired(self, marking: Marking, transition: int) -> tuple[Step, Marking] | None:
         """The event of a transition by one that is enabled, and what follows; ``None`` where none is."""
         t = self._completion.of_event(marking, self._event(transition))
-        return None if t is None else (t, self._completion.after(marking, t)[1])
+        if t is None:
+            return None
+        internal, after = self._completion.after(marking, t)
+        return (t, *internal), after
 
     def _ended(self, marking: Marking) -> bool:
         return any(marking[place] for place in self.mission_net.ends.values())
@@ -275,6 +294,11 @@ class Prospects(Generic[S]):
     def reentry(self) -> Reentry[S]:
         """Edges with which a block that runs is entered again."""
         return Reentry(self.mission_net, self.space)
+
+    @cached_property
+    def sound(self) -> S:
+        """States in which no hardware is out of service."""
+        return self.space.restricted(self.space.everything, (), self.places("oos", self.hardware))
 
     @cached_property
     def begun(self) -> S:

@@ -174,7 +174,7 @@ class Helped(Generic[S]):
         done = space.marked([place for end, place in self.net.ends.items() if end in ended])
         # As formulas say it: also where a fault has taken it.
         lost = space.marked(self._out(hardware)) & self.prospects.begun - done
-        open_ = bool(lost) and not lost & self.parts.reaching(goal, steps)
+        open_ = bool(lost) and not lost & self.parts.kept_reaching(goal, steps)
         unrepaired = self.parts.reaches(goal, repair)
         formula = KINDS[kind].formula.format(hardware, ended=ended, unrepaired=unrepaired)
         return Claim(kind, (hardware,), open_, Assumes(repairs="others"), formula if unrepaired else "")
@@ -187,15 +187,15 @@ class Helped(Generic[S]):
         """Where its loss alone leaves no way to success, whether other ends stay possible."""
         space, (steps, repair) = self.space, self._lasting(hardware)
         fails, goal = self.prospects.carrying(What.OUT_OF_SERVICE, hardware), self.prospects.mission
-        later = self.parts.reaching(goal, steps)
-        sound = space.restricted(space.everything, (), self.prospects.places("oos", self.prospects.hardware))
-        lost = space.before(space.everything - later, fails) & sound & self._hopeful
+        later = self.parts.kept_reaching(goal, steps)
+        sound = self.prospects.sound & self.parts.kept_reaching(goal, self.prospects.everything)
+        lost = space.before(space.everything - later, fails) & sound
         if not lost:
             return
         kind, wins = "still_possible", self.parts.reaches(goal)
         for end in (end for end in ("failure", "abort") if end in self.net.ends):
             possible = space.reaching(space.marked([self.net.ends[end]]), transitions=steps)
-            none_left = space.before(space.everything - later - possible, fails) & sound & self._hopeful
+            none_left = space.before(space.everything - later - possible, fails) & sound
             said = " & ".join(f"!happens({event})" for event in repair) or "true"
             formula = KINDS[kind].formula.format(
                 hardware,

@@ -186,9 +186,8 @@ class _Made(Generic[S]):
     def _possible(self, goal: Goal[S], helping: frozenset[int]) -> bool:
         """Whether a goal is in reach without some events, from the start and from a state without losses."""
         space, prospects = self.space, self.prospects
-        sound = space.restricted(space.everything, (), prospects.places("oos", prospects.hardware))
-        hopeful = self.parts.reaching(goal, prospects.everything - helping)
-        return bool(hopeful & space.initial) and bool(hopeful & sound)
+        hopeful = self.parts.kept_reaching(goal, prospects.everything - helping)
+        return bool(hopeful & space.initial) and bool(hopeful & prospects.sound)
 
     def _can_fail(self, hardware: str) -> bool:
         """Whether some event takes it out of service: a crash of what nothing starts has none."""
@@ -210,10 +209,13 @@ class _Made(Generic[S]):
         """States with all hardware in service in which a loss for good takes the last way to a goal."""
         space, prospects = self.space, self.prospects
         allowed = prospects.everything - helping
-        sound = space.restricted(space.everything, (), prospects.places("oos", prospects.hardware))
-        later = self.parts.reaching(goal, allowed - prospects.carrying(What.REPAIRED, hardware))
+        later = self.parts.kept_reaching(goal, allowed - prospects.carrying(What.REPAIRED, hardware))
         fails = prospects.carrying(What.OUT_OF_SERVICE, hardware)
-        return space.before(space.everything - later, fails) & sound & self.parts.reaching(goal, allowed)
+        return (
+            space.before(space.everything - later, fails)
+            & prospects.sound
+            & self.parts.kept_reaching(goal, allowed)
+        )
 
     def _helpers(self, goal: Goal[S], hardware: str, helping: frozenset[int]) -> tuple[str, ...]:
         """The events that help on a run to a goal after a loss that takes the last way without them."""
@@ -221,7 +223,7 @@ class _Made(Generic[S]):
         lost = self._losing(goal, hardware, helping)
         after = space.after(lost, prospects.carrying(What.OUT_OF_SERVICE, hardware))
         repairs = prospects.carrying(What.REPAIRED, hardware)
-        after = after - self.parts.reaching(goal, prospects.everything - helping - repairs)
+        after = after - self.parts.kept_reaching(goal, prospects.everything - helping - repairs)
         steps = prospects.everything - repairs
         run = space.run(after.pick(), goal.won, transitions=steps) if after else None
         events = [space.net.transitions[edge.transition].event for edge in run or ()]

@@ -11,6 +11,7 @@ from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.answers.verdicts.nominal import meant_to_be_entered, nominal_transitions
 from mcpn.events import Event, What
 from mcpn.spaces.algebra import S
+from mcpn.spaces.memoized import memoized
 from mcpn.spaces.run import Run, transitions_of
 
 HELP = (What.DECLARED, What.TIMEOUT)
@@ -74,6 +75,11 @@ class FormulaParts(Generic[S]):
         if not self.bad_ends:
             return ""
         return f"E(({steps}) U (success | ({steps} & !abort & !({self.bad_ends}) & X abort)))"
+
+    @memoized
+    def kept_reaching(self, goal: Goal[S], steps: frozenset[int]) -> S:
+        """The same as :meth:`reaching`, kept for as long as the object: each loss asks for it again."""
+        return self.reaching(goal, steps)
 
     def reaching(self, goal: Goal[S], steps: frozenset[int]) -> S:
         """States from which a run of some events reaches a goal of the mission."""
