@@ -333,7 +333,7 @@ def test_kinds_without_a_formula_say_why() -> None:
 def test_what_claims_keep_grows_as_their_objectives_do() -> None:
     """None keeps what may happen in the whole mission, which has as many events as it has objectives."""
     kept = []
-    for sites in (10, 40):
+    for sites in (30, 120):
         names = [*(f"visit{i}" for i in range(sites)), SUCCEED]
         visits = (
             Objective(name=one, activities=("look",), success=then, failure=then)
