@@ -15,7 +15,14 @@ import pytest
 from tests.conftest import ROOT
 
 FOLDER = ROOT / "experiments"
-LIBRARIES = {"faults/callers", "nets/dd_engine", "shared/drawing", "shared/limits", "shared/plots"}
+LIBRARIES = {
+    "faults/both_checkers",
+    "faults/callers",
+    "nets/dd_engine",
+    "shared/drawing",
+    "shared/limits",
+    "shared/plots",
+}
 """Modules that scripts share and that are no scripts."""
 FOLDERS = ("counts", "growth", "nets", "judges", "faults", "robots", "shared")
 """The other folders hold missions."""
