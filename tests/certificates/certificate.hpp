@@ -1,4 +1,4 @@
-// How certificates are read in C++, from docs/certificates.md alone: the zip, JSON, the net, and its states.
+// How certificates are read in C++, from docs/certificates.md alone: the command line, the zip, JSON, the net, and its states.
 #pragma once
 
 #include <algorithm>
@@ -402,6 +402,26 @@ struct Clock {
     if (std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count() > seconds) throw Limit("the seconds are over");
   }
 };
+
+// What a checker's command line asks for: the bound that it names, seconds, and the file. Exit code 2: not checked.
+template <class Checked> int answered(int count, char** words, const std::string& bound, Checked checked) {
+  Clock clock;
+  std::string path;
+  for (int i = 1; i < count; ++i) {
+    const std::string word = words[i];
+    if (word == bound && i + 1 < count) clock.most = std::strtoull(words[++i], nullptr, 10);
+    else if (word == "--seconds" && i + 1 < count) clock.seconds = std::strtod(words[++i], nullptr);
+    else path = word;
+  }
+  try {
+    return checked(path, clock);
+  } catch (const Malformed& error) {
+    std::cerr << path << ": malformed: " << error.what() << '\n';
+  } catch (const std::exception& error) {
+    std::cerr << path << ": " << error.what() << '\n';
+  }
+  return 2;
+}
 
 void header(const Json& of) {
   require(text(of.at("format")) == "mcpn-certificate" && whole(of.at("version")) == 1, "another format or version");

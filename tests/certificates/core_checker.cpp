@@ -922,26 +922,16 @@ int checked(const std::string& path, const Clock& clock) {
 }
 
 int main(int count, char** words) {
-  Clock clock;
-  std::string path;
-  for (int i = 1; i < count; ++i) {
-    const std::string word = words[i];
-    if (word == "--max-states" && i + 1 < count) clock.most = std::strtoull(words[++i], nullptr, 10);
-    else if (word == "--seconds" && i + 1 < count) clock.seconds = std::strtod(words[++i], nullptr);
-    else path = word;
-  }
-  try {
-    return checked(path, clock);
-  } catch (const Refuted& error) {
-    std::cout << "refuted net\n";
-    std::cerr << path << ": " << error.what() << '\n';
-    return 1;
-  } catch (const Malformed& error) {
-    std::cout << "not checked net\n";
-    std::cerr << path << ": malformed: " << error.what() << '\n';
-  } catch (const std::exception& error) {
-    std::cout << "not checked net\n";
-    std::cerr << path << ": " << error.what() << '\n';
-  }
-  return 2;
+  return answered(count, words, "--max-states", [](const std::string& path, const Clock& clock) {
+    try {
+      return checked(path, clock);
+    } catch (const Refuted& error) {
+      std::cout << "refuted net\n";
+      std::cerr << path << ": " << error.what() << '\n';
+      return 1;
+    } catch (const std::exception&) {
+      std::cout << "not checked net\n";
+      throw;
+    }
+  });
 }

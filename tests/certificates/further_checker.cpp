@@ -567,21 +567,4 @@ int checked(const std::string& path, const Clock& clock) {
   return refuted ? 1 : open ? 2 : 0;
 }
 
-int main(int count, char** words) {
-  Clock clock;
-  std::string path;
-  for (int i = 1; i < count; ++i) {
-    const std::string word = words[i];
-    if (word == "--max-states" && i + 1 < count) clock.most = std::strtoull(words[++i], nullptr, 10);
-    else if (word == "--seconds" && i + 1 < count) clock.seconds = std::strtod(words[++i], nullptr);
-    else path = word;
-  }
-  try {
-    return checked(path, clock);
-  } catch (const Malformed& error) {
-    std::cerr << path << ": malformed: " << error.what() << '\n';
-  } catch (const std::exception& error) {
-    std::cerr << path << ": " << error.what() << '\n';
-  }
-  return 2;
-}
+int main(int count, char** words) { return answered(count, words, "--max-states", checked); }
