@@ -46,6 +46,9 @@ class What(StrEnum):
 ENDING = (What.SUCCESS, What.FAILURE, What.TIMEOUT)
 """How an objective ends by itself."""
 
+HELPING = (What.DECLARED, What.TIMEOUT)
+"""What may help, and need not happen."""
+
 _FORMS = {
     What.SUCCESS: ("OBJ_", "_EV_OK"),
     What.FAILURE: ("OBJ_", "_EV_FAIL"),

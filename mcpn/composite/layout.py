@@ -185,11 +185,11 @@ class Layout:
 def _idle_events(mission_net: MissionNet) -> Iterator[tuple[int, What, str]]:
     """The events of hardware that nobody uses: transition, what happens, the resource."""
     initial = mission_net.in_service
-    for t, transition in enumerate(mission_net.net.transitions):
-        if transition.event is not None and (what := transition.event.what) in HARDWARE:
-            needed = (*transition.consume, *transition.read)
-            if what is not What.OUT_OF_SERVICE or all(initial[p] for p, _ in needed):
-                yield t, what, transition.event.element
+    for t, event in mission_net.net.events.pairs:
+        if event.what in HARDWARE:
+            needed = (*(transition := mission_net.net.transitions[t]).consume, *transition.read)
+            if event.what is not What.OUT_OF_SERVICE or all(initial[p] for p, _ in needed):
+                yield t, event.what, event.element
 
 
 def idle_places(mission_net: MissionNet) -> dict[int, tuple[Element, bool]]:

@@ -91,7 +91,7 @@ class MissionNet(Drawn):
     @cached_property
     def start(self) -> int:
         """The transition with which the mission begins."""
-        (start,) = [t for t, transition in enumerate(self.net.transitions) if transition.event == START]
+        (start,) = self.net.events.of(START)
         return start
 
     @cached_property

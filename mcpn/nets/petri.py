@@ -26,6 +26,7 @@ from typing import NamedTuple, TypeAlias
 
 from mcpn.errors import InputError, Source
 from mcpn.events import Event
+from mcpn.nets.event_index import EventIndex
 from mcpn.notebook import Drawn
 from mcpn.records import ValueRecord
 
@@ -192,6 +193,11 @@ class PetriNet(Drawn, ValueRecord):
         """The largest number in the net: the weight of an arc, or the initial tokens of a place."""
         sides = (side for t in self.transitions for side in (t.consume, t.produce, t.read))
         return max(max((w for side in sides for _, w in side), default=0), max(self.initial, default=0))
+
+    @cached_property
+    def events(self) -> EventIndex:
+        """Which transitions carry which event."""
+        return EventIndex(transition.event for transition in self.transitions)
 
     @cached_property
     def ranks(self) -> tuple[int, ...]:

@@ -85,7 +85,7 @@ class ArraySpace(BySteps[ArraySet]):
         """States that enable no internal transition; all where the net has no priorities."""
         if isinstance(self.graph, AlternativesGraph) or not self.net.priorities:
             return self.everything
-        return self.everything - self.enabling([i for i, t in enumerate(self.net.transitions) if t.internal])
+        return self.everything - self.enabling(self.net.events.internal)
 
     def single(self, state: int) -> ArraySet:
         """The set that holds one state, given by its number."""

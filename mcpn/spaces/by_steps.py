@@ -30,7 +30,7 @@ class BySteps(Generic[S]):
         """States that enable no internal transition; all where the net has no priorities."""
         if not self.net.priorities:
             return self.everything
-        return self.everything - self.enabling([i for i, t in enumerate(self.net.transitions) if t.internal])
+        return self.everything - self.enabling(self.net.events.internal)
 
     def varying(self: Space[S], states: S) -> Collection[int]:
         """All places."""

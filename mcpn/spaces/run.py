@@ -58,16 +58,7 @@ class Completion:
 
     def of_event(self, marking: Sequence[int], event: Event) -> int | None:
         """The first transition of an event that is enabled in a stable marking; ``None`` where none is."""
-        return next((t for t in self._carrying[event] if self.net.covers(marking, t)), None)
-
-    @cached_property
-    def _carrying(self) -> Mapping[Event, Sequence[int]]:
-        """By event, the transitions that carry it."""
-        found: dict[Event, list[int]] = {}
-        for t, transition in enumerate(self.net.transitions):
-            if transition.event is not None:
-                found.setdefault(transition.event, []).append(t)
-        return found
+        return next((t for t in self.net.events.of(event) if self.net.covers(marking, t)), None)
 
     def concerned(self, fired: int) -> tuple[Sequence[tuple[int, int]], Sequence[int], Sequence[int]]:
         """What a firing may have enabled.
