@@ -5,8 +5,8 @@ from __future__ import annotations
 from hypothesis import event, given
 from hypothesis import strategies as st
 
-from mcpn.answers.causes.cutsets import HELP
 from mcpn.errors import ConfluenceError, LimitError, UnsafeError
+from mcpn.events import HELPING
 from mcpn.mission.model import Mission
 from mcpn.spaces.engine_names import Engine
 from mcpn.spaces.stable.alternatives import direct
@@ -40,7 +40,7 @@ def test_single_losses_of_drawn_missions(mission: Mission, engine: Engine) -> No
     found = causes.mission.unaided
     assert found is not None
     events = {str(t.event): t.event for t in study.mission_net.net.transitions if t.event is not None}
-    quiet = [name for name, of in events.items() if of.what in HELP]
+    quiet = [name for name, of in events.items() if of.what in HELPING]
     for hardware in causes.prospects.hardware:
         unrepaired = quiet + [f"{hardware}_EV_RD"] * (f"{hardware}_EV_RD" in events)
         later = f"E(({without(unrepaired)}) U success)"

@@ -19,7 +19,7 @@ from mcpn._kernel import Zdd
 from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.permanent_loss import mortal
-from mcpn.events import Event, What
+from mcpn.events import HELPING, Event, What
 from mcpn.mission.flatten import Section
 from mcpn.spaces.algebra import Alike, S, Space
 from mcpn.spaces.memoized import memoized
@@ -64,10 +64,6 @@ class Found(NamedTuple):
 
     minimal: Mapping[Moment, list[CutSet]]
     nonmonotone: Nonmonotone | None
-
-
-HELP = (What.DECLARED, What.TIMEOUT)
-"""Events that may help, and need not happen."""
 
 
 def help_in_words(event: Event) -> str:
@@ -153,7 +149,7 @@ class CutSets(Prospects[S]):
         Neither do declared events happen nor is a time over, before the start nor after it.
         """
         space, net = self.space, self.mission_net
-        helping = frozenset[int]().union(*(self._carrying[what] for what in HELP))
+        helping = frozenset(self.events.carrying(*HELPING))
         steps = self.everything - helping
         before = space.marked([net.beginning]) & space.reached(space.initial, transitions=steps | self.dying)
         won = goal.won
@@ -168,7 +164,7 @@ class CutSets(Prospects[S]):
             there = space.restricted(before, self.places("dead", lost), self.places("dead", alive))
             run = space.run(there.pick(), goal.won, transitions=self.everything) if there else None
             events = (net.net.transitions[edge.transition].event for edge in run or ())
-            helpers |= dict.fromkeys(map(help_in_words, (e for e in events if e and e.what in HELP)))
+            helpers |= dict.fromkeys(map(help_in_words, (e for e in events if e and e.what in HELPING)))
         return Unaided(minimal, tuple(helpers))
 
     def _failed(self, goal: Goal[S]) -> S:

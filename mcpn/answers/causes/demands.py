@@ -110,11 +110,8 @@ class _Splitting:
             for inner in section.walk()
             for place in mission_net.by_role.get(("objective", inner.name), ())
         }
-        self.fails = {
-            t: event.element
-            for t, transition in enumerate(self.net.transitions)
-            if (event := transition.event) is not None and event.what is What.OUT_OF_SERVICE
-        }
+        events, lost = self.net.events, What.OUT_OF_SERVICE
+        self.fails = {t: e.element for e in events if e.what is lost for t in events.of(e)}
 
     @cache  # noqa: B019 - it lives as long as one split
     def started(self, source: int, label: int, target: int) -> tuple[Demand, ...]:

@@ -24,7 +24,7 @@ from mcpn.answers.reentry import Reentry
 from mcpn.answers.verdicts.modes import Mode, Situation, said_by, situation
 from mcpn.answers.verdicts.unsafe_abort import Aborts, aborts
 from mcpn.drawing.compose import MissionNet
-from mcpn.events import ENDING, Event, What
+from mcpn.events import ENDING, HELPING, Event, What
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, Section
 from mcpn.mission.static.handover import entries
 from mcpn.nets.petri import Marking
@@ -208,16 +208,11 @@ class Prospects(Generic[S]):
             h.name for h in mission_net.mission.hardware if ("oos", h.name) in mission_net.by_role
         )
         self.sections = {section.name: section for section in mission_net.graph.walk()}
-        self._carrying = defaultdict[Event | What | tuple[What, str], list[int]](list)
-        for t, transition in enumerate(mission_net.net.transitions):
-            if (event := transition.event) is not None:
-                self._carrying[event].append(t)
-                self._carrying[event.what].append(t)
-                self._carrying[event.what, event.element].append(t)
-        self.failing = frozenset(self._carrying[What.OUT_OF_SERVICE])
-        self.dying = frozenset(self._carrying[What.LOST])
-        self.everything = frozenset[int]().union(*self._carrying.values()) - self.dying
-        self.unrepaired = self.everything.difference(self._carrying[What.REPAIRED])
+        self.events = mission_net.net.events
+        self.failing = frozenset(self.events.carrying(What.OUT_OF_SERVICE))
+        self.dying = frozenset(self.events.carrying(What.LOST))
+        self.everything = frozenset(t for t, _ in self.events.pairs) - self.dying
+        self.unrepaired = self.everything.difference(self.events.carrying(What.REPAIRED))
         self._striking = Striking(mission_net)
         self._images = ImageStore(len(mission_net.roles))
         self._alike: Alike[Counted] = Alike()
@@ -231,8 +226,9 @@ class Prospects(Generic[S]):
 
     def carrying(self, what: What, element: str = "", reason: str | None = None) -> frozenset[int]:
         """Transitions that carry an event; a failure for any reason or none, unless one is said."""
-        asked = (what, element) if reason is None else Event(what, element, reason)
-        return frozenset(self._carrying.get(asked, ()))
+        events = self.events
+        own = events.of_element(what, element) if reason is None else events.of(Event(what, element, reason))
+        return frozenset(own)
 
     def places(self, kind: Kind, names: Iterable[str]) -> list[int]:
         """Places that say something of some elements."""
@@ -273,7 +269,7 @@ class Prospects(Generic[S]):
         # A declared event, or the end of a block's time, stops an objective if it takes its place, or that of
         # a block around it.
         net, taking = self.mission_net.net, defaultdict[str, set[int]](set)
-        for t in (*self._carrying[What.DECLARED], *self._carrying[What.TIMEOUT]):
+        for t in self.events.carrying(*HELPING):
             origins = (net.places[place].provenance for place, _ in net.transitions[t].consume)
             for origin in origins:
                 if origin is not None and origin.kind in ("objective", "parallel"):
@@ -472,7 +468,7 @@ class Prospects(Generic[S]):
         oos = self.places("oos", names)
         ends = [space.restricted(end, oos, ()) for end in ends]
         forced, free = (self._onward(goal, guards) for guards in (self.forced, None))
-        quiet = transitions.difference(self._carrying[What.DECLARED], self._carrying[What.TIMEOUT])
+        quiet = transitions.difference(self.events.carrying(*HELPING))
         tries = [(quiet, end, forced) for end in ends]
         tries += [(transitions, end, guards) for end, guards in product(ends, (forced, free))]
         for steps, end, guards in tries:

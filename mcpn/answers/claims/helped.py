@@ -10,10 +10,10 @@ from mcpn.answers.causes.cutsets import help_in_words
 from mcpn.answers.causes.prospects import Goal
 from mcpn.answers.claims.claim import Assumes, Claim
 from mcpn.answers.claims.found import copies_by_name, plain_names
-from mcpn.answers.claims.parts import HELP, FormulaParts, some
+from mcpn.answers.claims.parts import FormulaParts, some
 from mcpn.answers.claims.reached import WORDS
 from mcpn.answers.kinds.by_name import KINDS
-from mcpn.events import Event, What
+from mcpn.events import HELPING, Event, What
 from mcpn.spaces.algebra import S
 
 if TYPE_CHECKING:
@@ -69,11 +69,11 @@ class Helped(Generic[S]):
         """The events that help on a run to a goal."""
         run = self.space.run(needs.pick(), goal.won) or []
         events = (self.space.net.transitions[edge.transition].event for edge in run)
-        helping = (event for event in events if event is not None and event.what in HELP)
+        helping = (event for event in events if event is not None and event.what in HELPING)
         # The goal may be an event itself: of these, one that helps.
         there = run[-1].target if run else needs.pick()
         enabled = (self.space.net.transitions[edge.transition].event for edge in self.space.edges(there))
-        last = (e for e in enabled if e is not None and e.what in HELP) if goal.ends_from else ()
+        last = (e for e in enabled if e is not None and e.what in HELPING) if goal.ends_from else ()
         return tuple(dict.fromkeys(map(help_in_words, (*helping, *last))))
 
     def _past(self) -> Iterator[Claim]:

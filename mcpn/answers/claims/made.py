@@ -14,11 +14,11 @@ from mcpn.answers.claims.claim import Assumes, Claim
 from mcpn.answers.claims.found import claims_found, copies_by_name, led_to
 from mcpn.answers.claims.helped import Helped, claims_of_modes
 from mcpn.answers.claims.of_text import claims_of_text
-from mcpn.answers.claims.parts import HELP, FormulaParts
+from mcpn.answers.claims.parts import FormulaParts
 from mcpn.answers.claims.reached import Reached
 from mcpn.answers.kinds.by_name import KINDS
 from mcpn.answers.verdicts.nominal import meant_to_be_entered
-from mcpn.events import What
+from mcpn.events import HELPING, What
 from mcpn.spaces.algebra import S, Space
 from mcpn.spaces.run import Run, transitions_of
 
@@ -227,7 +227,7 @@ class _Made(Generic[S]):
         steps = prospects.everything - repairs
         run = space.run(after.pick(), goal.won, transitions=steps) if after else None
         events = [space.net.transitions[edge.transition].event for edge in run or ()]
-        told = (help_in_words(event) for event in events if event is not None and event.what in HELP)
+        told = (help_in_words(event) for event in events if event is not None and event.what in HELPING)
         return tuple(dict.fromkeys(told))
 
     def _run_to_loss(self, lost: S, hardware: str) -> Run | None:

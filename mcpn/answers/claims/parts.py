@@ -9,13 +9,11 @@ from typing import Generic
 
 from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.answers.verdicts.nominal import meant_to_be_entered, nominal_transitions
-from mcpn.events import Event, What
+from mcpn.events import HELPING, Event, What
 from mcpn.spaces.algebra import S
 from mcpn.spaces.memoized import memoized
 from mcpn.spaces.run import Run, transitions_of
 
-HELP = (What.DECLARED, What.TIMEOUT)
-"""Events that may help, and need not happen."""
 MOST_NAMED = 40
 """Events, or objectives, that one formula names; of more there is no formula."""
 
@@ -38,8 +36,7 @@ class FormulaParts(Generic[S]):
     @cached_property
     def helping(self) -> frozenset[int]:
         """Transitions of declared events, and of ends of times."""
-        events = ((t, transition.event) for t, transition in enumerate(self.space.net.transitions))
-        return frozenset(t for t, event in events if event is not None and event.what in HELP)
+        return frozenset(self.space.net.events.carrying(*HELPING))
 
     @cached_property
     def quiet(self) -> list[str]:
@@ -103,14 +100,13 @@ class FormulaParts(Generic[S]):
 
     def failures_of(self, name: str) -> Iterator[str]:
         """That an objective fails now: by itself, or as the time of it or of a block around it is over."""
-        transitions = self.space.net.transitions
         for what in (What.FAILURE, What.TIMEOUT):
             for event in self.events(self.prospects.carrying(what, name)):
                 yield f"happens({event})"
         for block in self.net.graph.timed_blocks():
             if name in block.held:
                 late = Event(What.TIMEOUT, block.name)
-                if any(transition.event == late for transition in transitions):
+                if late in self.space.net.events:
                     yield f"happens({late}) & objective({name})"
 
     def run_to(self, goal: S, transitions: Collection[int] | None = None) -> Run | None:

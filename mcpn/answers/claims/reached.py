@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Set
+from collections.abc import Collection, Iterator, Set
 from dataclasses import replace
 from functools import cached_property, partial
 from typing import Generic
@@ -47,7 +47,7 @@ class Reached(Generic[S]):
         """Which objectives can succeed, fail or be late, and whose end so can put success out of reach."""
         for name, copies in copies_by_name(self.net, self.prospects.sections).items():
             for word, what in WORDS.items():
-                own = self._carrying(Event(what, copy) for copy in copies)
+                own = self.space.net.events.of(*(Event(what, copy) for copy in copies))
                 if not own:
                     continue
                 said = str(Event(what, name))
@@ -80,7 +80,7 @@ class Reached(Generic[S]):
     def _deciding_events(self) -> Iterator[Claim]:
         """Which declared events can put success out of reach."""
         for event in self.net.mission.events:
-            if own := self._carrying([declared := Event(What.DECLARED, event.name)]):
+            if own := self.space.net.events.of(declared := Event(What.DECLARED, event.name)):
                 claim = self._claim("event_decides", (event.name,), self._decides(own), str(declared))
                 yield replace(claim, find_run=partial(self._run_to_last, own)) if claim.holds else claim
 
@@ -98,8 +98,7 @@ class Reached(Generic[S]):
 
     def _waits_for_hardware(self) -> Claim:
         """Whether nothing but hardware may go on before the mission has ended."""
-        events = [t.event for t in self.space.net.transitions]
-        own = {n: e for n, e in enumerate(events) if e is not None and e.what not in HARDWARE}
+        own = {t: event for t, event in self.space.net.events.pairs if event.what not in HARDWARE}
         names = list(dict.fromkeys(map(str, own.values())))
         ended = self.space.marked(self.net.ends.values())
         stuck = self.space.everything - self.space.enabling(own) - ended
@@ -110,18 +109,6 @@ class Reached(Generic[S]):
 
     def _claim(self, kind: str, subject: tuple[str, ...], holds: bool, event: str = "") -> Claim:
         return Claim(kind, subject, holds, formula=KINDS[kind].formula.format(*subject, event=event))
-
-    def _carrying(self, events: Iterable[Event]) -> frozenset[int]:
-        known = self._by_event
-        return frozenset(t for event in events for t in known.get(event, ()))
-
-    @cached_property
-    def _by_event(self) -> Mapping[Event, list[int]]:
-        found: dict[Event, list[int]] = {}
-        for t, transition in enumerate(self.space.net.transitions):
-            if transition.event is not None:
-                found.setdefault(transition.event, []).append(t)
-        return found
 
     @cached_property
     def _hopeful(self) -> S:

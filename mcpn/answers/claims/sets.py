@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from mcpn.answers.causes.cutsets import HELP
 from mcpn.answers.claims.asked import claims_of_aborts
 from mcpn.answers.claims.claim import Assumes, Claim
 from mcpn.answers.claims.critical import claims_of_critical
@@ -18,7 +17,7 @@ from mcpn.answers.claims.of_objectives import claims_of_objectives
 from mcpn.answers.claims.parts import FormulaParts
 from mcpn.answers.claims.reached import Reached
 from mcpn.answers.kinds.by_name import KINDS
-from mcpn.events import What
+from mcpn.events import HELPING, What
 from mcpn.sentences import enumeration
 
 if TYPE_CHECKING:
@@ -97,8 +96,7 @@ def _of_goal(causes: Causes, goal: GoalCauses, verb: str, words: str) -> Iterato
     for lost in (*alone, *several):
         yield Claim(before, (together(lost),), lost in minimal, BEFORE, formula(lost))
     if goal.unaided is not None and goal.unaided.helpers:
-        events = (transition.event for transition in prospects.space.net.transitions)
-        help_ = sorted({str(event) for event in events if event is not None and event.what in HELP})
+        help_ = sorted(str(event) for event in prospects.space.net.events if event.what in HELPING)
         for lost in (
             lost for lost in goal.unaided.cut_sets if lost and lost not in minimal and {*lost} <= known
         ):

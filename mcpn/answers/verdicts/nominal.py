@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence, Set
 from functools import cached_property
+from itertools import chain
 from typing import Generic, NamedTuple
 
 from mcpn.answers.verdicts.unreachable import objectives_run
@@ -79,8 +80,8 @@ def nominal_transitions(mission_net: MissionNet) -> list[int]:
         end = What.FAILURE if event.element in failing else What.SUCCESS
         return event.what in (What.START, end)
 
-    events = ((t, transition.event) for t, transition in enumerate(mission_net.net.transitions))
-    return [t for t, event in events if event is None or as_meant(event)]
+    events = mission_net.net.events
+    return sorted((*events.internal, *events.of(*filter(as_meant, events))))
 
 
 class NominalRuns(Generic[S]):
@@ -109,10 +110,9 @@ class NominalRuns(Generic[S]):
 
     def _repairing(self, names: Collection[str]) -> frozenset[int]:
         """The transitions with which some hardware comes back; none where nothing is out of service."""
-        events = ((t, transition.event) for t, transition in enumerate(self.mission_net.net.transitions))
-        return frozenset(
-            t for t, e in events if names and (e is None or (e.what is What.REPAIRED and e.element in names))
-        )
+        events = self.mission_net.net.events
+        repairs = (events.of_element(What.REPAIRED, name) for name in names)
+        return frozenset(chain(events.internal, *repairs)) if names else frozenset()
 
     def _with_repaired(self, names: Collection[str]) -> S:
         """The states before the start in which some hardware has come back, and no other."""
@@ -223,11 +223,10 @@ class NominalRuns(Generic[S]):
     def _awaited(self, circling: S, success: S) -> list[str]:
         """The declared events that change facts on a way from a loop to success; none where none does."""
         changing = {Event(What.DECLARED, e.name) for e in self.mission_net.mission.events if e.changes_facts}
-        transitions = self.space.net.transitions
-        awaited = {t for t, transition in enumerate(transitions) if transition.event in changing}
+        awaited = self.space.net.events.of(*changing)
         if not awaited:
             return []
-        run = self.space.run(circling.pick(), success, transitions=self.transitions | awaited)
+        run = self.space.run(circling.pick(), success, transitions=self.transitions.union(awaited))
         happened = (event.element for event in self._events(run or ()) if event in changing)
         return list(dict.fromkeys(happened))
 

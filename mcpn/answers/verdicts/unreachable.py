@@ -178,13 +178,12 @@ def changing_nothing(mission_net: MissionNet, space: Space[S]) -> Iterator[Ignor
         mission_net: The mission's net.
         space: Its stable states, or its markings.
     """
-    graph, transitions = mission_net.graph, mission_net.net.transitions
+    graph, events = mission_net.graph, mission_net.net.events
     answers = targets(mission_net.mission)
     for declared in mission_net.mission.events:
         if declared.changes_facts:
             continue  # it changes facts, and interrupts nothing
-        event = Event(What.DECLARED, declared.name)
-        own = [t for t, transition in enumerate(transitions) if transition.event == event]
+        own = events.of(Event(What.DECLARED, declared.name))
         unhandled = space.stable - space.enabling(own) if own else space.stable
         led = _inside(graph.copies, answers.get(declared.name, frozenset()))
         places = [p for name in led for p in mission_net.by_role.get(("objective", name), ())]

@@ -48,18 +48,13 @@ def aborts(mission_net: MissionNet, space: Space[S]) -> Aborts[S]:
     assert mission_net.abort is not None, "it can abort"
     abort, success = (space.marked([end]) for end in (mission_net.abort, mission_net.success))
     into = dict(space.crossing(space.everything - abort, abort))
-    carrying: dict[Event, list[int]] = {}
-    for t, transition in enumerate(space.net.transitions):
-        if transition.event is not None:
-            carrying.setdefault(transition.event, []).append(t)
+    carrying = space.net.events.of
     failing: dict[str, dict[int, S]] = {
-        section.name: {
-            t: into[t] for event in _failures(section) for t in carrying.get(event, ()) if t in into
-        }
+        section.name: {t: into[t] for t in carrying(*_failures(section)) if t in into}
         for section in mission_net.graph.walk()
     }
     for block in mission_net.graph.timed_blocks():
-        late = [t for t in carrying.get(Event(What.TIMEOUT, block.name), ()) if t in into]
+        late = [t for t in carrying(Event(What.TIMEOUT, block.name)) if t in into]
         for name, t in product(block.held, late):
             if states := into[t] & _running(mission_net, space, name):
                 failing[name][t] = states
@@ -70,7 +65,7 @@ def aborts(mission_net: MissionNet, space: Space[S]) -> Aborts[S]:
     to_abort, to_success = (space.reaching(end, transitions=nominal) for end in (abort, success))
 
     def shelters(name: str) -> bool:
-        succeeding = carrying.get(Event(What.SUCCESS, name), [])
+        succeeding = carrying(Event(What.SUCCESS, name))
         if any(t in into for t in succeeding):
             return True
         return bool(space.before(to_abort, succeeding)) and not space.before(to_success, succeeding)
@@ -127,8 +122,7 @@ def abort_by_failure(
         return (), None
     first = found.unsafe[0]
     ends = [e for section in mission_net.graph.walk() if section.name == first for e in _failures(section)]
-    events = [transition.event for transition in space.net.transitions]
-    own = next((t for event in ends for t in found.badly if events[t] == event), None)
+    own = next((t for t in space.net.events.of(*ends) if t in found.badly), None)
     running = _running(mission_net, space, first)
     # Else the time of a block around it is over.
     t = next(t for t, states in found.badly.items() if states & running) if own is None else own
