@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Collection, Iterator
 from functools import cached_property
+from itertools import chain
 from typing import NoReturn
 
 from mcpn.answers.verdicts.modes import WAITING
@@ -100,7 +100,7 @@ class MissionNames(Names):
                 about = [resource, *(f.name for f in mission_net.mission.faults if resource in f.affects)]
             case "event":
                 events = self._events(name)
-                return Fires(tuple(i for i, t in enumerate(self.net.transitions) if t.event in events))
+                return Fires(tuple(sorted(self.net.events.of(*events))))
             case "happens":
                 may = self._meaning("event", name)
                 assert isinstance(may, Fires)
@@ -123,7 +123,7 @@ class MissionNames(Names):
 
     def _events(self, name: str) -> set[Event]:
         """The events that a name says: one, or that of all copies of an objective or a block."""
-        known = {t.event for t in self.net.transitions if t.event}
+        known = self.net.events
         from mcpn.robot.runtime.tables import spelled  # which a check without formulas does not load
 
         declared, said = Event(What.DECLARED, spelled(name, self.declared)), Event.parse(name)
@@ -133,7 +133,7 @@ class MissionNames(Names):
             return {Event.parse(self._element(name, sorted(map(str, known)), "event"))}
         objectives = self._copies.meant(said.element, self.within)
         about = objectives or self._copies.blocks(said.element, self.within)  # whose time may be over
-        found = {said.of(each) for each in about} & known
+        found = {event for each in about if (event := said.of(each)) in known}
         if objectives and said.what in (What.SUCCESS, What.FAILURE) and not said.reason:
             return found  # none of an objective that never runs
         return found or self._unknown(name, sorted(map(str, known)), "event")
@@ -252,14 +252,8 @@ def progress(mission_net: MissionNet) -> tuple[Justice, ...]:
         For the start: infinitely often the mission has begun, or the start happens. For each objective:
         infinitely often it does not run, or its ``OK``, ``TIMEOUT`` or a ``FAIL`` happens.
     """
-    waits = {mission_net.beginning: {START}}
-    events, ends = [t.event for t in mission_net.net.transitions], defaultdict[str, set[Event]](set)
-    for event in events:
-        if event is not None and event.what in ENDING:
-            ends[event.element].add(event)
+    events = mission_net.net.events
+    waits = {mission_net.beginning: events.of(START)}
     for place, name in mission_net.saying("objective").items():
-        waits[place] = ends[name]
-    return tuple(
-        Justice(~marked(place), tuple(t for t, event in enumerate(events) if event in endings))
-        for place, endings in waits.items()
-    )
+        waits[place] = tuple(chain.from_iterable(events.of_element(what, name) for what in ENDING))
+    return tuple(Justice(~marked(place), tuple(sorted(ends))) for place, ends in waits.items())

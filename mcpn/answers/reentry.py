@@ -195,8 +195,8 @@ class Reentry(Generic[S]):
         what they become.
         """
         found: dict[str, list[tuple[int, S]]] = {section.name: [] for section in self._left_by_facts}
-        for t, transition in enumerate(self.mission_net.net.transitions):
-            for section, _, places, begun in self._beginning(t) if transition.event is not None else ():
+        for t, _ in self.mission_net.net.events.pairs if found else ():
+            for section, _, places, begun in self._beginning(t):
                 found[section.name].append((t, self._holding(places - begun)))
         return found
 
@@ -254,10 +254,7 @@ class Reentry(Generic[S]):
     ) -> Iterator[tuple[int, list[tuple[_Ancestors, set[_Move]]]]]:
         """By transition, the sections that it may leave: the levels around each, and its moves."""
         net = self.mission_net.net
-        for t, transition in enumerate(net.transitions):
-            event = transition.event
-            if event is None:
-                continue
+        for t, event in net.events.pairs:
             by_facts = list[tuple[_Ancestors, set[_Move]]]()
             for section, outcome, *_ in self._beginning(t):
                 around = levels[section.name][1]
@@ -267,7 +264,7 @@ class Reentry(Generic[S]):
                 outcome = failed_for(event.reason) if event.reason else _OUTCOMES[event.what]
                 yield t, [(around, set(_moves(around, section.led(outcome)))), *by_facts]
             elif event.what is What.DECLARED:
-                origins = (net.places[place].provenance for place, _ in transition.consume)
+                origins = (net.places[place].provenance for place, _ in net.transitions[t].consume)
                 names = {o.name for o in origins if o is not None and o.kind in ("objective", "parallel")}
                 left = list[tuple[_Ancestors, set[_Move]]]()
                 for section, around in (levels[name] for name in names if name in levels):

@@ -72,9 +72,8 @@ def vocabulary(mission_net: MissionNet) -> Vocabulary:
     mission, names = mission_net.mission, MissionNames(mission_net)
     copies = mission_net.graph.copies
     described = {section.name: section.description for section in mission_net.graph.walk()}
-    events = dict.fromkeys(t.event for t in mission_net.net.transitions if t.event is not None)
     happening: dict[str, str | None] = {
-        e.element if e.what is What.DECLARED else str(e): None for e in events
+        e.element if e.what is What.DECLARED else str(e): None for e in mission_net.net.events
     }
     happening |= {event.name: event.description for event in mission.events if event.name in happening}
 

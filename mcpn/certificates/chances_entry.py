@@ -112,8 +112,7 @@ def _model(
     mission_net: MissionNet, lower: Callable[[Any], float], upper: Callable[[Any], float]
 ) -> dict[str, Any]:
     """How often what happens, as a statement says it."""
-    mission, events = mission_net.mission, (t.event for t in mission_net.net.transitions)
-    known = {event for event in events if event is not None}
+    mission, known = mission_net.mission, mission_net.net.events
 
     def rate(value: Any) -> list[str]:
         return [_text(side(value or 0.0)) for side in (lower, upper)]

@@ -83,8 +83,8 @@ class _Runs:
 
     def __init__(self, graph: AlternativesGraph, mission_net: MissionNet, losing: Losing) -> None:
         self.graph, self.net, self.losing = graph, mission_net, losing
-        events = enumerate(transition.event for transition in mission_net.net.transitions)
-        self.repairs = {t: e.element for t, e in events if e is not None and e.what is What.REPAIRED}
+        events = mission_net.net.events
+        self.repairs = {t: e.element for t, e in events.pairs if e.what is What.REPAIRED}
         # One search without any repair shows most sets; the others get one of their own.
         self.unrepaired = losing.edges & ~evidence.carrying(graph, list(self.repairs))
         self.far = evidence.distances(graph, losing.goal, self.unrepaired)

@@ -169,10 +169,10 @@ class Runner:
         timed = {section.name for section in graph.timed}
         found = {place: name for place, name in self.mission_net.saying("objective").items() if name in timed}
         blocks = {block.name for block in graph.timed_blocks()}
-        for transition in self.mission_net.net.transitions if blocks else ():
-            event = transition.event
-            if event is not None and event.what is What.TIMEOUT and event.element in blocks:
-                ((place, _),) = transition.consume
+        net = self.mission_net.net
+        for t, event in net.events.pairs if blocks else ():
+            if event.what is What.TIMEOUT and event.element in blocks:
+                ((place, _),) = net.transitions[t].consume
                 found[place] = event.element
         return found
 

@@ -101,7 +101,7 @@ class EventSession(Prompt):
             InputError: A line holds no event, one that is not possible there, or one that was refused by a
                 controller and is possible.
         """
-        known = {str(t.event) for t in self.simulation.mission_net.net.transitions if t.event is not None}
+        known = set(map(str, self.simulation.mission_net.net.events))
         for line, said, refused in events_of_file(path):
             event = None if said is None else Event.parse(spelled(str(said), known))
             if event is None:

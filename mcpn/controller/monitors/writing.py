@@ -62,7 +62,7 @@ def monitors_of(spaces: MissionSpaces, within: bool = False) -> MissionMonitors:
     watcher = Watcher(stable, mission_net.ends.values())
     return MissionMonitors(
         mission_net.mission.name,
-        tuple(sorted({str(t.event) for t in mission_net.net.transitions if t.event is not None})),
+        tuple(sorted(map(str, mission_net.net.events))),
         tuple(watcher.monitor(each, formula, within) for each, formula in asked if formula is not None),
         tuple(each.name for each, formula in asked if formula is None),
     )
