@@ -52,7 +52,9 @@ def print_check(
     _print_summary(terminal, check)
     terminal.print()
     shown: set[Run] = set()
-    claims = claims_of(check)
+    # A requirement that does not speak of an ignored event stands with the requirements.
+    kinds = [kind for kind in (*DEFEATING, *UNASKED) if kind != "met_as_ignored"]
+    claims = claims_of(check, {*IDLE, *kinds, "met_as_ignored"})
     for name in OF_VERDICTS:
         if name in check.verdicts:
             _print_verdict(terminal, check.mission_net, check.verdicts[name], internal, shown)
@@ -63,8 +65,6 @@ def print_check(
         same = [claim for claim in claims if claim.kind == kind and claim.holds]
         for sentence in sentences(same, differ=1):
             terminal.print(f"{_INFORMATIVE:4} {sentence}", style="dim", indent=2, hang=5)
-    # A requirement that does not speak of an ignored event stands with the requirements.
-    kinds = [kind for kind in (*DEFEATING, *UNASKED) if kind != "met_as_ignored"]
     runs = runs_of_unasked(claims, kinds)
     for _, said in unasked(claims, kinds):
         for sentence in said:

@@ -17,10 +17,12 @@ from mcpn.answers.causes.fmeca import fmeca
 from mcpn.answers.causes.prospects import Prospects
 from mcpn.answers.claims import KINDS, Claim, claims_of, claims_of_causes, claims_of_losses, entries, found
 from mcpn.answers.claims.parts import FormulaParts
+from mcpn.answers.claims.unasked import DEFEATING, UNASKED
 from mcpn.errors import ConfluenceError, LimitError, UnsafeError
 from mcpn.mission.model import SUCCEED, Mission, Objective
 from mcpn.mission.requirement import Requirement
 from mcpn.mission.xml import read_mission
+from mcpn.report.checked import IDLE
 from mcpn.spaces.engine_names import Engine
 from mcpn.spaces.stable.alternatives import direct
 from mcpn.study import Study
@@ -320,6 +322,20 @@ def test_keys_are_those_of_one_claim(tmp_path: Path) -> None:
     study = Study(read_mission(ROOT / "experiments" / "courier" / "mission.xml"))
     keys = [claim.key for claim in claims_of(study.verdicts())]
     assert len(keys) == len(set(keys))
+
+
+@fewer(0.1)
+@given(missions(), st.sampled_from(sorted(KINDS)))
+def test_whoever_asks_for_some_kinds_has_the_claims_of_these(mission: Mission, kind: str) -> None:
+    """What makes claims says of which kinds they are: it is not asked for others."""
+    try:
+        checked = Study(mission).verdicts()
+    except (LimitError, ConfluenceError, UnsafeError) as error:
+        returns_early(type(error).__name__)
+        return
+    claims = claims_of(checked)
+    for asked in ({kind}, IDLE, {*DEFEATING, *UNASKED}):
+        assert claims_of(checked, asked) == [claim for claim in claims if claim.kind in asked]
 
 
 def test_kinds_without_a_formula_say_why() -> None:

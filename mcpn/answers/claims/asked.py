@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -18,28 +18,45 @@ if TYPE_CHECKING:
     from mcpn.answers.verdicts.mission import MissionCheck
 
 
-def with_formulas(claims: Iterable[Claim], check: MissionCheck, parts: FormulaParts[Any]) -> Iterator[Claim]:
-    """The same claims, with formulas where these need states or routes; and the late losses that are not."""
+def with_formulas(
+    claims: Iterable[Claim], check: MissionCheck, parts: FormulaParts[Any], kinds: Collection[str]
+) -> Iterator[Claim]:
+    """The same claims, with formulas where these need states or routes; and the late losses that are not.
+
+    Args:
+        claims: Some claims.
+        check: What was found.
+        parts: The parts of formulas.
+        kinds: Kinds of claims; the others are left out.
+    """
     found = list(claims)
-    safe = parts.prospects.safety
-    good, lasts = parts.goes_well()
-    said: dict[str, Mapping[str, str]] = {
-        "nominal_success": {"good": good, "lasts": lasts},
-        "nominal_endless": {"good": good, "lasts": lasts, "as_meant": parts.as_meant},
-        "nominal_either": {"good": good, "lasts": lasts, "as_meant": parts.as_meant},
-        "can_always_end_safely": {"safe": "" if safe is None else _safe_from(parts)},
-        "aborted_by_failure": {"some": " | ".join(_aborts_after(parts, name) for name in _failing(parts))},
-        "required_events_handled": {"ignored": _ignored(found, check)},
+
+    def nominal() -> Mapping[str, str]:
+        good, lasts = parts.goes_well()
+        return {"good": good, "lasts": lasts}
+
+    said: dict[str, Callable[[], Mapping[str, str]]] = {
+        "nominal_success": nominal,
+        "nominal_endless": lambda: {**nominal(), "as_meant": parts.as_meant},
+        "nominal_either": lambda: {**nominal(), "as_meant": parts.as_meant},
+        "can_always_end_safely": lambda: {
+            "safe": "" if parts.prospects.safety is None else _safe_from(parts)
+        },
+        "aborted_by_failure": lambda: {
+            "some": " | ".join(_aborts_after(parts, name) for name in _failing(parts))
+        },
+        "required_events_handled": lambda: {"ignored": _ignored(found, check)},
     }
-    for claim in found:
+    for claim in (claim for claim in found if claim.kind in kinds):
         if claim.kind in said:
-            told = said[claim.kind]
+            told = said[claim.kind]()
             formula = KINDS[claim.kind].formula.format(**told) if all(told.values()) else ""
             yield replace(claim, formula=formula)
         elif claim.kind not in LATE:
             yield claim
-    yield from late_losses(found, parts)
-    for answer in check.requirements:
+    if any(kind in kinds for kind in LATE):
+        yield from late_losses(found, parts)
+    for answer in check.requirements if "met_as_never" in kinds else ():
         yield from _vacuous(answer, check)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple, TypeAlias
 
@@ -99,6 +99,17 @@ class Claim:
             "evidence": self.of.evidence,
             "sentence": self.sentence,
         }
+
+
+Makers: TypeAlias = Sequence[tuple[tuple[str, ...], Callable[[], Iterable[Claim]]]]
+"""What makes claims, each after the kinds that it makes."""
+
+
+def made_by(makers: Makers, kinds: Collection[str]) -> Iterator[Claim]:
+    """The claims of some kinds; what makes none of them is not asked."""
+    for own, make in makers:
+        if any(kind in kinds for kind in own):
+            yield from (claim for claim in make() if claim.kind in kinds)
 
 
 def told(claims: Sequence[Claim], most: int = MOST_NAMED, moments: str | None = None) -> str:

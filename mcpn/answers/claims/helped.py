@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Generic
 
 from mcpn.answers.causes.cutsets import help_in_words
 from mcpn.answers.causes.prospects import Goal
-from mcpn.answers.claims.claim import Assumes, Claim
+from mcpn.answers.claims.claim import Assumes, Claim, Makers
 from mcpn.answers.claims.found import copies_by_name, plain_names
 from mcpn.answers.claims.parts import FormulaParts, some
 from mcpn.answers.claims.reached import WORDS
@@ -34,11 +34,16 @@ class Helped(Generic[S]):
         self.parts, self.prospects = parts, parts.prospects
         self.space, self.net = parts.space, parts.net
 
-    def claims(self) -> Iterator[Claim]:
-        """Those that follow from its stable states."""
-        yield from self.needs_help()
-        yield from self._past()
-        yield from self._deciding()
+    @property
+    def makers(self) -> Makers:
+        """What makes those that follow from its stable states."""
+        needs = ("needs_help_to_succeed", "needs_help_to_end", "needs_help_to_end_safely")
+        ends = ("end_always_decides", "end_leaves_repair")
+        return (
+            (needs, self.needs_help),
+            (("leads_past",), self._past),
+            (("event_always_decides", "event_leaves_repair", *ends), self._deciding),
+        )
 
     def needs_help(self) -> Iterator[Claim]:
         """Whether success, an end and a safe end take declared events or timeouts."""

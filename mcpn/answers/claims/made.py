@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Generic, Literal
 from mcpn.answers.causes.cutsets import help_in_words
 from mcpn.answers.causes.prospects import Goal, Prospects
 from mcpn.answers.claims.asked import with_formulas
-from mcpn.answers.claims.claim import Assumes, Claim
+from mcpn.answers.claims.claim import Assumes, Claim, Makers, made_by
 from mcpn.answers.claims.found import claims_found, copies_by_name, led_to
 from mcpn.answers.claims.helped import Helped, claims_of_modes
 from mcpn.answers.claims.of_text import claims_of_text
@@ -27,17 +27,25 @@ if TYPE_CHECKING:
     from mcpn.answers.verdicts.mission import MissionCheck
 
 
-def claims_of(check: MissionCheck) -> list[Claim]:
-    """The claims that follow from a check of a mission, in the order of their kinds."""
+def claims_of(check: MissionCheck, kinds: Collection[str] = KINDS) -> list[Claim]:
+    """The claims that follow from a check of a mission, in the order of their kinds.
+
+    Args:
+        check: What was found.
+        kinds: Kinds of claims; what others need is not computed.
+    """
     found = [*claims_found(check), *claims_of_text(check.mission_net.mission)]
     if check.alternatives is not None:
         made = _Made(Prospects(check.mission_net, check.alternatives))
-        found = [*with_formulas(found, check, made.parts), *claims_of_modes(check)]
-        found += made.without()
-        found += made.events()
-        found += Reached(made.prospects).claims()
-        found += Helped(made.parts).claims()
-    return in_order(found)
+        found = [*with_formulas(found, check, made.parts, kinds)]
+        makers: Makers = (
+            (("runs_with",), partial(claims_of_modes, check)),
+            *made.makers,
+            *Reached(made.prospects).makers,
+            *Helped(made.parts).makers,
+        )
+        found += made_by(makers, kinds)
+    return in_order(claim for claim in found if claim.kind in kinds)
 
 
 def claims_of_losses(prospects: Prospects[Any], rows: Sequence[Row] = ()) -> list[Claim]:
@@ -70,6 +78,14 @@ class _Made(Generic[S]):
             for name in (e.name for e in self.net.mission.events if not e.changes_facts)
             if self.prospects.carrying(What.DECLARED, name)
         }
+
+    @property
+    def makers(self) -> Makers:
+        """What makes the claims that follow from stable states."""
+        return (
+            (("succeeds_without",), self.without),
+            (("interrupts_answer", "ends_at_once", "alternate_for_ever"), self.events),
+        )
 
     def running(self, name: str) -> S:
         """States in which some copy of an objective runs."""

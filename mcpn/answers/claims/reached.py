@@ -8,7 +8,7 @@ from functools import cached_property, partial
 from typing import Generic
 
 from mcpn.answers.causes.prospects import Prospects
-from mcpn.answers.claims.claim import Claim
+from mcpn.answers.claims.claim import Claim, Makers
 from mcpn.answers.claims.found import copies_by_name
 from mcpn.answers.claims.parts import FormulaParts
 from mcpn.answers.kinds.by_name import KINDS
@@ -34,14 +34,17 @@ class Reached(Generic[S]):
         self.prospects, self.net = prospects, prospects.mission_net
         self.space: Space[S] = prospects.space
 
-    def claims(self) -> Iterator[Claim]:
-        """All of them."""
-        yield from self._ends_of_objectives()
-        yield from self._alternatives()
-        yield from self.hardware()
-        yield from self._deciding_events()
-        yield from self._facts()
-        yield self._waits_for_hardware()
+    @property
+    def makers(self) -> Makers:
+        """What makes them."""
+        return (
+            (("outcome_comes", "end_decides"), self._ends_of_objectives),
+            (("selected",), self._alternatives),
+            (("used",), self.hardware),
+            (("event_decides",), self._deciding_events),
+            (("fact_defeats",), self._facts),
+            (("waits_for_hardware",), self._waits_for_hardware),
+        )
 
     def _ends_of_objectives(self) -> Iterator[Claim]:
         """Which objectives can succeed, fail or be late, and whose end so can put success out of reach."""
@@ -96,7 +99,7 @@ class Reached(Generic[S]):
                     run = partial(FormulaParts(self.prospects).run_to, there)
                     yield replace(claim, find_run=run) if lost else claim
 
-    def _waits_for_hardware(self) -> Claim:
+    def _waits_for_hardware(self) -> Iterator[Claim]:
         """Whether nothing but hardware may go on before the mission has ended."""
         own = {t: event for t, event in self.space.net.events.pairs if event.what not in HARDWARE}
         names = list(dict.fromkeys(map(str, own.values())))
@@ -105,7 +108,7 @@ class Reached(Generic[S]):
         kind, some = KINDS["waits_for_hardware"], " | ".join(f"event({name})" for name in names)
         formula = kind.formula.format(ends=" | ".join(self.net.ends), some=some)
         run = partial(FormulaParts(self.prospects).run_to, stuck) if stuck else None
-        return Claim(kind.name, (), bool(stuck), formula=formula, find_run=run)
+        yield Claim(kind.name, (), bool(stuck), formula=formula, find_run=run)
 
     def _claim(self, kind: str, subject: tuple[str, ...], holds: bool, event: str = "") -> Claim:
         return Claim(kind, subject, holds, formula=KINDS[kind].formula.format(*subject, event=event))
