@@ -136,16 +136,21 @@ def returning(draw: st.DrawFn) -> Mission:
     return Mission(name="m", robots=(of,), blocks=blocks)
 
 
+def enters_again(of: Mission) -> bool:
+    """Whether some block is; of a mission that cannot be composed the test says why."""
+    try:
+        return bool(blocks_entered_again(compose(of).graph))
+    except (LimitError, SemanticsError):
+        return True
+
+
 @fewer(0.5)
-@given(returning(), st.sampled_from(ENGINES), st.booleans(), st.data())
+@given(returning().filter(enters_again), st.sampled_from(ENGINES), st.booleans(), st.data())
 def test_causes_and_numbers_are_those_of_brute_force(
     of: Mission, engine: Engine, demands: bool, data: st.DataObject
 ) -> None:
     try:
         found = compose(data.draw(with_numbers(of, demands=demands)))
-        if not blocks_entered_again(found.graph):
-            returns_early("nothing is entered again")
-            return
         graph = direct(found.net, max_states=MOST_STATES)
         goals = Prospects(found, ArraySpace(graph)).objectives.values()
     except (LimitError, SemanticsError) as error:
