@@ -97,6 +97,27 @@ def test_iteration_is_as_exact_as_elimination(size: int, seed: int) -> None:
     assert iterated(right) == pytest.approx(inverse(right), rel=2e-14)
 
 
+@given(st.lists(st.sampled_from([0.5, 0.1, 0.02, 0.004]), min_size=2, max_size=4), st.integers(0, 10_000))
+def test_iteration_settles_where_parts_are_left_at_unlike_rates(rates: list[float], seed: int) -> None:
+    """Parts of unknowns, each left with a probability of its own, some of which lead to earlier ones."""
+    random, size = np.random.default_rng(seed), 3
+    whole = size * len(rates)
+    steps, leaving = np.zeros((whole, whole)), np.repeat(rates, size)
+    for i in range(len(rates)):
+        for j in range(i + 1):
+            if i == j or random.random() < 0.4:
+                share = random.random((size, size)) * (1.0 if i == j else 0.01)
+                steps[i * size : (i + 1) * size, j * size : (j + 1) * size] = share
+    steps *= ((1 - leaving) / steps.sum(axis=1))[:, None]
+    shuffled = random.permutation(whole)
+    steps, leaving = steps[shuffled][:, shuffled], leaving[shuffled]
+    right = (random.random(whole) * leaving)[:, None]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(linear_systems, "MOST_DENSE", 0)
+        iterated = solver_of(lambda columns: np.asarray(steps @ columns), lambda: leaving, whole)
+    assert iterated(right) == pytest.approx(resolvent(steps, leaving) @ right, rel=1e-11)
+
+
 @given(st.integers(1, 12), st.integers(0, 99), st.floats(0.0, 0.5))
 def test_layers_give_what_one_dense_system_gives(size: int, seed: int, filled: float) -> None:
     """Drawn steps, of unknowns of which some lead to each other and others never back."""

@@ -19,7 +19,7 @@ scipy is an extra for its size; only this needs it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -36,6 +36,7 @@ except ModuleNotFoundError as error:
 __all__ = ["LayeredSystem", "StepSystem", "csc_array", "csr_array", "resolvent", "solver_of", "splu"]
 
 Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.intp]
 
 CHUNK = 64
 """Right-hand sides of a system that are solved at a time."""
@@ -54,6 +55,12 @@ PRECISION = A_STEP * MOST_STEPS
 
 MOST_SWEEPS = 2_000
 """Of the iteration."""
+
+SPLITS = tuple(2**power for power in range(5, 11))
+"""After how many sweeps without an end it is looked whether unknowns fall into parts."""
+
+LIKE = 1e-3
+"""Shares that are this close belong to the same part."""
 
 
 def resolvent(steps: Floats, leaving: Floats) -> Floats:
@@ -109,22 +116,56 @@ def _iterated(system: Callable[[Floats], Floats], right: Floats) -> Floats:
     Where each unknown gains by the next sweep between ``p`` and ``q`` times what it gained by this one, so
     it does ever after, since ``N`` has no negative entry: what is to come is between ``p / (1 - p)`` and
     ``q / (1 - q)`` times the last gain. Some ``1 / (1 - q)`` steps are expected; the bounds need not be
-    closer than the roundings of so many.
+    closer than the roundings of so many. Unknowns that do not lead to each other may gain by shares that
+    stay apart for ever; these are solved one after the other.
     """
     found, gained = right, right
-    for _ in range(MOST_SWEEPS):
+    for sweep in range(1, MOST_SWEEPS + 1):
         more = system(gained[:, None])[:, 0]
         met = gained > 0
         if not np.any(more[~met] > 0):
-            shares = more[met] / gained[met]
-            low, high = shares.min(initial=1.0), shares.max(initial=0.0)
+            shares = np.divide(more, gained, out=np.zeros_like(more), where=met)
+            low, high = shares[met].min(initial=1.0), shares.max(initial=0.0)
             if high < 1:
-                least, most = (share / (1 - share) if len(shares) else 0.0 for share in (low, high))
+                least, most = (share / (1 - share) if np.any(met) else 0.0 for share in (low, high))
                 precision = min(A_STEP / (1 - high), PRECISION)
                 if np.all((most - least) / 2 * gained <= precision * found):
                     return np.asarray(found + (most + least) / 2 * gained)
+            if sweep in SPLITS and len(parts := _parts(system, shares)) > 1:
+                return _one_by_one(system, right, parts)
         found, gained = found + more, more
     raise LimitError(f"the values at {len(right)} entries of sections in loops did not settle")
+
+
+def _parts(system: Callable[[Floats], Floats], shares: Floats) -> list[Ints]:
+    """Unknowns of like shares that lead to each other, each such part after those that it leads to."""
+    order = np.argsort(shares)
+    number = np.empty(len(shares), dtype=np.intp)
+    number[order] = np.cumsum(np.diff(shares[order], prepend=shares[order[0]]) > LIKE)
+    of = np.arange(number.max() + 1)[:, None] == number
+    leads = of @ system(of.T.astype(np.float64)) > 0
+    components = strongly_connected([np.flatnonzero(row).tolist() for row in leads])
+    return [np.flatnonzero(np.any(of[component], axis=0)) for component in components]
+
+
+def _one_by_one(system: Callable[[Floats], Floats], right: Floats, parts: Sequence[Ints]) -> Floats:
+    """The solution where no part leads to a later one."""
+    found = np.zeros_like(right)
+    for part in parts:
+        known = right + system(found[:, None])[:, 0]
+        found[part] = _iterated(_within(system, part, len(right)), known[part])
+    return found
+
+
+def _within(system: Callable[[Floats], Floats], part: Ints, size: int) -> Callable[[Floats], Floats]:
+    """The system of a part of the unknowns alone."""
+
+    def within(matrix: Floats) -> Floats:
+        of_all = np.zeros((size, matrix.shape[1]))
+        of_all[part] = matrix
+        return system(of_all)[part]
+
+    return within
 
 
 class StepSystem:
