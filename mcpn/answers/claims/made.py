@@ -159,9 +159,10 @@ class _Made(Generic[S]):
         edges = space.run(begin, circling)
         if edges is None:
             return None
-        there = edges[-1].target if edges else begin
-        seen = {there: len(edges)}
-        while True:
+        there, before = edges[-1].target if edges else begin, len(edges)
+        seen = []  # members of a space need not be hashable: of diagrams they are lists
+        while there not in seen:
+            seen.append(there)
             edges.append(
                 next(
                     edge
@@ -170,9 +171,7 @@ class _Made(Generic[S]):
                 )
             )
             there = edges[-1].target
-            if there in seen:
-                return Run(space.net, transitions_of(edges), settles=True), seen[there]
-            seen[there] = len(edges)
+        return Run(space.net, transitions_of(edges), settles=True), before + seen.index(there)
 
     def losses(self) -> Iterator[Claim]:
         """What the loss of each hardware resource alone, for good, leaves, with help and without.
