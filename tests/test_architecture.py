@@ -317,7 +317,7 @@ LOADS_OF_NETS: dict[str, set[str]] = {
     "ask --examination StableMarking": TOKENS | CONTEST,
     "convert {folder}/net.pnml": FILES,
 }
-SHARED = {"line", "options", "printed", "__init__", "__main__"}
+SHARED = {"line", "exit_codes", "options", "printed", "__init__", "__main__"}
 COMMANDS = {path.stem for path in (PACKAGE / "cli").glob("*.py")} - SHARED
 """Modules of commands."""
 NET = """pl a (1)

@@ -1,9 +1,8 @@
 """The command line as a process: how it begins, and how signals end it; the one room that sees all others.
 
-Heavy modules are imported inside the commands, so that ``mcpn --help`` answers at once. Exit codes: 0 all
-that is required holds; 1 a verdict or requirement fails, or the semantics do not allow an answer; 2 anything
-wrong with the input, the options or the machine, with a sentence that says what; 128 and the number of the
-signal that ended it, such as 130 (interrupted) and 143 (terminated).
+Heavy modules are imported inside the commands, so that ``mcpn --help`` answers at once. A signal ends the
+process with 128 and its number, such as 130 (interrupted) and 143 (terminated); all other exit codes stand in
+:mod:`mcpn.cli.exit_codes`.
 """
 
 from __future__ import annotations

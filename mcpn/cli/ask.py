@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mcpn.cli.options import EXIT_FAILED, FILE, Question, engine_option, question
+from mcpn.cli.exit_codes import EXIT_FAILED
+from mcpn.cli.options import FILE, Question, engine_option, question
 from mcpn.cli.printed import choice_object, emit_json
 
 if TYPE_CHECKING:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal, NoReturn
 
 import click
 
-from mcpn.cli.options import EXIT_BAD_INPUT, EXIT_FAILED, FILE, Question, engine_option, question
+from mcpn.cli.exit_codes import EXIT_BAD_INPUT, EXIT_FAILED
+from mcpn.cli.options import FILE, Question, engine_option, question
 from mcpn.cli.printed import choice_object, emit_json, tell_warnings
 from mcpn.errors import InputError, Source
 

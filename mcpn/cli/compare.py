@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mcpn.cli.options import EXIT_FAILED, FILE, FiniteRange, Question, question
+from mcpn.cli.exit_codes import EXIT_FAILED
+from mcpn.cli.options import FILE, FiniteRange, Question, question
 from mcpn.cli.printed import emit_json
 
 if TYPE_CHECKING:

@@ -10,7 +10,8 @@ from typing import Literal
 
 import click
 
-from mcpn.cli.options import EXIT_FAILED, FILE, Question, question
+from mcpn.cli.exit_codes import EXIT_FAILED
+from mcpn.cli.options import FILE, Question, question
 from mcpn.cli.printed import emit_json
 from mcpn.cli.verified import require_verified
 from mcpn.errors import SemanticsError

@@ -22,9 +22,6 @@ if TYPE_CHECKING:
     from mcpn.study import Study
     from mcpn.trees.options import TreeOptions
 
-EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
-
-
 FILE = click.Path(path_type=Path)
 
 

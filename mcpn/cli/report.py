@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mcpn.cli.options import EXIT_FAILED, FILE, Question, engine_option, question
+from mcpn.cli.exit_codes import EXIT_FAILED
+from mcpn.cli.options import FILE, Question, engine_option, question
 from mcpn.cli.printed import emit_json
 from mcpn.errors import InputError, Source
 from mcpn.report.progress import progress_on_terminal

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mcpn.cli.options import EXIT_FAILED, Question
+from mcpn.cli.exit_codes import EXIT_FAILED
+from mcpn.cli.options import Question
 from mcpn.cli.printed import emit_json, tell_warnings
 
 if TYPE_CHECKING:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mcpn.cli.options import EXIT_FAILED, FILE, FiniteRange, Question, question
+from mcpn.cli.exit_codes import EXIT_FAILED
+from mcpn.cli.options import FILE, FiniteRange, Question, question
 from mcpn.cli.printed import emit_json
 from mcpn.cli.robot.watching import monitors_for
 from mcpn.errors import InputError, LimitError

@@ -9,7 +9,8 @@ from typing import Any
 
 import click
 
-from mcpn.cli.options import EXIT_FAILED, FILE, Question, question
+from mcpn.cli.exit_codes import EXIT_FAILED
+from mcpn.cli.options import FILE, Question, question
 from mcpn.cli.printed import emit_json
 from mcpn.cli.robot.watching import not_within
 from mcpn.errors import InputError, Source

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mcpn.cli.options import EXIT_BAD_INPUT, EXIT_FAILED, FILE, Question, question
+from mcpn.cli.exit_codes import EXIT_BAD_INPUT, EXIT_FAILED, EXIT_SIGNAL
+from mcpn.cli.options import FILE, Question, question
 from mcpn.cli.printed import emit_json
 from mcpn.cli.robot.watching import monitors_for
 from mcpn.cli.verified import require_verified
@@ -30,9 +31,6 @@ from mcpn.cli.robot.shown_lines import EventLines, WarningLines
 from mcpn.cli.robot.signals import caught
 
 _log = logging.getLogger("mcpn.robot.drivers")
-
-INTERRUPTED = 128
-"""To this the number of the signal is added."""
 
 
 @click.command()
@@ -163,7 +161,7 @@ def run(
     if lost:
         click.get_current_context().exit(EXIT_BAD_INPUT)
     if received:
-        click.get_current_context().exit(INTERRUPTED + received[0])
+        click.get_current_context().exit(EXIT_SIGNAL + received[0])
     if controller.outcome != "success" or found["violated"]:
         click.get_current_context().exit(EXIT_FAILED)
 
