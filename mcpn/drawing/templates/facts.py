@@ -4,7 +4,7 @@ The values of a fact are a unit: one of its places is marked. The end of an obje
 changes facts in its own transition, which then stands once for each combination of values that matter: those
 before, of facts that it changes, and those of facts that decide where it leads. Objectives that change facts
 as they are entered do so by internal transitions of ranks of their own, after all other control and before
-any activity looks (:class:`mcpn.drawing.templates.canvas.Ranks`). So nothing that reads a fact races with
+any activity looks (:class:`mcpn.drawing.templates.ranks.Ranks`). So nothing that reads a fact races with
 what changes it.
 
 A value for which blocks may be left has a second place, *became*: whatever changes the fact to it marks this

@@ -179,7 +179,7 @@ def draw_served_software(canvas: Canvas, resource: Software, producer: Activity)
     each consumer gets the error; the refusal stays marked and answers whoever asks. Of each interface,
     ``unused`` is marked while it is neither asked nor held, and ``failed`` while its owner has yet to take
     note of an error. The producer stops, or leaves its refusal, when nobody evaluates any more and all
-    interfaces are unused (:class:`mcpn.drawing.templates.canvas.Ranks`), whoever came and left before.
+    interfaces are unused (:class:`mcpn.drawing.templates.ranks.Ranks`), whoever came and left before.
 
     Args:
         canvas: Where to draw.
