@@ -84,7 +84,7 @@ def causes(
     from mcpn.answers.claims.of_risk import claims_of_risk
     from mcpn.files import write_atomically
     from mcpn.mission.static.intervals import at_their_means, interval_rates
-    from mcpn.report.failures import objects, tables, terminal
+    from mcpn.report.failures import objects, risk_numbers, tables, terminal
     from mcpn.report.failures.openpsa import beside_the_tree, open_psa
     from mcpn.report.terminal import plain
     from mcpn.report.text import print_choice
@@ -175,12 +175,12 @@ def causes(
         asked = [row for row in rows if not objectives or row.objective in found.objectives]
         terminal.print_fmeca(asked, found.mission_net, classes)
     if numbers is not None:
-        terminal.print_risk(numbers)
-        terminal.print_slopes(numbers, slopes or {})
+        risk_numbers.print_risk(numbers)
+        risk_numbers.print_slopes(numbers, slopes or {})
     if bounded is not None:
-        terminal.print_bounds(bounded, at_their_means(study.mission_net.mission))
+        risk_numbers.print_bounds(bounded, at_their_means(study.mission_net.mission))
     if by_then is not None and within is not None:
-        terminal.print_within(by_then, within.strip())
+        risk_numbers.print_within(by_then, within.strip())
     terminal.print_left_out(missing)
     print_choice(every.choice)
     if unanswered is not None:

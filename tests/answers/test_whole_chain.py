@@ -40,7 +40,7 @@ from mcpn.mission.language.datatypes import RATE, Interval
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, DeclaredEvent, Fault, Hardware, Robot
 from mcpn.report.failures.drn import drn, objective_labels
-from mcpn.report.failures.terminal import print_slopes
+from mcpn.report.failures.risk_numbers import print_slopes
 from mcpn.spaces.engine_names import Engine
 from mcpn.study import open_study
 from mcpn.testing import Shape, missions
