@@ -1,7 +1,4 @@
-"""Control nodes of BehaviorTree.CPP: series, parallel blocks, choices, and the same of reactive nodes.
-
-Reactive nodes ask earlier children again at each tick, while a later one runs.
-"""
+"""Control nodes of BehaviorTree.CPP that are not reactive: series, parallel blocks, choices."""
 
 from __future__ import annotations
 
@@ -478,3 +475,19 @@ def switch(at: Translator, node: TreeNode, context: Context) -> Result:
 
 def _target(result: Result) -> str:
     return result.block.name if isinstance(result, Part) else SUCCEED if result else FAIL
+
+
+CONTROLS: dict[str, Rule] = {
+    "sequence": sequence,
+    "fallback": fallback,
+    "async_sequence": async_sequence,
+    "async_fallback": async_fallback,
+    "with_memory": with_memory,
+    "with_memory_unhalted": with_memory,
+    "if_then_else": if_then_else,
+    "try_catch": try_catch,
+    "parallel": parallel_node,
+    "parallel_all": parallel_all,
+    "switch": switch,
+}
+"""How they are translated, by the rule that the table of nodes names."""

@@ -21,17 +21,18 @@ from mcpn.mission.model import (
 from mcpn.mission.robot import Activity, Alternative, Robot
 from mcpn.mission.validate import valid
 from mcpn.mission.writer import element_of
+from mcpn.trees.controls import CONTROLS
 from mcpn.trees.decorators import DECORATING, unknown
 from mcpn.trees.ledger import Ledger, in_order, in_words, placed
 from mcpn.trees.nav2 import NAV2
 from mcpn.trees.nodes.forest import Forest
 from mcpn.trees.options import TreeOptions
 from mcpn.trees.py_trees import PY_TREES_RULES
-from mcpn.trees.reactive import CONTROLS
+from mcpn.trees.reactive import REACTIVE
 from mcpn.trees.translator import BlockOrigin, Context, Translator, series_of
 from mcpn.trees.tree_names import TreeNames
 
-RULES = {**CONTROLS, **DECORATING, **NAV2, **PY_TREES_RULES}
+RULES = {**CONTROLS, **REACTIVE, **DECORATING, **NAV2, **PY_TREES_RULES}
 """How control nodes and decorators are translated, by the rule that the table of nodes names."""
 
 

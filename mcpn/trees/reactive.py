@@ -1,4 +1,4 @@
-"""Reactive control nodes: earlier children are asked again at each tick.
+"""Reactive control nodes of BehaviorTree.CPP: all of them, which ask earlier children again at each tick.
 
 What an earlier child answers then is free, and it is an event that interrupts: ``door_is_open_fails``. A
 child that answers at once can only go on or end the node; one that may run halts the later one and begins
@@ -13,21 +13,11 @@ from functools import partial
 from mcpn.mission.model import FAIL, SUCCEED, Block, Handler, Recursive
 from mcpn.mission.robot import FactChange
 from mcpn.trees.controls import (
-    async_fallback,
-    async_sequence,
     became,
     branching,
     ended,
-    fallback,
-    if_then_else,
-    parallel_all,
-    parallel_node,
-    sequence,
     series,
     skipped_condition,
-    switch,
-    try_catch,
-    with_memory,
 )
 from mcpn.trees.ledger import Kind
 from mcpn.trees.nodes.node import TreeNode
@@ -151,20 +141,9 @@ def while_do_else(at: Translator, node: TreeNode, context: Context) -> Result:
     return made
 
 
-CONTROLS: dict[str, Rule] = {
-    "sequence": sequence,
-    "fallback": fallback,
-    "async_sequence": async_sequence,
-    "async_fallback": async_fallback,
-    "with_memory": with_memory,
-    "with_memory_unhalted": with_memory,
-    "if_then_else": if_then_else,
-    "try_catch": try_catch,
-    "parallel": parallel_node,
-    "parallel_all": parallel_all,
-    "switch": switch,
+REACTIVE: dict[str, Rule] = {
     "reactive_sequence": reactive_sequence,
     "reactive_fallback": reactive_fallback,
     "while_do_else": while_do_else,
 }
-"""How control nodes are translated, by the rule that the table of nodes names."""
+"""How they are translated, by the rule that the table of nodes names."""
