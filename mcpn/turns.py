@@ -1,6 +1,6 @@
-"""Work that pauses, so that whoever has asked for it decides what goes on first.
+"""Slices of CPU time for several kinds of work that take turns: how long each is, and who is next.
 
-Work is a generator: it yields where it may rest, and returns what comes of it. Who needs that at once calls
+Work is a generator: it yields where it may pause, and returns what comes of it. Who needs that at once calls
 :func:`finished`; several kinds of work share the processor by :func:`in_turns`. Slices are of CPU time of
 this process, so that what else the machine does changes nothing; work does not know how long they are.
 """

@@ -1,4 +1,4 @@
-"""certcheck: checks a certificate of claims about a robot mission; it needs Python's standard library alone.
+"""certcheck: checks a certificate's claims on listed states: verdicts, formulas, cut sets; needs only Python.
 
 ``python certcheck.py OUT`` reads a certificate as docs/certificates.md describes it and prints, claim by
 claim, whether it is proved. It trusts the certificate's net to be the mission's, and nothing else of mcpn: it

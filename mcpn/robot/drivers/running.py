@@ -1,4 +1,4 @@
-"""Runs a mission's controller with the drivers of a robot."""
+"""Runs a controller with the drivers of a robot: when each starts, and in which order they are stopped."""
 
 from __future__ import annotations
 

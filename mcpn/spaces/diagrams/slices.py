@@ -1,4 +1,4 @@
-"""Slices of CPU time for what is asked of diagrams."""
+"""Ends an operation on diagrams when the slice of CPU time is spent that its caller gives it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Is some marking of a goal reachable? Asked of cheap ways first, each with a budget that grows by rounds.
+"""Is some marking of a goal reachable? Asked of cheap ways first, in rounds of so many firings and markings.
 
 The ways are a look at the initial marking, walks, structural reductions with searches of what is left, greedy
 and with stubborn sets, and the state equation. Nothing here builds the whole space, and nothing is sure to
