@@ -98,7 +98,10 @@ def digest_of(mission: Mission) -> tuple[str, list[str]]:
     return (found.hexdigest(), files) if files else ("", [])
 
 
-SCRIPTS = ("tables.js", "losses.js", "served.js", "game.js", "machine.js", "film.js", "robot.js")
+SCRIPTS = (
+    *("start.js", "tables.js", "drawings.js", "paper.js", "losses.js"),
+    *("served.js", "game.js", "machine.js", "film.js", "robot.js"),
+)
 """The parts of the script of a page; they are the body of one function."""
 
 AROUND, MOST_OF_LINE = 2, 200

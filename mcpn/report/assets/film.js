@@ -1,4 +1,4 @@
-  // --- the film: steps taken so far and those that follow, of which the page shows one place ---------------
+  // The film: steps taken so far and those that follow, of which the page shows one place.
   const drawing = document.querySelector(".drawing");
   const parts = [...drawing.querySelectorAll("[data-box], [data-activity], [data-hardware]")];
   const film = [];
@@ -102,7 +102,6 @@
     address();
   }
 
-  // --- ways through it ------------------------------------------------------------------------------------
   /** Takes an event; what followed in the film is forgotten. */
   function move(event) {
     const before = current(), found = take(before, event);
@@ -165,7 +164,7 @@
     show();
   }
 
-  // --- the address shows the state: a link leads to it ----------------------------------------------------
+  /** The address shows the state: a link leads to it. */
   const RUN = "#run=";
   function address() {
     const run = film.map((step) => encodeURIComponent(step.event)).join(",");

@@ -1,4 +1,4 @@
-  // --- the token game: a walk of the net's graph, in the page or the server's (mcpn/report/pages/token_game.py) ---
+  // The token game: a walk of the net's graph, in the page or the server's (mcpn/report/pages/token_game.py).
   const board = byId("game");
   if (board && data.net) {
     const { transitions, positions, first: begun } = data.net;

@@ -1,4 +1,4 @@
-  // --- what if: hardware that is lost from the start, read off the minimal cut sets ---------------------------
+  // What if: hardware that is lost from the start, read off the minimal cut sets.
   const lostParts = byId("lost");
   if (lostParts && data.losses) {
     const { mission, safety, objectives } = data.losses;

@@ -1,6 +1,6 @@
   if (!data.controller) return;
 
-  // --- the controller, as mcpn/controller/document.py describes it ------------------------------------
+  // The controller, as mcpn/controller/document.py describes it.
   const machine = data.controller;
   const START = "MISSION_EV_START", ENDS = new Map([["succeed", "success"], ["fail", "failure"], ["abort", "abort"]]);
   const sections = new Map(machine.sections.map((section) => [section.name, section]));

@@ -1,4 +1,4 @@
-  // --- robot: the page follows one that runs, event by event (mcpn/editor/served.py) ------------------------
+  // Robot: the page follows one that runs, event by event (mcpn/editor/served.py).
   const follows = byId("robot-follows");
   if (follows) {
     const came = [], told = byId("robot-told"), journal = new EventSource("stream");

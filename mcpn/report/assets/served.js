@@ -1,4 +1,4 @@
-  // --- served: the page follows the files of the mission, and asks what is typed -----------------------------
+  // Served: the page follows the files of the mission, and asks what is typed.
   const posted = async (to, question) => {
     try {
       return await (await fetch(to, {
