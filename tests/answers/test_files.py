@@ -104,8 +104,6 @@ def _small(net: PetriNet) -> bool:
     return not stack
 
 
-# --- on the command line ---
-
 NET = "net buffer\npl ready (1)\ntr make ready -> full\ntr take full -> ready\n"
 FILE = """<property-set xmlns="http://mcc.lip6.fr/"><property><id>{name}</id>
 <description/><formula>{formula}</formula></property></property-set>"""

@@ -90,8 +90,6 @@ def test_campaign() -> None:
     assert campaign(st.tuples(DRAWN | APART, st.sampled_from(ENGINES)), causes, 400)["named"] > 100
 
 
-# --- by hand ------------------------------------------------------------------------------------------------
-
 STUCK = FactRoute(on="failure", reason="stuck", goto="free")
 
 

@@ -22,7 +22,7 @@ from mcpn.spaces.stable.alternatives import direct
 from mcpn.study import Study
 from mcpn.testing import missions
 from tests.answers.dense import any_missions, interrupted_missions
-from tests.answers.test_whole_chain import with_intervals
+from tests.answers.test_interval_bounds import with_intervals
 from tests.certificates.files import rewritten
 from tests.conftest import ROOT, ULYSSE
 from tests.draws import fewer
