@@ -31,7 +31,7 @@ from experiments.robots.boards import (
 from mcpn.controller.generate import Form
 from mcpn.drawing.compose import MissionNet
 from mcpn.robot.targets import c
-from tests.controller.test_c import figure, frames
+from tests.controller.test_small_boards import figure, frames
 from tests.controller.test_timers import BLOCKS, TIES
 
 FORMS: tuple[Form, ...] = get_args(Form)

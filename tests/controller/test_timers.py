@@ -215,9 +215,6 @@ def test_a_snapshot_has_the_times_that_are_left(controller: Controller, clock: C
     assert controller.timers == pytest.approx({"a_try1": 0.009})
 
 
-# --- queues -----------------------------------------------------------------------------------------------
-
-
 def short(net: MissionNet) -> Controller:
     """A controller whose timers are a hundred times shorter."""
     made = document(generate(net), net)
@@ -272,8 +269,6 @@ def test_the_queue_keeps_the_timers(net: MissionNet) -> None:
     events = [step.event for step in controller.log]
     assert events[:3] == [START, "OBJ_a_try1_EV_TIMEOUT", "OBJ_a_try2_EV_TIMEOUT"]
 
-
-# --- generated code ---------------------------------------------------------------------------------------
 
 HARNESS = """
 #include <stdio.h>
