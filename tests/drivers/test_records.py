@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import pty
-import random
 import resource
 import signal
 import subprocess
@@ -16,23 +15,13 @@ from typing import Any
 
 import pytest
 
-import mcpn.files as mcpn_files
-from mcpn.cli.play.event_files import events_of_file
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
-from mcpn.controller.monitors.writing import files, monitors_of
 from mcpn.drawing.compose import compose
-from mcpn.errors import InputError
-from mcpn.files import write_atomically, write_folder
 from mcpn.mission.xml import read_mission
-from mcpn.robot.runtime import Controller, DamagedFile, Journal, Monitors
-from mcpn.robot.runtime.file_schema import parsed, signed_line
+from mcpn.robot.runtime import Controller
 from mcpn.robot.runtime.journal import read_journal
-from mcpn.robot.runtime.monitors import watch
-from mcpn.robot.runtime.restoring import read_snapshot
-from mcpn.robot.runtime.tables import Tables, read
-from mcpn.robot.targets.json import write_json
-from mcpn.study import open_study
+from mcpn.robot.runtime.tables import Tables
 from tests.commands import mcpn, output
 from tests.conftest import interruptible
 from tests.drivers.robots import numbers, until
@@ -337,207 +326,3 @@ def test_a_snapshot_without_monitors_resumes_none(made: Made) -> None:
     found = mcpn(*arguments, "--resume", runs.folder / "at.json")
     assert found.returncode == 2
     assert "the snapshot says nothing of monitors" in found.stderr
-
-
-# --- files are written whole ---
-
-
-def test_what_a_killed_process_has_left_is_swept(tmp_path: Path) -> None:
-    program = (
-        "import os, signal, sys; from pathlib import Path; import mcpn.files as f\n"
-        "f.os.replace = lambda *_: os.kill(os.getpid(), signal.SIGKILL)\n"
-        "f.write_atomically(Path('one.txt'), 'x')\n"
-    )
-    subprocess.run([sys.executable, "-c", program], cwd=tmp_path, check=False)
-    (left,) = tmp_path.iterdir()
-    assert left.name.startswith(".one.txt.")
-    write_atomically(tmp_path / "one.txt", "y", durable=True)
-    assert [path.name for path in tmp_path.iterdir()] == ["one.txt"]
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1])
-@pytest.mark.parametrize("when", ["before", "after"])
-def test_a_signal_at_the_renaming_leaves_nothing_beside(number: int, when: str, tmp_path: Path) -> None:
-    program = (
-        "import os, sys, mcpn.files as f\n"
-        "from mcpn.cli import main\n"
-        "replace = os.replace\n"
-        "def renamed(*of):\n"
-        f"    if {when!r} == 'before': os.kill(os.getpid(), {int(number)})\n"
-        "    replace(*of)\n"
-        f"    os.kill(os.getpid(), {int(number)})\n"
-        "f.os.replace = renamed\n"
-        "sys.argv = ['mcpn', 'convert', 'mission.xml', 'net.pnml']\n"
-        "main()\n"
-    )
-    (tmp_path / "mission.xml").write_text(LOOP.format(requirement=""))
-    ran = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, preexec_fn=interruptible, check=False)
-    assert ran.returncode == 128 + number
-    assert {path.name for path in tmp_path.iterdir()} - {"net.pnml"} == {"mission.xml"}
-    assert (tmp_path / "net.pnml").exists() == (when == "after")
-
-
-def test_a_folder_of_files_is_replaced_at_once(tmp_path: Path) -> None:
-    """Killed at any call of the system that writes, all files are the old ones, or all the new ones."""
-    (tmp_path / "probe").mkdir()
-    (tmp_path / "other").mkdir()
-    if not mcpn_files._exchanged(tmp_path / "probe", tmp_path / "other"):
-        pytest.skip("this file system cannot exchange two folders")
-    folder = tmp_path / "build"
-    old, new = ({name: f"{name} {age}" for name in "abc"} for age in ("old", "new"))
-    program = (
-        "import os, signal, sys; from pathlib import Path; import mcpn.files as f\n"
-        "left = int(sys.argv[1])\n"
-        "def counted(call):\n"
-        "    def called(*of, **how):\n"
-        "        global left\n"
-        "        left -= 1\n"
-        "        if left == 0: os.kill(os.getpid(), signal.SIGKILL)\n"
-        "        return call(*of, **how)\n"
-        "    return called\n"
-        "for name in ('_write', '_exchanged', '_remove', '_place'):\n"
-        "    setattr(f, name, counted(getattr(f, name)))\n"
-        f"f.write_folder(Path('build'), {new!r})\n"
-    )
-    seen = []
-    for at in range(1, 20):
-        write_folder(folder, old)
-        ran = subprocess.run([sys.executable, "-c", program, str(at)], cwd=tmp_path, check=False)
-        found = {path.name: path.read_text() for path in folder.iterdir()}
-        assert found in (old, new)
-        seen.append(found == new)
-        if ran.returncode == 0:
-            break
-    assert seen == sorted(seen)
-    assert (seen.count(False) >= 4, seen.count(True)) == (True, 2)  # three files, the exchange; removed, done
-    assert {path.name for path in tmp_path.iterdir()} == {"build", "probe", "other"}  # the rest was swept
-
-
-def test_a_folder_that_somebody_stands_in_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nor is one replaced that is a link, or has more in it."""
-    monkeypatch.chdir(tmp_path)
-    write_folder(tmp_path, {"a": "1"})
-    number = tmp_path.stat().st_ino
-    for folder in (tmp_path, Path(), Path("../") / tmp_path.name):
-        write_folder(folder, {"a": "2"})
-        assert (tmp_path.stat().st_ino, (tmp_path / "a").read_text()) == (number, "2")
-    (tmp_path / "link").symlink_to(tmp_path / "far")
-    (tmp_path / "far").mkdir()
-    write_folder(tmp_path / "link", {"a": "3"})
-    assert (tmp_path / "link").is_symlink()
-    assert (tmp_path / "far" / "a").read_text() == "3"
-
-
-@pytest.mark.parametrize("there", [False, True])
-def test_a_folder_is_written_as_a_whole_or_not_at_all(there: bool, tmp_path: Path) -> None:
-    folder = tmp_path / "new" / "build"
-    if there:
-        folder.mkdir(parents=True)
-        (folder / "a").write_text("before")
-        (folder / "other").write_text("stays")
-    with pytest.raises(Exception, match="cannot be"):
-        write_folder(folder, {"a": "1", "b\0": "2"})
-    assert {path.name for path in folder.iterdir()} == {"a", "other"} if there else not folder.parent.exists()
-    assert not there or (folder / "a").read_text() == "before"
-    write_folder(folder, {"a": "1", "b": "2"})
-    assert {path.name for path in folder.iterdir()} == {"a", "b"} | ({"other"} if there else set())
-    assert (folder / "a").read_text() == "1"
-
-
-# --- files are read back as they were written ---
-
-
-def kinds(folder: Path) -> dict[str, tuple[bytes, Callable[[Path], object]]]:
-    """By kind of file, one as it is written, and what it means when it is read back."""
-    path = folder / "mission.xml"
-    path.write_text(LOOP.format(requirement=ONCE))
-    net = compose(read_mission(path))
-    controller = Controller.from_document(document(generate(net), net))
-    monitors = Monitors(json.loads(files(monitors_of(open_study(path).mission_spaces()))["monitors.json"]))
-    log = folder / "log"
-    with log.open("w") as stream:
-        journal = Journal(stream)
-        controller.observe(journal)
-        for event in ("MISSION_EV_START", "H_EV_OOS", "OBJ_o_0_EV_FAIL"):
-            controller.handle(event)
-            monitors.take(event)
-        journal.resumed(3)
-    beside = {"monitors": {"digest": monitors.digest, "state": monitors.state}}
-    text = files(monitors_of(open_study(path).mission_spaces()))["monitors.json"]
-
-    def watched(path: Path) -> object:
-        fresh = Monitors(json.loads(text))
-        watch(fresh, path.read_text().splitlines())
-        return fresh.count, fresh.state
-
-    tables = controller._tables
-
-    def snapshot(path: Path) -> object:
-        saved = read_snapshot(path.read_text(), tables)
-        return parsed(saved.text(tables.digest))
-
-    return {
-        "controller": (write_json(document(generate(net), net)).encode(), lambda path: read(path).digest),
-        "monitors": (
-            files(monitors_of(open_study(path).mission_spaces()))["monitors.json"].encode(),
-            lambda path: Monitors.load(path).digest,
-        ),
-        "snapshot": (controller.snapshot(beside).encode(), snapshot),
-        "journal": (
-            log.read_bytes(),
-            lambda path: [*map(meant, read_journal(path.read_text().splitlines()))],
-        ),
-        "journal, replayed": (log.read_bytes(), lambda path: [*events_of_file(path)]),
-        "journal, watched": (log.read_bytes(), watched),
-    }
-
-
-def meant(told: Any) -> tuple[str, bool, int | None]:
-    return told.event, told.refused, told.number
-
-
-def flipped(folder: Path, times: int) -> dict[str, int]:
-    """Flips bits of each kind of file, one at a time: none is read with another meaning."""
-    rng, path, same = random.Random(11), folder / "file", dict[str, int]()
-    for kind, (whole, means) in kinds(folder).items():
-        path.write_bytes(whole)
-        expected = means(path)
-        same[kind] = 0
-        for bit in (rng.randrange(8 * len(whole)) for _ in range(times)):
-            changed = bytearray(whole)
-            changed[bit // 8] ^= 1 << bit % 8
-            path.write_bytes(changed)
-            try:
-                found = means(path)
-            except (DamagedFile, InputError, UnicodeDecodeError):
-                continue
-            assert found == expected, (kind, bit)
-            same[kind] += 1
-    return same
-
-
-def test_a_flipped_bit_is_found(tmp_path: Path) -> None:
-    same = flipped(tmp_path, 200)
-    assert all(count < 20 for count in same.values())  # a space, a capital letter of an escape
-
-
-@pytest.mark.slow
-def test_ten_thousand_flipped_bits_are_found(tmp_path: Path) -> None:
-    print(flipped(tmp_path, 10_000))  # noqa: T201
-
-
-def test_numbers_that_python_cannot_hold_are_told(tmp_path: Path) -> None:
-    """What is nested for ever, or is no number, is an error of the one tree."""
-    monitors = json.loads(kinds(tmp_path)["monitors"][0])
-    path = tmp_path / "file"
-    for text in (
-        "[" * 100_000,
-        '{"a":' * 100_000,
-        "1" * 5000,
-        json.dumps(monitors | {"version": float("inf")}),
-    ):
-        path.write_text(text)
-        for load in (Monitors.load, read):
-            with pytest.raises(DamagedFile):
-                load(path)
-    assert signed_line({"a": 1, "digest": "x"}) == signed_line({"a": 1})
