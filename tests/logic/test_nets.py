@@ -124,9 +124,6 @@ def test_a_net_with_priorities_that_grows() -> None:
     assert found.bounded.pump == ("grow",)
 
 
-# --- structure -------------------------------------------------------------------------------------------
-
-
 @given(token_nets() | nets(max_places=5, max_transitions=5) | state_machines().map(lambda drawn: drawn[0]))
 def test_what_the_arcs_prove_is_so(net: PetriNet) -> None:
     found = Structure(net)

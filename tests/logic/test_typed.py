@@ -146,9 +146,6 @@ def test_what_leads_nowhere_is_left_out() -> None:
     assert sorted(kept) == [fail, leave]
 
 
-# --- no space ---
-
-
 def ring(count: int) -> PetriNet:
     """Philosophers that may each take one fork: more markings than anything lists."""
     builder = NetBuilder("ring")

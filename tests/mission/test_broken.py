@@ -1254,8 +1254,6 @@ def test_what_xml_cannot_hold_is_told() -> None:
             write_mission(built(elementary(), description=text))
 
 
-# --- whatever is in the files ----------------------------------------------------------------------------
-
 NAMES = st.sampled_from(["a", "b", "go", "H", "S", "p", "succeed", "fail", "m", "x y", "1", "2", "true", ""])
 TAGS = ["mission", "robot", "protocols", "protocol", "objective", "parallel", "use", "parameter", "import"]
 TAGS += ["hardware", "software", "activity", "alternative", "each", "event", "on", "unknown"]

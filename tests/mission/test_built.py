@@ -194,8 +194,6 @@ def test_a_description_that_no_xml_holds_is_escaped_in_fault_trees() -> None:
         write_mission(bad)
 
 
-# --- sound missions, broken in one place -------------------------------------------------------------------
-
 Node = TypeVar("Node")
 Break = Callable[[Any, Any], Any]
 

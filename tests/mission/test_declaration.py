@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import re
-import shutil
-import subprocess
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -19,15 +16,12 @@ from mcpn.errors import InputError
 from mcpn.mission.language.datatypes import NAME, Datatype, Interval
 from mcpn.mission.language.forms import NAMESPACE, Field, form_of, language
 from mcpn.mission.misfits import SCHEMA
-from mcpn.mission.model import FAIL, SUCCEED, Mission, Objective, Parallel
+from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Described, Hardware
 from mcpn.mission.validate import find_errors
 from mcpn.mission.writer import write_mission, written
 from mcpn.mission.xml import read_mission
 from mcpn.testing import missions
-from mcpn.testing.names import renamed
-from tests import small
-from tests.conftest import ROOT
 from tests.mission.test_built import nodes, put
 
 RELAX_NG = etree.RelaxNG(etree.parse(SCHEMA))
@@ -71,8 +65,6 @@ def test_every_attribute_and_element_has_words() -> None:
         for attribute in tag.attributes.values():
             assert attribute.words.endswith("."), f"{attribute.tag} of {name}"
 
-
-# --- what is drawn is written and read ------------------------------------------------------------------
 
 OTHERS: dict[type, st.SearchStrategy[Any]] = {
     bool: st.booleans(),
@@ -120,9 +112,6 @@ def test_the_short_form_is_written_where_it_says_all(drawn: Mission) -> None:
     root = etree.fromstring(write_mission(drawn))
     for element in root.iter(f"{{{NAMESPACE}}}activity"):
         assert (element.find(f"{{{NAMESPACE}}}alternative") is None) == shorts[str(element.get("name"))]
-
-
-# --- what is broken has a line -----------------------------------------------------------------------------
 
 
 @given(DRAWN, st.data())
@@ -202,9 +191,6 @@ def test_a_number_out_of_range_is_told_with_its_line(
     assert told == (not least <= number <= largest)
 
 
-# --- texts and patterns -----------------------------------------------------------------------------------
-
-
 @st.composite
 def near(draw: st.DrawFn, holds: Datatype) -> str:
     """A text that the datatype allows, or one that differs from it by a character."""
@@ -231,146 +217,3 @@ def test_the_schema_and_the_reader_know_the_same_texts(name: str, data: st.DataO
     etree.SubElement(attribute, f"{rng}ref", name=f"data.{name}")
     element = etree.Element(f"{{{NAMESPACE}}}x", a=text)
     assert etree.RelaxNG(grammar).validate(element) == holds.matches(text)
-
-
-# --- other names ------------------------------------------------------------------------------------------
-
-REFERS = {
-    "affects": "resource",
-    "detects": "resource",
-    "consumes": "resource",
-    "produces": "resource",
-    "activities": "activity",
-    "success": "block",
-    "failure": "block",
-    "abort": "block",
-    "timeout_goto": "block",
-    "recover": "block",
-    "pause": "block",
-    "goto": "block",
-    "else": "block",
-    "fact": "fact",
-    "requires": "condition",
-    "when": "condition",
-    "event": "event",
-    "protocol": "protocol",
-    "failures": "reason",
-    "reason": "reason",
-}
-"""What each attribute that refers to something names."""
-REQUIRED = {
-    **dict.fromkeys(("of", "in"), "objective"),
-    **dict.fromkeys(("formula", "after", "before", "until", "without"), "formula"),
-    **dict.fromkeys(("by", "followed_by", "then", "to", "gives"), "formula"),
-}
-"""The same of requirements, whose formulas name elements in words."""
-NAMED = {
-    "fault": "resource",
-    "hardware": "resource",
-    "software": "resource",
-    "activity": "activity",
-    "alternative": "alternative",
-    "event": "event",
-    "fact": "fact",
-    "protocol": "protocol",
-    **dict.fromkeys(("objective", "parallel", "use", "each"), "block"),
-}
-"""What each element is of the kind of."""
-
-
-def test_every_attribute_that_refers_is_known() -> None:
-    assert {a.tag: a.datatype.refers for _, a in ATTRIBUTES if a.datatype.refers} == REFERS | REQUIRED
-
-
-def renaming(begun: re.Match[str]) -> str:
-    """What stands before the name in a word of a condition, with that of its kind."""
-    return f"{begun[0]}{'block' if begun[2] else 'fact'}__"
-
-
-@given(DRAWN | missions(awkward_names=True, max_events=1, facts=2))
-def test_renaming_reaches_every_name_and_nothing_else(drawn: Mission) -> None:
-    there = renamed(drawn, lambda kind, name: f"{kind}__{name}")
-    roots = (etree.fromstring(written(mission)) for mission in (drawn, there))
-    for was, element in zip(*(root.iter() for root in roots), strict=True):
-        tag = tag_of(element)
-        for attribute, value in was.attrib.items():
-            kind = NAMED.get(tag, "") if attribute == "name" else REFERS.get(str(attribute), "")
-            if tag == "alternative" and attribute == "name":
-                (around,) = {str(e.get("name")) for e in was.iterancestors(f"{{{NAMESPACE}}}activity")}
-                kind = "activity" if value == around else "alternative"
-            names = str(value).split() if kind else [str(value)]
-            exits = (SUCCEED, FAIL) if kind == "block" else ()
-            expected = [f"{kind}__{n}" if kind and n not in exits else n for n in names]
-            if kind == "condition":
-                expected = [re.sub(r"^(!?)(done\()?", renaming, word) for word in names]
-            assert str(element.get(attribute)) == (" ".join(expected) if kind else str(value))
-    assert renamed(there, lambda kind, name: name.removeprefix(f"{kind}__")) == drawn
-
-
-# --- as XML Schema -----------------------------------------------------------------------------------------
-
-NG = "{http://relaxng.org/ns/structure/1.0}"
-XSI = 'xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" xsi:schemaLocation="urn:mcpn:mission:1 m.xsd"'
-LEG = f"""<mission name="m" xmlns="{NAMESPACE}" {XSI}><robot name="r"><hardware name="h"/>
-<activity name="a"><alternative name="x" consumes="h"/><parameter name="p" value="1"/></activity></robot>
-<objective name="o" activities="a"><parameter name="q" value="2"/></objective></mission>"""
-
-
-def begins(pattern: etree._Element) -> set[str]:
-    """The elements with which what a pattern matches may begin."""
-    if pattern.tag == f"{NG}ref":
-        name = str(pattern.get("name"))
-        return {name} if name in language() else set()
-    if pattern.tag == f"{NG}attribute":
-        return set()
-    found = set[str]()
-    for part in pattern:
-        first = begins(part)
-        found |= first
-        in_turn = pattern.tag in (f"{NG}group", f"{NG}oneOrMore")
-        if in_turn and first and part.tag not in (f"{NG}optional", f"{NG}zeroOrMore"):
-            break
-    return found
-
-
-def test_what_comes_first_tells_the_way() -> None:
-    """Unique Particle Attribution, which XML Schema asks: no two ways of a choice begin alike."""
-    schema = etree.parse(SCHEMA)
-    assert next(schema.iter(f"{NG}interleave"), None) is None
-    for choice in schema.iter(f"{NG}choice"):
-        ways = [begins(way) for way in choice]
-        assert sum(map(len, ways)) == len(set().union(*ways)), etree.tostring(choice)
-
-
-def test_trang_makes_an_xsd_that_xerces_takes(tmp_path: Path) -> None:
-    if shutil.which("trang") is None or shutil.which("jing") is None:
-        pytest.skip("needs trang and jing (apt-get install trang jing)")
-    xsd = tmp_path / "mission.xsd"
-    subprocess.run(["trang", SCHEMA, xsd], check=True, capture_output=True)
-    (tmp_path / "leg.xml").write_text(LEG)
-    fitting = [tmp_path / "leg.xml", *sorted((ROOT / "experiments").glob("*/mission.xml"))]
-    found = subprocess.run(["jing", xsd, *fitting], capture_output=True, text=True, check=False)
-    assert (found.returncode, found.stdout) == (0, "")
-    (tmp_path / "leg.xml").write_text(LEG.replace("parameter", "parametre"))
-    found = subprocess.run(["jing", xsd, tmp_path / "leg.xml"], capture_output=True, text=True, check=False)
-    assert found.returncode == 1
-
-
-def test_a_root_may_say_where_an_xsd_is(tmp_path: Path) -> None:
-    path = tmp_path / "m.xml"
-    path.write_text(LEG)
-    assert read_mission(path).name == "m"
-    path.write_text(LEG.replace(f" {XSI}", "").replace('<robot name="r"', f'<robot name="r" {XSI}'))
-    with pytest.raises(InputError, match=r"found the attribute .*schemaLocation on <robot>"):
-        read_mission(path)
-
-
-def test_a_digit_that_is_no_number_is_refused() -> None:
-    """Of a superscript ``isdigit`` is true, and ``int`` has no value."""
-    children = (Objective(name="o", activities=("a",)),)
-    of = small.mission(
-        small.robot((), small.activity("a", ())), Parallel(name="p", blocks=children, success_when="²")
-    )
-    assert [each.message for each in find_errors(of)] == [
-        "success_when of p is ², expected any, all or a whole number above 0"
-    ]

@@ -36,8 +36,6 @@ def test_trees_of_others_are_translated_or_refused_with_a_line(request: pytest.F
     assert 3 * sum(kind in (Kind.EXACT, Kind.TIME) for kind in large) >= 2 * len(large) > 0
 
 
-# --- files of which something was read wrongly once (--faults) ---------------------------------------------
-
 REFUSED = {
     "misspelled_ports_parallel.xml": "has no port 'success_treshold'",
     "misspelled_ports_parallelall.xml": "has no port 'max_failure'",
@@ -82,8 +80,6 @@ def test_files_that_were_read_wrongly(name: str, request: pytest.FixtureRequest)
     names = {block.name for block in made.mission.blocks}
     assert not names & {"n", "n2"}
 
-
-# --- what stands anywhere and is not known ---------------------------------------------------------------
 
 WHOLE = (
     '<root BTCPP_format="4"><include path="o.xml"/><BehaviorTree ID="A"><Sequence name="s"><a/>'

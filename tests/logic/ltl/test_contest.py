@@ -10,7 +10,7 @@ import pytest
 from mcpn.logic.asking import Questions
 from mcpn.nets.formats import read_net
 from mcpn.spaces.engine_names import Asked
-from tests.logic.test_ctl import compare
+from tests.logic.test_ctl_contest import compare
 
 QUICK = (
     "AutonomousCar-PT-01a",
