@@ -97,8 +97,6 @@ def _refused(name: str) -> float:
     raise ValueError(f"{name} is no JSON")
 
 
-# --- mutations -----------------------------------------------------------------------------------------
-
 _PRINTED = """
 0 1 -1 2 99999999999999999999 1e308 -0.0 NaN inf true false yes a o h x.y ../m.xml http://x/ / . .. ' " < > &
 ]]> [/] [bold] [link=x] %s {0} \\ é <!-- --> <a/> <!DOCTYPE x> &lt; &#0; &#x1F600; name consumes produces

@@ -27,6 +27,7 @@ from mcpn.nets.formats import read_net, save_net
 from mcpn.report.failures.drn import drn
 from mcpn.testing import missions
 from mcpn.trees.nodes.versions import PY_TREES
+from tests.answers import test_ends_by_time as times
 from tests.answers import test_whole_chain as chains
 from tests.answers.dense import any_missions, interrupted_missions
 from tests.answers.exact import scaled
@@ -36,7 +37,7 @@ from tests.controller.test_scxml import answers_as_the_runtime
 from tests.draws import compared, composed
 from tests.logic.automata import judged
 from tests.nets.formats.test_pm4py import counted, counted_by_pm4py
-from tests.report.test_openpsa import FOR_SCRAM, compare_with_scram
+from tests.report.test_scram import FOR_SCRAM, compare_with_scram
 from tests.trees.languages import TooMuch
 from tests.trees.py_trees_library import played
 from tests.trees.test_judged import DRAWN as TREES
@@ -94,9 +95,6 @@ class Row(NamedTuple):
         return compared(self.draws, judge, number, strict=strict)
 
 
-# --- versions ---
-
-
 def of_python(*names: str) -> Callable[[], str | None]:
     """The version of a distribution of PyPI, the first that is installed."""
 
@@ -136,9 +134,6 @@ def of_debian(package: str) -> Callable[[], str | None]:
 
 
 STORM = {"Storm, stormpy": of_python("stormpy")}
-
-
-# --- judges ---
 
 
 def by_scram(mission: Mission, folder: Path) -> Mapping[str, int]:
@@ -183,7 +178,7 @@ def by_storm_in_time(drawn: tuple[Mission, float], folder: Path) -> Mapping[str,
     count = 0
     for end in chains.ENDS:
         try:
-            asked = chains.by_storm_in_time(target, hours, end)
+            asked = times.by_storm_in_time(target, hours, end)
         except RuntimeError as error:
             if "empty submatrix" not in str(error):
                 raise

@@ -413,9 +413,6 @@ def test_no_bytes_make_a_mission_crash(tmp_path_factory: pytest.TempPathFactory,
         read_mission(path)
 
 
-# --- orders, formulas, nets from elsewhere ---------------------------------------------------------------
-
-
 def test_an_order_is_saved_and_read_again(tmp_path: Path) -> None:
     order = tmp_path / "ulysse.order"
     raced = mcpn("states", ULYSSE, "--engine", "symbolic", "--save-order", order, "--json")

@@ -162,9 +162,6 @@ def test_what_libxml2_alone_finds_has_its_line(prefix: str, tmp_path: Path) -> N
     assert "<hardware> with name and no children does not fit" in message
 
 
-# --- against the lines of short files, which libxml2 knows ---
-
-
 def _blanks() -> st.SearchStrategy[str]:
     return st.text(" \n", max_size=4).map(lambda text: text.replace(" \n", "\r\n"))
 
@@ -223,8 +220,6 @@ def test_the_lines_are_those_of_libxml2(data: bytes, known: int) -> None:
                     ended = [xmlio.line_of(inside) for inside in element.iter("*")]
             assert begun == ended == right
 
-
-# --- what it costs ---
 
 SHAPES = {
     "elements": ("<r>", "<a/>\n", "</r>"),

@@ -145,9 +145,6 @@ def test_sections_lie_in_the_whole_where_their_own_nets_have_the_same_names(
     event(f"sections that use the same: {shared}")
 
 
-# --- junctions ---------------------------------------------------------------------------------------------
-
-
 @fewer(0.5)
 @given(missions() | missions(late=True))
 def test_junctions_are_confluent_where_their_sections_are(mission: Mission) -> None:
@@ -171,9 +168,6 @@ def test_junctions_are_confluent_where_their_sections_are(mission: Mission) -> N
             event(f"gated: {second.name in mission_net.usage.handover.gated}")
             part = junction_part(mission_net.usage, first, second)
             prove_confluent(part.net().net)
-
-
-# --- the premise ---------------------------------------------------------------------------------------
 
 
 class Compared(int):
@@ -359,9 +353,6 @@ def test_a_section_that_does_not_come_to_rest_is_refused(
     for fired in caught.value.runs[0]:
         marking = net.fire(marking, net.transition_index[fired])
     assert any(net.transitions[t].internal for t in net.enabled(marking))
-
-
-# --- elsewhere -----------------------------------------------------------------------------------------
 
 
 class OfACaller(PaperTemplates):

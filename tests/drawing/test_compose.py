@@ -38,9 +38,6 @@ from tests.small import mission as small_mission
 LIMIT = 40_000
 
 
-# --- the paper's nets ----------------------------------------------------------------------------------
-
-
 def test_the_closed_hardware_resource_has_the_markings_of_figure_10(reference: Path) -> None:
     graph = explore(read_net(reference / "hardware_resource_fig10.net"))
     check_figure_10(graph, "Rx")
@@ -166,9 +163,6 @@ def test_sizes_of_the_templates(ulysse_net: MissionNet) -> None:
     assert size("activity localisation", "alternative localisation") == (6, 10)
     assert size("activity diving", "alternative diving") == (5, 9)
     assert size("activity filming", "alternative filming") == (3, 2)
-
-
-# --- promises of every mission -------------------------------------------------------------------------
 
 
 @given(missions())

@@ -52,7 +52,7 @@ def case(of: str, fault: Fault, seen: str, why: str) -> Case:
 
 
 REFUSED = [
-    # --- races: what should wait does not, or what should not wait does
+    # Races: what should wait does not, or what should not wait does
     case("asks again", Seed("fires with", "p_stop2", "", "s_1_a"), PARTED,
          "as c fails a gives s back and asks anew: p stops in between and begins with h, or goes on"),
     case("asks again", Seed("fires with", "s_1_a", "", "p_stop2"), PARTED,
@@ -70,7 +70,7 @@ REFUSED = [
          "p stops when the next objective may have begun"),
     case("one after the other", Seed("fires with", "s_4_a", "", "OBJ_y_begin"), PARTED,
          "s is given back when the next objective may have begun"),
-    # --- missing reads
+    # Missing reads
     case("branches", Seed("does not read", "s_2_a", "p_running"), ENDLESS,
          "a gets its datum while p is refused, loses it at once, asks again"),
     case("branches", Seed("does not read", "s_3_a", "p_refusing"), PARTED,
@@ -89,7 +89,7 @@ REFUSED = [
          "a returns to an alternative that is not possible, for ever"),
     case("four data", Seed("does not read", "fuse_werr_note1_d0", "fuse_werr1"), PARTED,
          "an error counts as an answer though nothing has been given up"),
-    # --- read for consume, consume for read
+    # Read for consume, consume for read
     case("branches", Seed("takes", "s_2_a", "p_running"), PARTED,
          "the first who is answered takes from p that it runs, the other is left to wait"),
     case("branches", Seed("takes", "s_3_a", "p_refusing"), PARTED,
@@ -100,7 +100,7 @@ REFUSED = [
          "who is told first that c fails takes it, the other is never told"),
     case("four data", Seed("takes", "fuse_werr_note1_d0", "fuse_werr1"), PARTED,
          "the note of one error forgets that fuse gives up, unless others are noted before"),
-    # --- kept tokens
+    # Kept tokens
     case("branches", Seed("keeps", "h_8", "h_release"), f"{UNSAFE} {PARTED}",
          "what is given back is given back again as soon as it is taken"),
     case("branches", Seed("ignores", "h_4", "h_failing"), f"{UNSAFE} {PARTED}",
@@ -112,7 +112,7 @@ REFUSED = [
          "a is started before it is idle, and says twice that it is"),
     case("four data", Seed("keeps", "fuse_werr_note1_d0", "d0_error_fuse"), UNSAFE,
          "an error that has been noted stays"),
-    # --- dropped arcs, missing acknowledgements
+    # Dropped arcs, missing acknowledgements
     case("branches", Seed("does not put", "p_start0", "p_StartByRes"), PARTED,
          "if a's request starts p it is neither idle nor started, if b's does it runs"),
     case("four data", Seed("does not put", "fuse_werr1_d0", "fuse_werr1"), PARTED,

@@ -91,9 +91,6 @@ def with_parents(leaf: WrittenBlock) -> Iterator[WrittenBlock]:
         node = node.parent
 
 
-# --- what the text means to be entered ---
-
-
 class Level:
     """The objectives and parallel blocks of a mission, or of a branch, and where each leads in effect.
 

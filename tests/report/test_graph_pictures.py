@@ -301,9 +301,6 @@ def test_the_machine_of_a_section_is_as_wide_as_a_poster_at_most(ulysse: Mission
         assert any(": stop " in title for title in titles)
 
 
-# --- renderers that know no custom properties ---------------------------------------------------------------
-
-
 def by_resvg(svg: str) -> bytes:
     """The picture by the resvg library."""
     resvg = pytest.importorskip("resvg_py", reason="needs resvg-py: the extra pictures")

@@ -118,9 +118,6 @@ def check_order(actions: tuple[Action, ...], found: dict[str, Any]) -> None:
             assert not set(found["activities"][producer]["produces"]) & set(consumed)
 
 
-# --- journals ---
-
-
 def journal(found: dict[str, Any], steps: int) -> tuple[str, Controller]:
     """A mission at random, some events of which are refused."""
     rng, stream = random.Random(3), io.StringIO()
