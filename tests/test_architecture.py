@@ -146,6 +146,22 @@ def test_the_wing_of_nets_knows_no_mission() -> None:
     assert strangers == set()
 
 
+def test_the_wing_of_nets_has_no_word_of_missions() -> None:
+    """Neither a name nor a text that is compared; kinds of elements and words of formulas have own files."""
+    word = re.compile(r"mission|objective(?!_function)|hardware|(?<!re)activit|robot", re.IGNORECASE)
+    said_in = {"nets/provenance.py", "spaces/names.py", "logic/syntax.py"}
+    wrong = set[str]()
+    for path in MODULES:
+        where = path.relative_to(PACKAGE)
+        if where.parts[0] not in NETS or str(where) in said_in:
+            continue
+        for node in nodes(path):
+            said = [getattr(node, name, None) for name in ("name", "id", "arg", "attr", "value")]
+            texts = {each for each in said if isinstance(each, str) and each.isidentifier()}
+            wrong |= {f"{where} says {each}" for each in texts if word.search(each)}
+    assert wrong == set()
+
+
 def test_targets_read_the_document_alone() -> None:
     """What a target needs of a mission stands in the document; it imports nothing of missions."""
     known = ("mcpn.robot.targets", "mcpn.robot.runtime", "mcpn.events", "mcpn.errors")

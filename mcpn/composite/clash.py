@@ -14,7 +14,8 @@ from typing import NamedTuple
 from mcpn.drawing.compose import MissionNet
 from mcpn.errors import ConfluenceError
 from mcpn.mission.flatten import ParallelSection
-from mcpn.nets.petri import Marking, Provenance, Transition
+from mcpn.nets.petri import Marking, Transition
+from mcpn.nets.provenance import Provenance
 
 
 class Rival(NamedTuple):

@@ -22,7 +22,8 @@ from mcpn.events import START, Event, What
 from mcpn.mission.expansion.routes import routes_of
 from mcpn.mission.flatten import ObjectivesGraph, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
-from mcpn.nets.petri import NetBuilder, Provenance
+from mcpn.nets.petri import NetBuilder
+from mcpn.nets.provenance import Provenance
 from mcpn.spaces.diagrams.encoding import Levels
 from mcpn.spaces.memoized import memoized
 from mcpn.spaces.projections import Bit

@@ -20,7 +20,8 @@ from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.templates.interface import CONTROL
 from mcpn.drawing.templates.names import names_of
 from mcpn.events import Event, What
-from mcpn.nets.petri import PetriNet, Place, Provenance, Transition
+from mcpn.nets.petri import PetriNet, Place, Transition
+from mcpn.nets.provenance import Provenance
 
 
 def mortal(mission_net: MissionNet) -> MissionNet:

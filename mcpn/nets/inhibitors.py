@@ -18,7 +18,8 @@ from typing import NamedTuple
 
 from mcpn.errors import InputError, Source
 from mcpn.nets.bounds import Inhibitions, coarse_bounds, listed_bounds, weighted_bound
-from mcpn.nets.petri import COMPLEMENT, Arcs, PetriNet, Place, Provenance, Transition
+from mcpn.nets.petri import Arcs, PetriNet, Place, Transition
+from mcpn.nets.provenance import COMPLEMENT, Provenance
 from mcpn.nets.structure import changes, place_bounds
 
 

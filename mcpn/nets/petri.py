@@ -24,43 +24,21 @@ from functools import cached_property
 from itertools import chain
 from typing import NamedTuple, TypeAlias
 
-from mcpn.errors import InputError, Source
+from mcpn.errors import InputError
 from mcpn.events import Event
 from mcpn.nets.event_index import EventIndex
+from mcpn.nets.provenance import COMPLEMENT, Provenance
 from mcpn.notebook import Drawn
 from mcpn.records import ValueRecord
 
 Marking: TypeAlias = tuple[int, ...]
 """Tokens of each place, in the order of the net's places."""
 
-COMPLEMENT = "complement"
-"""The kind of element that makes the complement of a place."""
-
 EVENTS = 0xFFFF
 """The rank of events, after that of any internal transition."""
 
 Arcs: TypeAlias = tuple[tuple[int, int], ...]
 """Pairs (index of a place, weight of at least 1), in the order of the places, each place once."""
-
-
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Provenance(ValueRecord):
-    """The element of the mission that made a place or a transition.
-
-    Args:
-        kind: ``hardware``, ``software``, ``activity``, ``alternative``, ``objective``, ``parallel``,
-            ``fact``, ``once`` (a handler that happens once), ``exit`` (of a part) or ``mission``;
-            ``complement``, of a place, which stands for inhibitor arcs.
-        name: The element's name, qualified where a use of a protocol qualifies it.
-        source: Its file and line, if it has any.
-    """
-
-    kind: str
-    name: str
-    source: Source | None = field(default=None, compare=False)
-
-    def __str__(self) -> str:
-        return f"{self.kind} {self.name}"
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

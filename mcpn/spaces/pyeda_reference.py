@@ -412,7 +412,7 @@ class _Space:
         """All reachable markings.
 
         Markings that settle stay out of the sets that grow: their diagrams are large on the way. Events of
-        one element of a mission after the other fire as often as they make something new, those of hardware
+        one element after the other fire as often as they make something new, those of resources
         last; what is on the way behind all events is put together at the end.
         """
         sets = self.sets
@@ -429,7 +429,7 @@ class _Space:
         elements = [
             by_element[e]
             for e in sorted(
-                by_element, key=lambda element: element is not None and element.kind == "hardware"
+                by_element, key=lambda element: element is not None and element.part == "resource"
             )
         ]
         taken = [sets.zero for _ in elements]

@@ -23,7 +23,8 @@ from mcpn.mission.robot import Activity, Hardware, Robot
 from mcpn.mission.static.resource_use import Usage
 from mcpn.mission.xml import read_mission
 from mcpn.nets.formats import read_net
-from mcpn.nets.petri import PetriNet, Provenance
+from mcpn.nets.petri import PetriNet
+from mcpn.nets.provenance import Provenance
 from mcpn.spaces.markings.explicit import explore
 from mcpn.spaces.markings.graph import StateGraph
 from mcpn.spaces.stable.alternatives import by_reduction, direct

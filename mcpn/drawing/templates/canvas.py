@@ -13,7 +13,8 @@ from mcpn.errors import Source
 from mcpn.events import ENDING, Event, What
 from mcpn.mission.robot import Activity, Alternative, Fact
 from mcpn.mission.static.resource_use import Usage
-from mcpn.nets.petri import NetBuilder, Provenance
+from mcpn.nets.petri import NetBuilder
+from mcpn.nets.provenance import Provenance
 
 RoleName: TypeAlias = Literal[
     "active",

@@ -18,7 +18,8 @@ from typing import Any
 from mcpn.errors import InputError, Source
 from mcpn.events import Event
 from mcpn.nets.formats.counts import check_counts
-from mcpn.nets.petri import EVENTS, Arcs, NetBuilder, PetriNet, Provenance
+from mcpn.nets.petri import EVENTS, Arcs, NetBuilder, PetriNet
+from mcpn.nets.provenance import Provenance
 from mcpn.robot.runtime.shapes import (
     Boolean,
     Integer,

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from mcpn.nets.petri import PetriNet, Provenance
+from mcpn.nets.petri import PetriNet
+from mcpn.nets.provenance import Provenance
 from mcpn.report.pictures.graph import Arrow, Cluster, Graph, Node
 from mcpn.report.pictures.unit_picture import Unit, arcs_between, interface, owners_of, unit_of
 

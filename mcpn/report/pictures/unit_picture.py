@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from mcpn.nets.petri import PetriNet, Provenance
+from mcpn.nets.petri import PetriNet
+from mcpn.nets.provenance import Provenance
 from mcpn.report.pictures.graph import Arrow, Graph, Node
 
 Unit = tuple[str, str]

@@ -8,7 +8,8 @@ from itertools import chain
 from typing import TypeAlias
 
 from mcpn._kernel import Zdd
-from mcpn.nets.petri import PetriNet, Provenance
+from mcpn.nets.petri import PetriNet
+from mcpn.nets.provenance import Provenance
 from mcpn.spaces.diagrams.encoding import Encoding, distinct
 from mcpn.spaces.diagrams.internal_evolution import Clock, behind
 from mcpn.spaces.diagrams.order import Order
@@ -44,17 +45,17 @@ def close(encoding: Encoding, name: str, order: Order, budget: int = 0) -> Symbo
 
 
 def elements(encoding: Encoding) -> list[list[int]]:
-    """The event transitions of a net with priorities, by the element of the mission that they are of.
+    """The event transitions of a net with priorities, by the element that they are of.
 
-    Hardware comes last: sets in which it fails already are larger on the way than those without.
+    Resources come last: sets in which one fails already are larger on the way than those without.
     """
     groups: dict[Provenance | None, list[int]] = {}
     for t in encoding.events:
         transition = encoding.net.transitions[t]
         if not transition.internal:
             groups.setdefault(transition.provenance, []).append(t)
-    hardware_last = sorted(groups, key=lambda element: element is not None and element.kind == "hardware")
-    return [groups[element] for element in hardware_last]
+    last = sorted(groups, key=lambda element: element is not None and element.part == "resource")
+    return [groups[element] for element in last]
 
 
 def chained(begin: Zdd, steps: Sequence[Callable[[Zdd], Zdd]]) -> Zdd:

@@ -22,6 +22,7 @@ from mcpn._kernel import sloan as kernel_sloan
 from mcpn.errors import InputError, Problem, Source
 from mcpn.files import read_bounded, write_atomically
 from mcpn.nets.petri import PetriNet
+from mcpn.nets.provenance import CONTROL
 from mcpn.nets.structure import state_machine_units
 
 Order = tuple[int, ...]
@@ -44,7 +45,7 @@ def candidates(net: PetriNet, seed: int | None = None) -> Iterator[tuple[str, Or
         Pairs of name and order, without repeats; the same for the same net and seed.
     """
     seen: set[Order] = set()
-    for name, order in chain(_drawn(net, seed), _of_missions(net) if net.priorities else _named(net)):
+    for name, order in chain(_drawn(net, seed), _of_composed(net) if net.priorities else _named(net)):
         if order not in seen:
             seen.add(order)
             yield name, order
@@ -115,8 +116,8 @@ def _drawn(net: PetriNet, seed: int | None) -> Iterator[tuple[str, Order]]:
         yield f"force-seed-{seed}", force(net, tuple(start))
 
 
-def _of_missions(net: PetriNet) -> Iterator[tuple[str, Order]]:
-    # Sections belong on top, above the activities that they start and the resources below these. Composition
+def _of_composed(net: PetriNet) -> Iterator[tuple[str, Order]]:
+    # Sections belong on top, above the workers that they start and the resources below these. Composition
     # declares resources first, and FORCE may end with either end up, so each order is tried both ways.
     file = tuple(range(len(net.places)))
     for name, order in (
@@ -126,17 +127,15 @@ def _of_missions(net: PetriNet) -> Iterator[tuple[str, Order]]:
         ("units", by_units(net, net.units)),
     ):
         ways = [(f"{name}-reversed", order[::-1]), (name, order)]
-        yield from ways[::-1] if _stands_on_hardware(net, order) else ways
+        yield from ways[::-1] if _stands_on_resources(net, order) else ways
 
 
-def _stands_on_hardware(net: PetriNet, order: Order) -> bool:
-    """Whether the middle of what controls a mission is above the middle of its hardware."""
-    kinds = [place.provenance and place.provenance.kind for place in net.places]
-    control, hardware = (
-        [level for level, p in enumerate(order) if kinds[p] in wanted]
-        for wanted in (("mission", "objective", "parallel"), ("hardware",))
-    )
-    return sum(control) * len(hardware) < sum(hardware) * len(control)
+def _stands_on_resources(net: PetriNet, order: Order) -> bool:
+    """Whether the middle of what says what runs next is above the middle of the resources."""
+    parts = [place.provenance and place.provenance.part for place in net.places]
+    control = [level for level, p in enumerate(order) if parts[p] in CONTROL]
+    resources = [level for level, p in enumerate(order) if parts[p] == "resource"]
+    return sum(control) * len(resources) < sum(resources) * len(control)
 
 
 def _named(net: PetriNet) -> Iterator[tuple[str, Order]]:
@@ -208,48 +207,48 @@ def clustered(net: PetriNet) -> Order:
 
     Two places pull each other by each transition beside both, less the more places it is beside. The two
     clusters that pull most, divided by a power of their sizes, are made one, again and again. So branches of
-    a mission that share a resource are one block each; FORCE mixes them, as it draws all of them to what they
-    share. It says in which order the two parts of each cluster stand, and hardware is below. The control of
-    each objective stands beside its activity.
+    a block that share a resource are one cluster each; FORCE mixes them, as it draws all of them to what they
+    share. It says in which order the two parts of each cluster stand, and resources are below. Each step
+    stands beside its worker.
     """
     start, touched = force(net, tuple(range(len(net.places)))), _touched(net)
     order = tuple(kernel_clustered(touched, list(start)))
-    return _beside_activities(net, touched, order if _stands_on_hardware(net, order) else order[::-1])
+    return _beside_workers(net, touched, order if _stands_on_resources(net, order) else order[::-1])
 
 
-def _beside_activities(net: PetriNet, touched: Sequence[Sequence[int]], order: Order) -> Order:
-    """Moves the control of objectives beside their activities.
+def _beside_workers(net: PetriNet, touched: Sequence[Sequence[int]], order: Order) -> Order:
+    """Moves steps beside their workers.
 
-    What looks at all branches of a block draws the control of all of them together. It would say on top which
-    branches run, have succeeded and have failed: all combinations, down to where their activities say it
-    again. So an objective stands above the place of an activity that pulls it most, and below it what nothing
-    but objectives leads to, such as the outcome of their branch; of several objectives below the first.
+    What looks at all branches of a block draws the steps of all of them together. It would say on top which
+    branches run, have succeeded and have failed: all combinations, down to where their workers say it
+    again. So a step stands above the place of a worker that pulls it most, and below it what nothing
+    but steps leads to, such as the outcome of their branch; of several steps below the first.
     """
-    kinds = [place.provenance and place.provenance.kind for place in net.places]
+    parts = [place.provenance and place.provenance.part for place in net.places]
     pulls: dict[int, Counter[int]] = {}
     for places in touched:
-        for objective in (p for p in places if kinds[p] == "objective"):
-            drawn = {p: (len(places) - 1) ** -2 for p in places if kinds[p] == "activity"}
-            pulls.setdefault(objective, Counter()).update(drawn)
+        for step in (p for p in places if parts[p] == "step"):
+            drawn = {p: (len(places) - 1) ** -2 for p in places if parts[p] == "worker"}
+            pulls.setdefault(step, Counter()).update(drawn)
     above, below = dict[int, list[int]](), dict[int, list[int]]()
     leading: dict[int, list[list[int]]] = {}
     level = {p: i for i, p in enumerate(order)}
     for t in net.safe_transitions:
-        objectives = sorted((p for p in t.consume if kinds[p] == "objective"), key=level.__getitem__)
+        steps = sorted((p for p in t.consume if parts[p] == "step"), key=level.__getitem__)
         for place in t.produce:
-            leading.setdefault(place, []).append(objectives)
+            leading.setdefault(place, []).append(steps)
     for place in order:
         if pull := pulls.get(place):
             strongest = max(pull, key=lambda p: (pull[p], -level[p]))
             above.setdefault(strongest, []).append(place)
-        elif kinds[place] == "parallel" and all(ways := leading.get(place, [[]])):
+        elif parts[place] == "block" and all(ways := leading.get(place, [[]])):
             first = min((way[0] for way in ways), key=level.__getitem__)
             below.setdefault(first, []).append(place)
     moved = {p for places in (*above.values(), *below.values()) for p in places}
 
     def block(place: int) -> Iterator[int]:
-        for objective in above.get(place, ()):
-            yield from block(objective)
+        for step in above.get(place, ()):
+            yield from block(step)
         yield place
         yield from below.get(place, ())
 

@@ -24,7 +24,7 @@ from mcpn.spaces.markings.masked import unsafe_at_start
 from mcpn.turns import finished
 
 DEFAULT_MEMORY = 4 << 30
-FIRST_BUDGET_OF_MISSIONS = 8_000_000
+FIRST_BUDGET_OF_COMPOSED = 8_000_000
 """About a second; with less, exploration one by one goes on instead, which takes ten times as long."""
 MOST_WORKERS = 4
 
@@ -114,8 +114,8 @@ def closing(
 def _race(
     net: PetriNet, encodes: Sequence[Encode], memory_limit: int, seed: int | None, edges: bool
 ) -> Work[SymbolicSpace]:
-    # Missions are larger than small nets and have orders that are seldom bad: fewer rounds do.
-    first = FIRST_BUDGET_OF_MISSIONS if net.priorities else FIRST_BUDGET
+    # Composed nets are larger than small ones and have orders that are seldom bad: fewer rounds do.
+    first = FIRST_BUDGET_OF_COMPOSED if net.priorities else FIRST_BUDGET
     limit: MemoryLimit | None = None
     for workers in sorted({min(cores(), MOST_WORKERS), 1}, reverse=True):  # one alone may have all the memory
         entrants = runners(net, encodes, seed, memory_limit // workers, edges)

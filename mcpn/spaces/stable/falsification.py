@@ -30,7 +30,7 @@ PREPARING = 40
 MOST_NEAR = 100
 """Stable ends behind one event that are looked for, with ``completion.LEAST_TRANSIENT`` markings."""
 
-HARDWARE = {What.OUT_OF_SERVICE, What.REPAIRED, What.LOST}
+FAULTS = {What.OUT_OF_SERVICE, What.REPAIRED, What.LOST}
 
 
 def nearest_fault(net: PetriNet, firings: int = FIRINGS) -> SemanticsError | None:
@@ -149,8 +149,8 @@ class _Search:
                 if self.end not in known:
                     known.add(self.end)
                     event = self.net.transitions[t].event
-                    of_hardware = event is not None and event.what in HARDWARE
-                    heappush(queue, (cost + 1 + of_hardware, len(visited)))
+                    of_fault = event is not None and event.what in FAULTS
+                    heappush(queue, (cost + 1 + of_fault, len(visited)))
                     visited.append((self.end, self.prefix))
         return None
 

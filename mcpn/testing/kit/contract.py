@@ -17,7 +17,7 @@ from mcpn.drawing.templates.interface import CONTROL, HAPPENING, MEETINGS, SAYIN
 from mcpn.drawing.templates.names import names_of
 from mcpn.mission.conditions import word
 from mcpn.mission.static.resource_use import Usage
-from mcpn.nets.petri import Provenance
+from mcpn.nets.provenance import Provenance
 from mcpn.testing.kit.subject import Subject, Violation
 
 STATES: Mapping[str, tuple[str, ...]] = {

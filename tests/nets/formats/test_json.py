@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 from mcpn.errors import InputError, Source
 from mcpn.events import Event
 from mcpn.nets.formats.json import read_json, write_json
-from mcpn.nets.petri import NetBuilder, PetriNet, Provenance
+from mcpn.nets.petri import NetBuilder, PetriNet
+from mcpn.nets.provenance import Provenance
 from mcpn.report.documents import FORMATS, json_schema
 from tests.nets.nets import odd_nets
 
