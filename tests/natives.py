@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import shutil
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -12,6 +14,26 @@ import pytest
 LIBRARY = "BehaviorTree.CPP"
 OPTIONS = ("GROOT_INTERFACE", "SQLITE_LOGGING", "EXAMPLES", "BUILD_TOOLS")
 """What of the library is not built."""
+
+
+def built_once(folders: pytest.TempPathFactory, name: str, build: Callable[[Path], object]) -> Path:
+    """A folder that all processes of one run of the tests share; the first that asks for it fills it.
+
+    Args:
+        folders: Of the process.
+        name: Of the folder.
+        build: Fills it; where that fails, the next that asks tries again.
+    """
+    own = folders.getbasetemp()
+    run = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
+    with (run / f"{name}.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (run / f"{name}.built").exists():
+            shutil.rmtree(run / name, ignore_errors=True)
+            (run / name).mkdir()
+            build(run / name)
+            (run / f"{name}.built").touch()
+    return run / name
 
 
 def cpp_compiler() -> list[str]:

@@ -8,7 +8,6 @@ from __future__ import annotations
 import copy
 import json
 import random
-import shutil
 import subprocess
 import zipfile
 from collections import Counter
@@ -24,6 +23,7 @@ from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.study import Study
 from tests.certificates.files import entries_of
+from tests.natives import built_once, cpp_compiler
 
 Claims = list[tuple[str, str]]
 """Of each claim what became of it, and its key."""
@@ -47,20 +47,17 @@ SMALL = """
 """
 
 
-def compiled(name: str, folder: Path) -> Path:
+def compiled(name: str, folders: pytest.TempPathFactory) -> Path:
     """A program in C++ of this folder."""
-    compiler = shutil.which("c++") or pytest.skip("needs a C++ compiler")
-    source, made = Path(__file__).with_name(f"{name}.cpp"), folder / name
-    subprocess.run(
-        [compiler, "-O1", "-std=c++17", "-Wall", "-Wextra", "-Werror", source, "-o", made], check=True
-    )
-    return made
+    options = ["-O1", "-std=c++17", "-Wall", "-Wextra", "-Werror"]
+    command = [*cpp_compiler(), *options, str(Path(__file__).with_name(f"{name}.cpp")), "-o", name]
+    return built_once(folders, name, lambda at: subprocess.run(command, cwd=at, check=True)) / name
 
 
 @pytest.fixture(scope="module")
 def checker(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The program."""
-    return compiled("checker", tmp_path_factory.mktemp("checker"))
+    return compiled("checker", tmp_path_factory)
 
 
 @pytest.fixture(scope="module")

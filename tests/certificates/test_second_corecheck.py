@@ -60,7 +60,7 @@ MOST = 2_000
 @pytest.fixture(scope="module")
 def checker(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The program."""
-    return compiled("core_checker", tmp_path_factory.mktemp("checker"))
+    return compiled("core_checker", tmp_path_factory)
 
 
 @pytest.fixture(scope="module")

@@ -32,7 +32,7 @@ from tests.shares import returns_early
 @pytest.fixture(scope="module")
 def checker(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The program."""
-    return compiled("diagram_checker", tmp_path_factory.mktemp("checker"))
+    return compiled("diagram_checker", tmp_path_factory)
 
 
 @pytest.fixture(scope="module")

@@ -69,7 +69,7 @@ LEFT = """
 @pytest.fixture(scope="module")
 def checker(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The program."""
-    return compiled("further_checker", tmp_path_factory.mktemp("checker"))
+    return compiled("further_checker", tmp_path_factory)
 
 
 @pytest.fixture(scope="module")
