@@ -207,8 +207,11 @@ def test_a_process_that_is_killed_in_the_middle_of_a_result_is_not_awaited(tmp_p
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGQUIT, signal.SIGTERM, signal.SIGHUP])
-@pytest.mark.parametrize("wait", [0.0, 0.6])
+@pytest.mark.parametrize(
+    ("number", "wait"),
+    [(signal.SIGINT, 0.0), (signal.SIGINT, 0.6), (signal.SIGTERM, 0.0), (signal.SIGTERM, 0.6),
+     (signal.SIGQUIT, 0.0), (signal.SIGHUP, 0.6)],
+)  # fmt: skip
 def test_a_signal_to_the_group_ends_all_at_once(number: signal.Signals, wait: float) -> None:
     """As Ctrl-C in a terminal: no process prints a traceback of its own, and nothing hangs."""
     mission = ROOT / "experiments" / "rover" / "mission.xml"
