@@ -42,7 +42,7 @@ _quiet = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_t
 # In ci what fails is told as drawn: shrinking may take longer than a test has, which then tells nothing.
 for _name, _examples, _fixed in (
     ("smoke", 10, True),
-    ("ci", 15, False),
+    ("ci", 10, False),
     ("dev", 100, False),
     ("nightly", 5000, False),
 ):

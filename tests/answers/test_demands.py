@@ -87,7 +87,7 @@ SMALL = st.one_of(
 )
 
 
-@fewer(0.5)
+@fewer(0.5, least=8)
 @given(SMALL, st.data())
 def test_numbers_are_those_of_a_dense_solve(of: Mission, data: st.DataObject) -> None:
     found = compose(data.draw(with_numbers(of, demands=True)))

@@ -158,7 +158,7 @@ def test_three_engines_on_generated_missions(mission: Mission) -> None:
         return
 
 
-@fewer(0.5)
+@fewer(0.5, least=8)
 @given(
     missions(max_objectives=2, max_sections=4, max_hardware=3)
     | missions(max_objectives=3, max_hardware=2)

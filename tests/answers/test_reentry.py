@@ -144,7 +144,7 @@ def enters_again(of: Mission) -> bool:
         return True
 
 
-@fewer(0.5)
+@fewer(0.5, least=8)
 @given(returning().filter(enters_again), st.sampled_from(ENGINES), st.booleans(), st.data())
 def test_causes_and_numbers_are_those_of_brute_force(
     of: Mission, engine: Engine, demands: bool, data: st.DataObject

@@ -151,7 +151,7 @@ def test_losses_that_are_put_off_change_nothing_else(mission: Mission, random: R
     assert sorted(put_off) == sorted(taken)
 
 
-@fewer(0.4)
+@fewer(0.4, least=6)
 @given(
     fragile_missions(max_hardware=3, max_objectives=2, max_sections=5)
     | fragile_missions(max_hardware=3, max_objectives=2, max_sections=5, events=2)

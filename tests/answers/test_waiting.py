@@ -113,7 +113,7 @@ def waiting_in(found: MissionNet, graph: AlternativesGraph) -> set[str]:
     return {f"{a}.{way}" for s in states for a, way in s.waiting.items()}
 
 
-@fewer(0.5)
+@fewer(0.5, least=8)
 @given(missions(max_sections=5, producers=2) | missions(max_sections=4, producers=2, max_events=2))
 def test_each_activity_is_one_thing_in_the_words_of_every_engine(mission: Mission) -> None:
     found = compose(mission)

@@ -163,7 +163,7 @@ def test_a_clash_that_causes_alone_come_to_is_told_as_such(engine: Engine) -> No
     assert "this comes of a crash of a.a1 while it does not run" in said
 
 
-@fewer(0.4)
+@fewer(0.4, least=6)
 @given(CRASHING, st.sampled_from(["explicit", "symbolic", "local"]))
 def test_clashes_where_hardware_may_die_are_told_in_mission_words(mission: Mission, engine: Engine) -> None:
     try:

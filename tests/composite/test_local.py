@@ -145,7 +145,7 @@ def test_sections_lie_in_the_whole_where_their_own_nets_have_the_same_names(
     event(f"sections that use the same: {shared}")
 
 
-@fewer(0.5)
+@fewer(0.5, least=8)
 @given(missions() | missions(late=True))
 def test_junctions_are_confluent_where_their_sections_are(mission: Mission) -> None:
     """The argument of papers/composition.md against a proof on the net of both sections."""

@@ -84,7 +84,7 @@ def test_many_data_behave_the_same(drawn: Mission) -> None:
     the_same(drawn, EVERYWHERE, CompactTemplates())
 
 
-@fewer(0.5)
+@fewer(0.5, least=8)
 @given(missions(Shape(own_hardware=True, shared_activities=False, hardware=4), events=1))
 def test_sections_compose_the_same(drawn: Mission) -> None:
     """Types of sections and junctions are those of the paper's templates, and so is what comes of them."""

@@ -130,7 +130,7 @@ FOR_SCRAM = NUMBERED | coming_home() | fragile_missions(max_hardware=3)
 
 
 @needs_scram
-@fewer(0.4)
+@fewer(0.4, least=6)
 @given(mission=FOR_SCRAM)
 def test_scram_reads_every_export_as_it_is_meant(
     tmp_path_factory: pytest.TempPathFactory, mission: Mission

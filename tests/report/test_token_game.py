@@ -15,7 +15,7 @@ from tests.shares import returns_early
 MOST = 40
 
 
-@fewer(0.5)
+@fewer(0.5, least=8)
 @given(nets(events=True))
 def test_the_graph_has_every_firing(net: PetriNet) -> None:
     found = graph_of(net, MOST)

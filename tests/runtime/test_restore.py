@@ -61,7 +61,7 @@ def told_to(robot: Robot, actions: tuple[Action, ...]) -> None:
         robot.obey(action)
 
 
-@fewer(0.4)
+@fewer(0.4, least=6)
 @given(missions(), st.randoms(use_true_random=False), st.sampled_from(["hierarchical", "modular"]))
 def test_a_restarted_robot_does_what_it_did(
     mission: Mission, rng: random.Random, form: Literal["hierarchical", "modular"]

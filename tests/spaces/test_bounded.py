@@ -58,7 +58,7 @@ def sizes(space: SymbolicSpace) -> tuple[int, int, int, int, int]:
     return space.states, space.edges, space.dead_states, space.max_tokens, space.max_tokens_in_place
 
 
-@fewer(0.5)
+@fewer(0.5, least=8)
 @given(token_nets(), st.integers(0, 3))
 @example(tokens_in_a_ring(9, 3, 2), 0)
 def test_markings_are_those_of_the_plain_rule(net: PetriNet, rank: int) -> None:
@@ -95,7 +95,7 @@ def test_markings_are_those_of_the_plain_rule(net: PetriNet, rank: int) -> None:
     }
 
 
-@fewer(0.5)
+@fewer(0.5, least=8)
 @given(nets(max_weight=2, max_places=4, max_transitions=4))
 def test_priorities_are_respected_with_several_tokens(net: PetriNet) -> None:
     graph = graph_of(net)
@@ -166,7 +166,7 @@ def test_linear_programs_know_the_tokens_of_a_ring() -> None:
     assert widths.by_programs(builder.build(), range(4)) == dict.fromkeys(range(4), 5.0)
 
 
-@fewer(0.5)
+@fewer(0.5, least=8)
 @given(token_nets())
 def test_behaviour_and_runs_by_their_definitions(net: PetriNet) -> None:
     graph = graph_of(net, 100)
@@ -200,7 +200,7 @@ def test_behaviour_and_runs_by_their_definitions(net: PetriNet) -> None:
             assert members(space, space.before(space.everything, [t])) == set(edges)
 
 
-@fewer(0.5)
+@fewer(0.5, least=8)
 @given(nets(max_weight=2, max_places=4, max_transitions=4, events=False))
 def test_what_is_unbounded_is_said_with_a_run_that_can_be_repeated(net: PetriNet) -> None:
     try:

@@ -114,7 +114,7 @@ def test_markings_of_several_tokens(net: PetriNet) -> None:
     assert_exact(partial(count_tokens, net), found.states, "more than {limit} states")
 
 
-@fewer(0.5)
+@fewer(0.5, least=8)
 @given(nets(max_weight=2) | state_machines().map(lambda pair: pair[0]))
 def test_search(net: PetriNet) -> None:
     markings = all_markings(net)
