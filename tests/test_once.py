@@ -22,6 +22,7 @@ from mcpn.controller.modular import AnyController
 from mcpn.controller.simulator import Simulation
 from mcpn.drawing.compose import MissionNet, compose
 from mcpn.drawing.forgetful import forgetful
+from mcpn.drawing.local_nets import local_net
 from mcpn.drawing.sections import section_part
 from mcpn.errors import LimitError, McpnError, SemanticsError
 from mcpn.events import Event
@@ -292,7 +293,7 @@ def test_nets_that_forget_have_every_stable_state(mission: Mission) -> None:
     try:
         whole = compose(mission)
         parts = [section_part(whole.usage, section) for section in whole.graph.sections]
-        nets = [part.net() for part in parts if part.once]
+        nets = [local_net(part) for part in parts if part.once]
         graphs = [(net, direct_with_proof(net.net, max_states=2000)) for net in nets]
     except McpnError:
         return

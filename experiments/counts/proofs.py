@@ -27,6 +27,7 @@ from experiments.shared.drawing import drawn
 from experiments.shared.limits import Result, measured
 from mcpn.composite.explored_section import Explored, explore_local
 from mcpn.drawing.compose import compose
+from mcpn.drawing.local_nets import local_net
 from mcpn.drawing.sections import SectionParts
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
@@ -74,7 +75,7 @@ def sections(mission: Mission) -> list[PetriNet]:
     found = compose(mission)
     alone = SectionParts(found.usage).alone
     parts = {(part := alone(section)).type: part for section in found.graph.sections}
-    return [part.net(None).net for part in parts.values()]
+    return [local_net(part).net for part in parts.values()]
 
 
 def listed(net: PetriNet) -> Result:

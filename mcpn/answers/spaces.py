@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias, Unpack
 
 from mcpn.composite.clash_sentences import in_mission_words
 from mcpn.drawing.compose import MissionNet
+from mcpn.drawing.local_nets import local_net, part_of
 from mcpn.drawing.permanent_loss import mortal
-from mcpn.drawing.sections import SectionParts, part_of, refuse_wide
+from mcpn.drawing.sections import SectionParts, refuse_wide
 from mcpn.errors import InputError, LimitError
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.engine_names import EXPLICIT, LOCAL, SYMBOLIC, Asking, Engine, On
@@ -178,7 +179,7 @@ class MissionSpaces(Spaces):
         Raises:
             InputError: There is no such section.
         """
-        return MissionSpaces(part_of(self.mission, name).net(self.templates))
+        return MissionSpaces(local_net(part_of(self.mission, name), self.templates))
 
     def local(self, name: str, max_states: int | None = None) -> tuple[MissionNet, AlternativesGraph]:
         """The local graph of a section, with its net; see :func:`mcpn.composite.composing.local_graph`."""

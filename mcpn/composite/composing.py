@@ -22,8 +22,9 @@ from mcpn.composite.section_type import SectionType
 from mcpn.composite.sections import WholeNet
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.forgetful import forgetful
+from mcpn.drawing.local_nets import local_net, part_of
 from mcpn.drawing.permanent_loss import crashing_anytime, mortal
-from mcpn.drawing.sections import SectionParts, part_of, refuse_wide
+from mcpn.drawing.sections import SectionParts, refuse_wide
 from mcpn.drawing.templates import TemplateSet
 from mcpn.drawing.templates.named import looks_at_no_names
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, WorkersError
@@ -83,7 +84,7 @@ def composite_space(
     }
     refuse_wide(parts[name] for name in first.values())
     with_death, with_crashes = (mortal, crashing_anytime) if may_die else (_itself, _itself)
-    immortal = {name: with_crashes(parts[name].net(templates)) for name in first.values()}
+    immortal = {name: with_crashes(local_net(parts[name], templates)) for name in first.values()}
     nets = {name: with_death(net) for name, net in immortal.items()}
     explored: dict[str, Explored] = {}
     dying = [net.net if may_die else None for net in nets.values()]
@@ -179,7 +180,7 @@ def local_graph(
     """
     from mcpn.spaces.stable.alternatives import direct_with_proof  # which lists states in arrays
 
-    local, _ = forgetful(part_of(mission_net, name).net(templates))
+    local, _ = forgetful(local_net(part_of(mission_net, name), templates))
     limit = MAX_STABLE_STATES if max_states is None else max_states
     step(Doing.LISTING)
     with in_section(name), in_mission_words(local):

@@ -16,6 +16,7 @@ from mcpn.composite.explored_section import Explored
 from mcpn.composite.glued import CompositeSet, SectionSets
 from mcpn.composite.section_type import ALL, SectionType
 from mcpn.composite.sections import Stage
+from mcpn.drawing.local_nets import local_net
 from mcpn.drawing.sections import junction_part
 from mcpn.mission.flatten import Section
 from mcpn.nets.petri import Marking
@@ -118,7 +119,7 @@ def refuse_open_junctions(composite: CompositeSpace) -> None:
     for first, second in sharing_pairs(composite):
         step(Doing.PROVING_JUNCTION, section=first.name, successor=second.name)
         part = junction_part(composite.mission_net.usage, first, second)
-        prove_confluent(part.net(composite.whole.templates).net)
+        prove_confluent(local_net(part, composite.whole.templates).net)
 
 
 def sharing_pairs(composite: CompositeSpace) -> Iterator[tuple[Section, Section]]:

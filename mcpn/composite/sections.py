@@ -14,6 +14,7 @@ from mcpn.composite.layout import Layout, Toggle
 from mcpn.composite.renaming import Renaming, renamed_sections, renamed_statuses
 from mcpn.composite.section_type import ALL, Allowed, Exit, SectionType
 from mcpn.drawing.compose import MissionNet
+from mcpn.drawing.local_nets import local_net
 from mcpn.drawing.permanent_loss import mortal
 from mcpn.drawing.sections import LocalPart, Used
 from mcpn.drawing.status import Element
@@ -230,7 +231,7 @@ class WholeNet:
 
     def _drawn(self, part: LocalPart, type_: SectionType) -> MissionNet:
         """A section's local net: place by place that of its type, but for names."""
-        net = part.net(self.templates)
+        net = local_net(part, self.templates)
         return mortal(net) if type_.layout.mission_net.saying("dead") else net
 
     @memoized

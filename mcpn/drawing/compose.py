@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
 
+from mcpn.drawing.sections import Parts
 from mcpn.drawing.status import Element, Flag, Status, statuses
 from mcpn.drawing.templates import Canvas, PaperTemplates, Role, TemplateSet
 from mcpn.drawing.templates.interface import Meeting
@@ -17,7 +17,7 @@ from mcpn.errors import Problem
 from mcpn.events import START, What
 from mcpn.mission.flatten import ObjectivesGraph, flatten
 from mcpn.mission.model import Mission
-from mcpn.mission.robot import Activity, Fact, Hardware, Software
+from mcpn.mission.robot import Activity, Software
 from mcpn.mission.static.resource_use import Usage
 from mcpn.mission.static.warnings import static_warnings
 from mcpn.nets.petri import Marking, PetriNet
@@ -195,24 +195,6 @@ def compose_usage(usage: Usage, templates: TemplateSet | None = None) -> Mission
     facts = tuple(usage.world.facts.values())
     parts = Parts(usage.graph, mission.hardware, tuple(software), tuple(activities), facts)
     return compose_parts(usage, parts, templates)
-
-
-class Parts(NamedTuple):
-    """What a net is made of: elements of a mission in the order in which they are drawn.
-
-    Args:
-        graph: The mission's objectives graph, or sections of it with routes of their own.
-        hardware: Hardware resources.
-        software: Software resources, those of each activity among them.
-        activities: Activities, with all those that they reach through resources.
-        facts: Facts that any of them, or the sections, change or read.
-    """
-
-    graph: ObjectivesGraph
-    hardware: tuple[Hardware, ...]
-    software: tuple[Software, ...]
-    activities: tuple[Activity, ...]
-    facts: tuple[Fact, ...] = ()
 
 
 def compose_parts(usage: Usage, parts: Parts, templates: TemplateSet | None = None) -> MissionNet:

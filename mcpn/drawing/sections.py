@@ -12,13 +12,10 @@ from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, S
 from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import itemgetter
-from typing import Any
+from typing import Any, NamedTuple
 
-from mcpn.drawing.compose import MissionNet, Parts, compose_parts
-from mcpn.drawing.permanent_loss import entered_otherwise
 from mcpn.drawing.status import Element, Flag, Status, kind_by_kind, statuses, told_as_facts
-from mcpn.drawing.templates import TemplateSet
-from mcpn.errors import InputError, LimitError, Problem
+from mcpn.errors import LimitError, Problem
 from mcpn.mission.expansion.crashes import Crash
 from mcpn.mission.expansion.routes import FactCase, Interrupted, exits_by_facts, exits_on
 from mcpn.mission.fact_usage import touched_by
@@ -27,9 +24,6 @@ from mcpn.mission.graph import TIMED_OUT, failed_for
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Activity, Fact, Hardware, Software
 from mcpn.mission.static.resource_use import Usage
-
-MOST_NAMED = 12
-"""Sections that an error lists at most."""
 
 MOST_BRANCHES = 30
 """Branches that may run at the same time in one section whose states are to be put on a diagram."""
@@ -51,6 +45,24 @@ MOST_AT_ONCE = 12
 
 MOST_ALTERNATIVES = 60
 """Alternatives of one activity in such a section."""
+
+
+class Parts(NamedTuple):
+    """What a net is made of: elements of a mission in the order in which they are drawn.
+
+    Args:
+        graph: The mission's objectives graph, or sections of it with routes of their own.
+        hardware: Hardware resources.
+        software: Software resources, those of each activity among them.
+        activities: Activities, with all those that they reach through resources.
+        facts: Facts that any of them, or the sections, change or read.
+    """
+
+    graph: ObjectivesGraph
+    hardware: tuple[Hardware, ...]
+    software: tuple[Software, ...]
+    activities: tuple[Activity, ...]
+    facts: tuple[Fact, ...] = ()
 
 
 class Used:
@@ -228,10 +240,6 @@ class LocalPart:
     def carried(self) -> tuple[Element, ...]:
         """Its flags by kind and name."""
         return tuple(flag.element for flag in self.flags)
-
-    def net(self, templates: TemplateSet | None = None) -> MissionNet:
-        """The local net, before which any status may have become another one."""
-        return entered_otherwise(compose_parts(self.usage, self.parts, templates))
 
     @cached_property
     def type(self) -> Hashable:
@@ -412,19 +420,6 @@ def _width(
         else int(counts(section))
         for section in graph.sections
     )
-
-
-def part_of(mission_net: MissionNet, name: str) -> LocalPart:
-    """A section of a mission, by its name, alone.
-
-    Raises:
-        InputError: There is no such section.
-    """
-    sections = {section.name: section for section in mission_net.graph.sections}
-    if name not in sections:
-        some = ", ".join([*sections][:MOST_NAMED]) + (", …" if len(sections) > MOST_NAMED else "")
-        raise InputError.at(None, f"found the section {name!r}, expected one of {some}")
-    return section_part(mission_net.usage, sections[name])
 
 
 def junction_part(usage: Usage, first: Section, second: Section) -> LocalPart:

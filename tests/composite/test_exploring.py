@@ -12,6 +12,7 @@ from mcpn.composite import explored_section as exploring
 from mcpn.composite.composing import composite_space
 from mcpn.composite.explored_section import Explored, explore_and_prove, explore_local
 from mcpn.drawing.compose import MissionNet, compose
+from mcpn.drawing.local_nets import local_net
 from mcpn.drawing.permanent_loss import mortal
 from mcpn.drawing.sections import SectionParts
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
@@ -73,7 +74,7 @@ TWO = mission(
 
 def test_past_the_bound_sections_are_diagrams(monkeypatch: pytest.MonkeyPatch) -> None:
     found = compose(TWO)
-    net = SectionParts(found.usage).alone(found.graph.sections[0]).net().net
+    net = local_net(SectionParts(found.usage).alone(found.graph.sections[0])).net
     assert explore_local(net).steps
     monkeypatch.setattr(big_steps, "MOST_SINGLY", 1)
     assert explore_local(net).steps is None
@@ -82,7 +83,7 @@ def test_past_the_bound_sections_are_diagrams(monkeypatch: pytest.MonkeyPatch) -
 def test_many_steps_come_after_all_markings(monkeypatch: pytest.MonkeyPatch) -> None:
     """They are found one by one only where the diagram of all markings hits its limit."""
     found = compose(TWO)
-    net = SectionParts(found.usage).alone(found.graph.sections[0]).net().net
+    net = local_net(SectionParts(found.usage).alone(found.graph.sections[0])).net
     stable = explore_local(net).space.reachable.count()
     monkeypatch.setattr(big_steps, "MOST_SINGLY", 1)
     by_markings = explore_local(net)
@@ -127,7 +128,7 @@ def test_what_is_explored_goes_from_process_to_process(
     stepped: bool, dies: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     found = compose(TWO)
-    local = SectionParts(found.usage).alone(found.graph.sections[0]).net()
+    local = local_net(SectionParts(found.usage).alone(found.graph.sections[0]))
     dying = mortal(local).net if dies else None
     if not stepped:
         monkeypatch.setattr(big_steps, "MOST_SINGLY", 0)
@@ -145,7 +146,7 @@ def test_what_is_explored_goes_from_process_to_process(
 
 def test_a_section_in_big_steps_holds_no_transient_marking() -> None:
     found = compose(TWO)
-    local = SectionParts(found.usage).alone(found.graph.sections[0]).net().net
+    local = local_net(SectionParts(found.usage).alone(found.graph.sections[0])).net
     explored = explore_local(local)
     whole = reach(local)
     assert whole.stable is not None

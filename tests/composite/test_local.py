@@ -20,6 +20,7 @@ from mcpn.composite.section_type import SectionType
 from mcpn.composite.sections import NOWHERE
 from mcpn.controller.generate import generate
 from mcpn.drawing.compose import MissionNet, compose
+from mcpn.drawing.local_nets import local_net
 from mcpn.drawing.permanent_loss import mortal
 from mcpn.drawing.sections import junction_part
 from mcpn.drawing.templates import Canvas, PaperTemplates
@@ -131,7 +132,7 @@ def test_sections_lie_in_the_whole_where_their_own_nets_have_the_same_names(
         return
     whole = composite.net
     for placed in composite.sections.values():
-        local = placed.part.net()
+        local = local_net(placed.part)
         own = (mortal(local) if may_die else local).net
         both = (
             (placed.places, own.places, whole.place_index),
@@ -167,7 +168,7 @@ def test_junctions_are_confluent_where_their_sections_are(mission: Mission) -> N
         if calm(first) and calm(second):
             event(f"gated: {second.name in mission_net.usage.handover.gated}")
             part = junction_part(mission_net.usage, first, second)
-            prove_confluent(part.net().net)
+            prove_confluent(local_net(part).net)
 
 
 class Compared(int):

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from mcpn.controller.machine import Machine, PlannedAction, controller
 from mcpn.drawing.compose import MissionNet, compose
+from mcpn.drawing.local_nets import local_net
 from mcpn.drawing.sections import section_part
 from mcpn.drawing.templates.names import NetNames
 from mcpn.errors import LimitError, SemanticsError
@@ -78,7 +79,7 @@ def numbered(found: MissionNet, machine: Machine) -> list[tuple[object, ...]]:
 def test_parts_are_called_as_in_the_whole(mission: Mission) -> None:
     whole = compose(mission)
     for section in whole.graph.sections:
-        part = section_part(whole.usage, section).net()
+        part = local_net(section_part(whole.usage, section))
         for one in part.net.places:
             place = whole.net.places[whole.net.place_index[one.name]]
             assert place.provenance == one.provenance

@@ -10,6 +10,7 @@ from lxml import etree
 import mcpn
 from mcpn.controller.generate import generate
 from mcpn.drawing.compose import compose
+from mcpn.drawing.local_nets import local_net
 from mcpn.drawing.sections import section_part
 from mcpn.mission.model import Objective
 from mcpn.mission.xml import read_mission
@@ -26,7 +27,7 @@ MOST_CHARACTERS = 400
 
 def shown() -> dict[str, Any]:
     net = compose(read_mission(ULYSSE))
-    part = section_part(net.usage, net.graph.sections[0]).net()
+    part = local_net(section_part(net.usage, net.graph.sections[0]))
     return {
         "mission": net.mission,
         "graph": net.graph,

@@ -16,7 +16,7 @@ from mcpn.controller.hierarchy import SectionMachine, TableController, section_m
 from mcpn.controller.machine import PlannedAction
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.forgetful import forgetful
-from mcpn.drawing.sections import part_of
+from mcpn.drawing.local_nets import local_net, part_of
 from mcpn.events import Event, What
 from mcpn.mission.graph import ObjectivesGraph, names_in
 from mcpn.report.pictures.drawing import Drawing
@@ -80,7 +80,7 @@ def local_drawing(
     local, graph = spaces.local(section)
     if actions:
         part = part_of(spaces.mission, section)
-        machine = section_machine(local, graph, part, forgetful(part.net(spaces.templates))[1])
+        machine = section_machine(local, graph, part, forgetful(local_net(part, spaces.templates))[1])
         return machine_drawing(machine, f"Controller of the section {section}")
     return local_graph_drawing(local, graph, section, merged=merged)
 
