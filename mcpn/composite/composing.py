@@ -24,7 +24,7 @@ from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.forgetful import forgetful
 from mcpn.drawing.local_nets import local_net, part_of
 from mcpn.drawing.permanent_loss import crashing_anytime, mortal
-from mcpn.drawing.sections import SectionParts, refuse_wide
+from mcpn.drawing.sections import refuse_wide
 from mcpn.drawing.templates import TemplateSet
 from mcpn.drawing.templates.named import looks_at_no_names
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, WorkersError
@@ -75,7 +75,7 @@ def composite_space(
         near = nearest_fault(mission_net.net, FIRST_FIRINGS)  # a clash near the start is found at once
         if near is not None:
             raise near
-    alone = SectionParts(usage).alone
+    alone = mission_net.section_parts.alone
     parts = {section.name: alone(section) for section in mission_net.graph.sections}
     renamable = looks_at_no_names(templates)
     first: dict[Hashable, str] = {}  # by type, its first section, which stands for it

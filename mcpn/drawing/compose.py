@@ -9,10 +9,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from mcpn.drawing.sections import Parts
+from mcpn.drawing.sections import Parts, SectionParts
 from mcpn.drawing.status import Element, Flag, Status, statuses
 from mcpn.drawing.templates import Canvas, PaperTemplates, Role, TemplateSet
 from mcpn.drawing.templates.interface import Meeting
+from mcpn.drawing.templates.named import looks_at_no_names
 from mcpn.errors import Problem
 from mcpn.events import START, What
 from mcpn.mission.flatten import ObjectivesGraph, flatten
@@ -34,6 +35,7 @@ class MissionNet(Drawn):
         usage: Its static analysis.
         net: Its Petri net.
         roles: By place index, in ascending order, what the place says when it is marked.
+        section_parts: What makes parts of its sections.
         meetings: By place index, where templates meet besides the places that all sets agree on.
     """
 
@@ -42,6 +44,7 @@ class MissionNet(Drawn):
     usage: Usage
     net: PetriNet
     roles: Mapping[int, Role]
+    section_parts: SectionParts = field(compare=False, repr=False)
     meetings: Mapping[int, Meeting] = field(default_factory=dict)
 
     def __repr__(self) -> str:
@@ -194,16 +197,19 @@ def compose_usage(usage: Usage, templates: TemplateSet | None = None) -> Mission
     software = [s for s in mission.software if s.name in produced]
     facts = tuple(usage.world.facts.values())
     parts = Parts(usage.graph, mission.hardware, tuple(software), tuple(activities), facts)
-    return compose_parts(usage, parts, templates)
+    return compose_parts(usage, parts, templates, by_type=True)
 
 
-def compose_parts(usage: Usage, parts: Parts, templates: TemplateSet | None = None) -> MissionNet:
+def compose_parts(
+    usage: Usage, parts: Parts, templates: TemplateSet | None = None, *, by_type: bool = False
+) -> MissionNet:
     """Composes a net of some parts of a mission, each drawn as it is in the net of the whole.
 
     Args:
         usage: The static analysis of the whole mission.
         parts: What to draw.
         templates: The set of templates; the paper's by default.
+        by_type: Whether sections that are alike are drawn once, where the templates look at no names.
 
     Returns:
         The net with the meaning of its places; parts of one shape give nets that differ in names only.
@@ -215,7 +221,11 @@ def compose_parts(usage: Usage, parts: Parts, templates: TemplateSet | None = No
     templates = templates or PaperTemplates()
     known = _named(usage.mission.software, usage.mission.activities)
     left_out = known - _named(parts.software, parts.activities)
-    canvas = Canvas(usage.mission.name, usage, left_out, parts.facts, part=parts.graph is not usage.graph)
+    section_parts = SectionParts(usage)
+    alike = section_parts.alike if by_type and looks_at_no_names(templates) else None
+    canvas = Canvas(
+        usage.mission.name, usage, left_out, parts.facts, part=parts.graph is not usage.graph, alike=alike
+    )
     for hardware in parts.hardware:
         templates.hardware(canvas, hardware)
     for software in parts.software:
@@ -226,7 +236,7 @@ def compose_parts(usage: Usage, parts: Parts, templates: TemplateSet | None = No
     net = canvas.build()
     roles = dict(sorted((net.place_index[place], role) for place, role in canvas.roles.items()))
     meetings = {net.place_index[place]: meeting for place, meeting in canvas.meetings.items()}
-    return MissionNet(usage.mission, parts.graph, usage, net, roles, meetings)
+    return MissionNet(usage.mission, parts.graph, usage, net, roles, section_parts, meetings)
 
 
 def _named(software: tuple[Software, ...], activities: tuple[Activity, ...]) -> frozenset[tuple[str, str]]:

@@ -330,10 +330,18 @@ class SectionParts:
     def __init__(self, usage: Usage) -> None:
         self.usage = usage
         self._known: dict[tuple[str, ...], Used] = {}
+        self._alone: dict[str, LocalPart] = {}
 
     def alone(self, section: Section) -> LocalPart:
-        """A section alone."""
-        return self._part([_routed(section, set())])
+        """A section alone; one for all who ask."""
+        if section.name not in self._alone:
+            self._alone[section.name] = self._part([_routed(section, set())])
+        return self._alone[section.name]
+
+    def alike(self, section: Section) -> Hashable:
+        """Equal for sections of one type that use the same, and say the same of facts and of handlers."""
+        part = self.alone(section)
+        return part.type, part.used, part.once, tuple(fact.name for fact in part.facts)
 
     def junction(self, first: Section, second: Section) -> LocalPart:
         """Two sections of which the first leads to the second; or one that leads to itself."""

@@ -18,7 +18,7 @@ Internal transitions have *ranks*: one may fire only where none of a lower rank 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import chain
@@ -294,8 +294,9 @@ def _safe(transition: Transition) -> SafeTransition:
     )
 
 
-_Sides: TypeAlias = tuple[Mapping[str, int], Mapping[str, int], Mapping[str, int]]
-_Draft: TypeAlias = tuple[_Sides, Event | None, int, Provenance | None]
+Sides: TypeAlias = tuple[Mapping[str, int], Mapping[str, int], Mapping[str, int]]
+"""What a transition consumes, produces and reads, as weights by place."""
+Draft: TypeAlias = tuple[Sides, Event | None, int, Provenance | None]
 """A transition whose places may be declared later: its arcs, its event, its rank and its provenance."""
 
 
@@ -313,7 +314,7 @@ class NetBuilder:
         self.name = name
         self.priorities = priorities
         self._places: dict[str, Place] = {}
-        self._transitions: dict[str, _Draft] = {}
+        self._transitions: dict[str, Draft] = {}
         self._labels: dict[str, str] = {}
         self._units: list[list[str]] = []
 
@@ -330,10 +331,19 @@ class NetBuilder:
         Raises:
             InputError: The name is taken.
         """
-        if name in self._places:
-            raise InputError.at(provenance.source if provenance else None, f"place {name} is declared twice")
-        self._places[name] = Place(name, initial, provenance, label)
+        self.add_place(Place(name, initial, provenance, label))
         return name
+
+    def add_place(self, place: Place) -> None:
+        """Declares a place that is there.
+
+        Raises:
+            InputError: Its name is taken.
+        """
+        if place.name in self._places:
+            origin = place.provenance
+            raise InputError.at(origin.source if origin else None, f"place {place.name} is declared twice")
+        self._places[place.name] = place
 
     def transition(
         self,
@@ -356,12 +366,24 @@ class NetBuilder:
                 provenance.source if provenance else None,
                 f"transition {name}: found the rank {rank}, expected 0 to {EVENTS - 1}",
             )
-        if name in self._transitions:
-            raise InputError.at(
-                provenance.source if provenance else None, f"transition {name} is declared twice"
-            )
         arcs = _weights(consume), _weights(produce), _weights(read)
-        self._transitions[name] = arcs, event, rank, provenance
+        self.add_draft(name, (arcs, event, rank, provenance))
+
+    def add_draft(self, name: str, draft: Draft) -> None:
+        """Declares a transition by its draft.
+
+        Raises:
+            InputError: The name is taken.
+        """
+        if name in self._transitions:
+            origin = draft[-1]
+            raise InputError.at(origin.source if origin else None, f"transition {name} is declared twice")
+        self._transitions[name] = draft
+
+    @property
+    def drawn(self) -> tuple[Collection[Place], Mapping[str, Draft]]:
+        """The places and, by name, the transitions that are declared so far."""
+        return self._places.values(), self._transitions
 
     def label(self, transition: str, label: str | None) -> None:
         """Notes what people call a transition."""

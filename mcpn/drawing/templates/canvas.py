@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections import ChainMap
+from collections.abc import Callable, Hashable, Iterable, Mapping, MutableMapping
+from copy import copy
 from functools import cached_property, partial
-from typing import Literal, TypeAlias
+from typing import Literal, Self, TypeAlias
 
 from mcpn.drawing.templates.interface import Meeting
 from mcpn.drawing.templates.names import names_of
 from mcpn.drawing.templates.ranks import Ranks
 from mcpn.errors import Source
 from mcpn.events import ENDING, Event, What
+from mcpn.mission.flatten import Section
 from mcpn.mission.robot import Activity, Alternative, Fact
 from mcpn.mission.static.resource_use import Usage
 from mcpn.nets.petri import NetBuilder
@@ -66,6 +69,9 @@ for the release, and holds nothing (:meth:`~mcpn.mission.static.resource_use.Usa
 :mod:`mcpn.drawing.permanent_loss`).
 """
 
+Alike: TypeAlias = Callable[[Section], Hashable]
+"""Equal for sections that are drawn alike, but for names and for what they lead to."""
+
 MAX_COMBINED = 6
 """Children of a parallel block up to which each combination of outcomes has a transition of its own."""
 
@@ -80,6 +86,7 @@ class Canvas(NetBuilder):
             all the time.
         facts: Facts that are drawn.
         part: Whether the net is of a part of the mission, which begins with all hardware in service.
+        alike: Which sections are drawn alike, where that is known.
     """
 
     def __init__(
@@ -90,15 +97,17 @@ class Canvas(NetBuilder):
         facts: tuple[Fact, ...] = (),
         *,
         part: bool = False,
+        alike: Alike | None = None,
     ) -> None:
         super().__init__(name, priorities=True)
+        self.alike = alike
         self.facts = facts
         self.usage = usage
         self.left_out = left_out
         self.part = part
         self.names = names_of(usage)
         self.ranks = Ranks(usage)
-        self.roles: dict[str, Role] = {}
+        self.roles: MutableMapping[str, Role] = {}
         self.meetings: dict[str, Meeting] = {}
         self.most_combined = MAX_COMBINED
         late = {h.name for h in usage.mission.late}
@@ -144,6 +153,14 @@ class Canvas(NetBuilder):
             rank=rank,
             provenance=provenance,
         )
+
+    def blank(self) -> Self:
+        """A canvas for the same mission with nothing on it, on which names are noted anew."""
+        other = copy(self)
+        NetBuilder.__init__(other, self.name, priorities=True)
+        other.names, other.meetings = self.names.noted_anew(), {}
+        other.roles = ChainMap({}, self.roles)
+        return other
 
     def owners(self, resource: str) -> list[str | None]:
         """Whose interfaces of a resource are drawn (``None``: it has one for all)."""

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Hashable, Sequence
 from functools import partial
 
 from mcpn.drawing.templates.activities import running_place
-from mcpn.drawing.templates.canvas import Canvas, Pen
+from mcpn.drawing.templates.canvas import Alike, Canvas, Pen
 from mcpn.drawing.templates.facts import draw_facts
 from mcpn.drawing.templates.interrupt_net import Interrupting
 from mcpn.drawing.templates.interrupt_positions import draw_once
 from mcpn.drawing.templates.leaving import Leaving
+from mcpn.drawing.templates.stencil import NotCopied, Stencil
 from mcpn.events import START, Event, What
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.graph import TIMED_OUT
@@ -46,7 +49,40 @@ def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:
         pen.transition("rested", [pen.own(resting)], [], rank=canvas.ranks.rested)
     control = _Control(canvas, graph, exits)
     pen.transition("EV_START", [begin], control.enter(graph.entry), event=START)
-    control.draw()
+    if canvas.alike is None:
+        control.draw()
+    else:
+        _draw_by_type(control, canvas.alike)
+
+
+def _draw_by_type(control: _Control, alike: Alike) -> None:
+    """Draws every section of the mission: of those that are alike the first, and copies of it."""
+    canvas, sections = control.canvas, control.graph.sections
+    routes = {section.name: list(dict.fromkeys(section.routes)) for section in sections}
+    kinds: dict[str, Hashable] = {}
+    for section in sections:
+        where = tuple(routes[section.name].index(route) for route in section.routes)
+        kinds[section.name] = alike(section), where
+    count, stencils = Counter(kinds.values()), dict[Hashable, Stencil | None]()
+    for section in sections:
+        kind, leads = kinds[section.name], routes[section.name]
+        if kind not in stencils:
+            stencils[kind] = _stencil(canvas, section, leads) if count[kind] > 1 else None
+        if (stencil := stencils[kind]) is None:
+            control.draw_section(section)
+        else:
+            stencil.copy(canvas, section, [control.enter(route) for route in leads])
+
+
+def _stencil(canvas: Canvas, section: Section, routes: Sequence[str]) -> Stencil | None:
+    """What is drawn of a section; ``None`` where it cannot be copied."""
+    marks, blank = {route: f"\0{number}" for number, route in enumerate(routes)}, canvas.blank()
+    alone = ObjectivesGraph((section,), section.name)
+    _Control(blank, alone, {route: [mark] for route, mark in marks.items()}).draw()
+    try:
+        return Stencil(blank, section, list(marks.values()))
+    except NotCopied:
+        return None
 
 
 def _draw_asking(canvas: Canvas, pen: Pen) -> None:
@@ -68,12 +104,16 @@ class _Control(Interrupting):
     def draw(self) -> None:
         """Draws every section of the graph."""
         for section in self.graph.sections:
-            if isinstance(section, ElementarySection):
-                self.elementary(section)
-            else:
-                self.parallel(section)
-            if not self.around.in_branch:
-                self.interruptions(section)
+            self.draw_section(section)
+
+    def draw_section(self, section: Section) -> None:
+        """Draws one of them."""
+        if isinstance(section, ElementarySection):
+            self.elementary(section)
+        else:
+            self.parallel(section)
+        if not self.around.in_branch:
+            self.interruptions(section)
 
     def gate(self, pen: Pen, section: Section) -> None:
         """The section's entry: it begins when nothing else is left to fire, and its activities are idle."""

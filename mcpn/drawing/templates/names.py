@@ -8,6 +8,8 @@ coincide. Where they could, one of the two is written with its kind instead: ``a
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from copy import copy
+from typing import Self
 from weakref import WeakKeyDictionary
 
 from mcpn.mission.flatten import ParallelSection
@@ -54,6 +56,12 @@ class NetNames:
         if whole not in self._given:
             self._given[whole] = self._name(kind, element, *part)
         return self._given[whole]
+
+    def noted_anew(self) -> Self:
+        """The same names, of which only those are noted that are given from now on."""
+        other = copy(self)
+        other._given, other._meant = {}, {}
+        return other
 
     def meaning(self, name: str) -> tuple[str, ...] | None:
         """The kind, the element and the part that a name was given to; ``None`` if it was given to none."""
