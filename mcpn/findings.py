@@ -17,7 +17,6 @@ from mcpn.answers.spaces import MissionSpaces, MissionSubject, spaces_of
 from mcpn.answers.verdicts.mission import MissionCheck, check
 from mcpn.controller.document import document
 from mcpn.controller.generate import generate
-from mcpn.drawing.sections import SectionParts
 from mcpn.errors import LimitError, McpnError, SemanticsError
 from mcpn.mission.static.intervals import at_their_means
 from mcpn.robot.runtime.tables import Tables
@@ -166,7 +165,7 @@ def findings(
 def _local_graphs(spaces: MissionSpaces) -> tuple[list[LocalGraph], list[str]]:
     """The local graph of each type of section as far as it can be listed, and why others cannot."""
     alike: dict[Hashable, list[str]] = {}
-    alone = SectionParts(spaces.mission.usage).alone
+    alone = spaces.mission.section_parts.alone
     for section in spaces.mission.graph.sections:
         alike.setdefault(alone(section).type, []).append(section.name)
     found, notes = list[LocalGraph](), list[str]()

@@ -16,7 +16,7 @@ from mcpn.composite.clash_sentences import in_mission_words
 from mcpn.drawing.compose import MissionNet
 from mcpn.drawing.local_nets import local_net, part_of
 from mcpn.drawing.permanent_loss import mortal
-from mcpn.drawing.sections import SectionParts, refuse_wide
+from mcpn.drawing.sections import refuse_wide
 from mcpn.errors import InputError, LimitError
 from mcpn.spaces.algebra import Space
 from mcpn.spaces.engine_names import EXPLICIT, LOCAL, SYMBOLIC, Asking, Engine, On
@@ -158,7 +158,7 @@ class MissionSpaces(Spaces):
 
     def symbolic(self, *, tokens: bool = True, edges: bool = False) -> SymbolicSpace:
         """All markings as a diagram; a mission whose net alone would be too large is refused."""
-        refuse_wide(map(SectionParts(self.mission.usage).alone, self.mission.graph.sections))
+        refuse_wide(map(self.mission.section_parts.alone, self.mission.graph.sections))
         return super().symbolic(tokens=tokens, edges=edges)
 
     @kept()

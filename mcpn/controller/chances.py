@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from mcpn.drawing.compose import MissionNet
-from mcpn.drawing.sections import SectionParts
 from mcpn.events import Event, What
 from mcpn.mission.expansion.routes import Interrupted
 from mcpn.mission.flatten import ElementarySection, ParallelSection, Section
@@ -60,7 +59,7 @@ def _rates(mission: Mission) -> dict[str, float]:
 
 def _orders(mission_net: MissionNet) -> dict[str, AskingOrder]:
     """By objective, the order in which the activities of its section come upon resources."""
-    parts, found = SectionParts(mission_net.usage), dict[str, AskingOrder]()
+    parts, found = mission_net.section_parts, dict[str, AskingOrder]()
     for section in mission_net.graph.sections:
         used = parts.alone(section).used
         order = AskingOrder(used.number, used.task)

@@ -20,7 +20,6 @@ import numpy as np
 import numpy.typing as npt
 
 from mcpn.drawing.compose import MissionNet
-from mcpn.drawing.sections import SectionParts
 from mcpn.drawing.status import Element
 from mcpn.events import What
 from mcpn.spaces.markings.graph import Ints, Mask, StateGraph
@@ -93,7 +92,7 @@ class _Splitting:
         self.consuming: dict[int, list[str]] = {}  # by place of an alternative that runs
         self.rank: dict[int, tuple[int, int]] = {}
         usage, active = mission_net.usage, mission_net.saying("active")
-        parts = SectionParts(usage)
+        parts = mission_net.section_parts
         for place, name in active.items():
             activity, _, alternative = name.partition(".")
             ways = usage.activities[activity].alternatives
