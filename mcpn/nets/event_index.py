@@ -51,7 +51,8 @@ class EventIndex:
 
     def of_element(self, what: What, element: str) -> tuple[int, ...]:
         """The transitions by which something happens to an element, for whatever reason."""
-        return self.of(*self._by_element.get((what, element), ()))
+        reasons = self._reasons.get(element, ()) if what is What.FAILURE else ()
+        return self.of(Event(what, element), *reasons)
 
     @property
     def pairs(self) -> Sequence[tuple[int, Event]]:
@@ -67,8 +68,10 @@ class EventIndex:
         return found
 
     @cached_property
-    def _by_element(self) -> Mapping[tuple[What, str], Sequence[Event]]:
-        found: dict[tuple[What, str], list[Event]] = {}
+    def _reasons(self) -> Mapping[str, Sequence[Event]]:
+        """By element the failures of which it is said why: no other event has more than its element."""
+        found: dict[str, list[Event]] = {}
         for event in self._by_event:
-            found.setdefault((event.what, event.element), []).append(event)
+            if event.reason:
+                found.setdefault(event.element, []).append(event)
         return found
