@@ -250,7 +250,8 @@ class Glued:
         for name in names:
             stage = self.stages[name]
             after = tuple([(exit_, entered[route]) for exit_, route in stage.routes.items() if route in into])
-            sources.add(name, stage.type.ending(after, stage.slots, allowed(name)) & within.of(name))
+            if part := stage.type.ending(after, stage.slots, allowed(name)) & within.parts[name]:
+                sources[name] = part
         return sources
 
     def entering(self, states: Mapping[str, Zdd], within: CompositeSet, allowed: Filter) -> SectionSets:
@@ -327,6 +328,38 @@ class Glued:
         guards: Guards[CompositeSet] = None,
     ) -> CompositeSet:
         """States from which some run through ``along`` leads into a goal, the goal's own included."""
+        # A run may end where it first comes to the goal, so that it need not leave it again.
+        anywhere = along is None or (along | goal).parts == self.everything.parts
+        if anywhere and not guards and self._are_all(transitions):
+            return self._leading_to(goal)
+        return self._reaching(goal, along, transitions, guards)
+
+    @memoized
+    def _leading_to(self, goal: CompositeSet) -> CompositeSet:
+        """States from which some run of any events leads into a goal: several questions ask for them."""
+        return self._reaching(goal)
+
+    def _are_all(self, transitions: Collection[int] | None) -> bool:
+        """Whether some transitions are all that carry an event."""
+        if transitions is None:
+            return True
+        many, few = transitions, frozenset[int]()
+        if isinstance(transitions, Without):
+            many, few = transitions.many, transitions.few
+        return not few and len(many) >= len(self.carrying) and self.carrying.issubset(many)
+
+    @cached_property
+    def carrying(self) -> frozenset[int]:
+        """All transitions that carry an event."""
+        return frozenset(t for t, _ in self.net.events.pairs)
+
+    def _reaching(
+        self,
+        goal: CompositeSet,
+        along: CompositeSet | None = None,
+        transitions: Collection[int] | None = None,
+        guards: Guards[CompositeSet] = None,
+    ) -> CompositeSet:
         within = self.everything if along is None else along
         allowed, sources = self.filtered(transitions, guards), SectionSets(goal.parts)
 

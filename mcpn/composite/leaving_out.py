@@ -27,7 +27,7 @@ class LeavingOut:
     def __init__(self, space: Glued, goal: CompositeSet) -> None:
         self.space, self.goal = space, goal
         self.hopeful = space.reaching(goal)
-        self.every = frozenset(range(len(space.net.transitions)))
+        self.every = space.carrying
 
     def reaches(self, left_out: frozenset[int]) -> bool:
         """Whether some run from the initial state leads to the goal without some events."""
