@@ -331,6 +331,7 @@ class SectionParts:
         self.usage = usage
         self._known: dict[tuple[str, ...], Used] = {}
         self._alone: dict[str, LocalPart] = {}
+        self._kinds: dict[Hashable, int] = {}
 
     def alone(self, section: Section) -> LocalPart:
         """A section alone; one for all who ask."""
@@ -341,7 +342,8 @@ class SectionParts:
     def alike(self, section: Section) -> Hashable:
         """Equal for sections of one type that use the same, and say the same of facts and of handlers."""
         part = self.alone(section)
-        return part.type, part.used, part.once, tuple(fact.name for fact in part.facts)
+        kind = part.type, part.used, part.once, tuple(fact.name for fact in part.facts)
+        return self._kinds.setdefault(kind, len(self._kinds))  # which is hashed once
 
     def junction(self, first: Section, second: Section) -> LocalPart:
         """Two sections of which the first leads to the second; or one that leads to itself."""

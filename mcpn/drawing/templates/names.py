@@ -7,7 +7,7 @@ coincide. Where they could, one of the two is written with its kind instead: ``a
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from copy import copy
 from typing import Self
 from weakref import WeakKeyDictionary
@@ -32,6 +32,7 @@ class NetNames:
         self._resources: set[str] = set()
         self._given: dict[tuple[str, ...], str] = {}
         self._meant: dict[str, tuple[str, ...]] = {}
+        self._noted_later: list[Callable[[], Mapping[tuple[str, ...], str]]] = []
         for kind, name in elements:
             stem = _stem(kind, name)
             self._owners.setdefault(stem, (kind, name))
@@ -57,14 +58,26 @@ class NetNames:
             self._given[whole] = self._name(kind, element, *part)
         return self._given[whole]
 
+    def stem(self, kind: str, element: str) -> str | None:
+        """What parts of an element begin with that are one word; ``None`` where that depends on the part."""
+        stem = _stem(kind, element)
+        mine = self._owners.get(stem, (kind, element)) == (kind, element)
+        return stem if mine and stem not in self._begun else None
+
     def noted_anew(self) -> Self:
         """The same names, of which only those are noted that are given from now on."""
         other = copy(self)
-        other._given, other._meant = {}, {}
+        other._given, other._meant, other._noted_later = {}, {}, []
         return other
+
+    def note_later(self, given: Callable[[], Mapping[tuple[str, ...], str]]) -> None:
+        """Has names that were given without :meth:`of` noted when somebody asks what names mean."""
+        self._noted_later.append(given)
 
     def meaning(self, name: str) -> tuple[str, ...] | None:
         """The kind, the element and the part that a name was given to; ``None`` if it was given to none."""
+        while self._noted_later:
+            self._given |= self._noted_later.pop()()
         if len(self._meant) < len(self._given):
             self._meant = {given: whole for whole, given in self._given.items()}
         return self._meant.get(name)

@@ -9,10 +9,12 @@ to the places that mark the beginning of what that one leads to.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from functools import partial
 from typing import NamedTuple, TypeAlias
 
 from mcpn.drawing.templates.canvas import Canvas, Role, RoleName
 from mcpn.drawing.templates.level import element_of
+from mcpn.drawing.templates.names import NetNames
 from mcpn.events import ENDING, Event
 from mcpn.mission.flatten import ObjectivesGraph, Section
 from mcpn.mission.graph import names_in
@@ -114,28 +116,62 @@ class Stencil:
             section: One of the type.
             led: By route, the places that are marked where it is taken.
         """
-        elements, origins, called = list(names_in(section)), _origins(section), canvas.names.of
-        names = list[str]()
-        for (kind, element, part), initial, origin, role in self._places:
-            names.append(name := called(kind, elements[element], *part))
+        elements, origins = list(names_in(section)), _origins(section)
+        called, names = _Naming(canvas.names, elements), list[str]()
+        for one, initial, origin, role in self._places:
+            names.append(name := called(one))
             canvas.add_place(Place(name, initial, origins[origin]))
             if role is not None:
                 canvas.role(name, (role[0], elements[role[1]]))
+        canvas.names.note_later(partial(self._given, called))
         names += self._others
         marks = {number: led[route] for number, route in self._marks.items()}
 
-        def arcs(side: _Side) -> dict[str, int]:
+        def arcs(side: _Side) -> Mapping[str, int]:
+            if marks.keys().isdisjoint([number for number, _ in side]):
+                return {names[number]: weight for number, weight in side}
             weights: dict[str, int] = {}
             for number, weight in side:
                 for place in marks[number] if number in marks else (names[number],):
                     weights[place] = weights.get(place, 0) + weight
             return weights
 
-        for (kind, element, part), sides, event, ended, rank, origin in self._transitions:
+        for one, sides, event, ended, rank, origin in self._transitions:
             happens = event if event is None or ended is None else event.of(elements[ended])
             consume, produce, read = map(arcs, sides)
-            name = called(kind, elements[element], *part)
-            canvas.add_draft(name, ((consume, produce, read), happens, rank, origins[origin]))
+            canvas.add_draft(called(one), ((consume, produce, read), happens, rank, origins[origin]))
+
+    def _given(self, called: _Naming) -> Mapping[tuple[str, ...], str]:
+        """What the names in a copy are given to."""
+        ones = [*(place.called for place in self._places), *(t.called for t in self._transitions)]
+        return {called.whole(one): called(one) for one in ones}
+
+
+class _Naming:
+    """What parts of a section's elements are called.
+
+    Args:
+        names: All names of the mission.
+        elements: Those of the section, by their numbers.
+    """
+
+    def __init__(self, names: NetNames, elements: Sequence[str]) -> None:
+        self._names = names
+        self._elements = elements
+        self._stems = dict[tuple[str, int], str | None]()
+
+    def whole(self, one: _Called) -> tuple[str, ...]:
+        """What a name is given to, under this section's elements."""
+        return one.kind, self._elements[one.element], *one.part
+
+    def __call__(self, one: _Called) -> str:
+        kind, element, part = one
+        if (kind, element) not in self._stems:
+            self._stems[kind, element] = self._names.stem(kind, self._elements[element])
+        stem = self._stems[kind, element]
+        if stem is None or len(part) > 1:
+            return self._names.of(*self.whole(one))
+        return f"{stem}_{part[0]}" if part else stem
 
 
 def _origins(section: Section) -> list[Provenance]:
