@@ -16,6 +16,7 @@ MISSION = """<mission name="m" xmlns="urn:mcpn:mission:1">
 ROBOT = """<robot name="r" xmlns="urn:mcpn:mission:1">
 <hardware name="h"/><activity name="go" consumes="h"/></robot>
 """
+DRIVERS = '[activities.go]\nprocess = ["true"]\n'
 TREE = '<root BTCPP_format="4"><BehaviorTree ID="M"><Go/></BehaviorTree></root>'
 
 
@@ -33,6 +34,12 @@ TREE = '<root BTCPP_format="4"><BehaviorTree ID="M"><Go/></BehaviorTree></root>'
         "controller mission.xml -o new --certificate mission.xml",
         "ask mission.xml success --scn robot.xml",
         "tests mission.xml --btcpp tree.xml --tree tree.xml",
+        "convert net.net net.net",
+        "run mission.xml --drivers drivers.toml --journal mission.xml",
+        "run mission.xml --drivers drivers.toml --journal drivers.toml",
+        "run mission.xml --drivers drivers.toml --snapshot robot.xml",
+        "run mission.xml --drivers drivers.toml --journal new.json --snapshot new.json",
+        "run mission.xml --drivers drivers.toml --resume net.net --journal net.net",
     ],
 )
 def test_no_command_writes_over_what_it_reads_or_writes(
@@ -40,6 +47,7 @@ def test_no_command_writes_over_what_it_reads_or_writes(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     texts = {"mission.xml": MISSION, "robot.xml": ROBOT, "tree.xml": TREE}
+    texts |= {"drivers.toml": DRIVERS, "net.net": "net n\npl p (1)\ntr t p -> q\n"}
     for name, text in texts.items():
         Path(name).write_text(text)
     found = mcpn(*asked.split())

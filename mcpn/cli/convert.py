@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from mcpn.cli.options import FILE, Question, question
 from mcpn.cli.printed import emit_json
 from mcpn.errors import InputError, Source
+
+if TYPE_CHECKING:
+    from mcpn.study import Study
 
 
 def _list_passes(context: click.Context, _: click.Parameter, asked: bool) -> None:
@@ -75,6 +79,8 @@ def convert(
         return
     if target is None:
         raise click.UsageError("Missing argument 'TARGET', or --pass NAME.")
+    study = question.study(source)
+    question.keep_apart(source, study, target)
     from mcpn.nets.formats import WRITABLE, save_net
     from mcpn.report.pictures.drawing import KNOWN
 
@@ -83,18 +89,18 @@ def convert(
             found = "--rates" if rates else f"the suffix {target.suffix!r} without --rates"
             expected = "a file .drn with --rates, which holds the chain of a mission"
             raise InputError.at(Source(str(target)), f"found {found}, expected {expected}")
-        _write_chain(source, target, question)
+        _write_chain(study, target, question)
         return
     if draw == "run" and target.suffix.lower() == ".mmd":
         from mcpn.files import write_atomically
         from mcpn.report.pictures.runs import mermaid, run_of
 
-        write_atomically(target, mermaid(run_of(question.study(source).mission_spaces("a run"))))
+        write_atomically(target, mermaid(run_of(study.mission_spaces("a run"))))
         if question.as_json:
             emit_json({"file": str(target), "warnings": []})
         return
     if target.suffix.lower() in KNOWN:
-        question.study(source).picture(draw, section).save(target)
+        study.picture(draw, section).save(target)
         if question.as_json:
             emit_json({"file": str(target), "warnings": []})
         return
@@ -104,7 +110,7 @@ def convert(
     if target.suffix.lower() not in WRITABLE:
         expected = ", ".join((*WRITABLE, *KNOWN))
         raise InputError.at(Source(str(target)), f"found the suffix {target.suffix!r}, expected {expected}")
-    net = question.study(source).net
+    net = study.net
     warning = save_net(net, target)
     if question.as_json:
         sizes = {"places": len(net.places), "transitions": len(net.transitions)}
@@ -127,7 +133,7 @@ def _print_pass(question: Question, source: Path, until: str, others: list[objec
     click.echo(write_mission(core(mission, until=until)).decode(), nl=False)
 
 
-def _write_chain(source: Path, target: Path, question: Question) -> None:
+def _write_chain(study: Study, target: Path, question: Question) -> None:
     """Writes the chain of a mission with rates as a Markov automaton."""
     from mcpn.answers.causes.chain import decimal
     from mcpn.answers.causes.prospects import Prospects
@@ -135,7 +141,6 @@ def _write_chain(source: Path, target: Path, question: Question) -> None:
     from mcpn.files import write_atomically
     from mcpn.report.failures.drn import drn
 
-    study = question.study(source)
     prospects = Prospects(study.mission_net, study.alternatives(), study.spaces.max_states)
     chain = whole_chain(prospects, decimal)
     write_atomically(target, drn(chain))

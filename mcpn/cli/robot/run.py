@@ -78,6 +78,7 @@ def run(
     fails or aborts, or a monitor finds a requirement violated, 2 if its journal or snapshot is not whole.
     """
     from mcpn.controller.document import document
+    from mcpn.files import keep_apart
     from mcpn.robot.drivers.mapping import check_plan
     from mcpn.robot.drivers.reading import read_drivers
     from mcpn.robot.runtime.controller import Controller
@@ -92,6 +93,8 @@ def run(
         _begin(study, drivers, question)
         return
     plan = read_drivers(drivers)
+    keep_apart([journal, snapshot], [mission, *study.mission.files, drivers])
+    keep_apart([journal], filter(None, [resume]))  # a run may go on in its own snapshot
     if not unverified:
         require_verified(study, question, "not run: mcpn check says no (--unverified runs it all the same)")
     tables = Tables(document(study.controller("auto"), study.mission_net))
