@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 
-from tests.bench.test_bench import GLIDER
 from tests.commands import mcpn
 from tests.conftest import ULYSSE
 
@@ -27,17 +26,17 @@ def test_the_command_s_traces_are_replayed(written: str, tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("script", "message"),
     [
-        ("1 OBJ_x_EV_OK\n", "which is no event of the mission"),
+        ("1 OBJ_other_EV_OK\n", "which is no event of the mission"),
         ("0.5 GPS_EV_OOS x", "found '0.5 GPS_EV_OOS x', expected hours and an event"),
         ("# nothing\n-1 GPS_EV_OOS", ":2: found '-1 GPS_EV_OOS'"),
         ("soon GPS_EV_OOS", "found 'soon GPS_EV_OOS'"),
         ("1 dance", ":1: found 'dance', which is no event of the mission"),
     ],
 )
-def test_scripts_that_are_none(script: str, message: str, tmp_path: Path) -> None:
+def test_scripts_that_are_none(script: str, message: str, written: str, tmp_path: Path) -> None:
     path = tmp_path / "faults.txt"
     path.write_text(script)
-    found = mcpn("bench", str(GLIDER), "--faults", str(path))
+    found = mcpn("bench", written, "--faults", str(path))
     assert found.returncode == 2
     assert message in found.stderr
 

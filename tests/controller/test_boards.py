@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
+from functools import cache
 from pathlib import Path
 from typing import get_args
 from unittest.mock import patch
@@ -54,6 +55,11 @@ def found(name: str) -> tuple[MissionNet, tuple[str, ...]]:
     return called_m(read(name)), ()
 
 
+@cache
+def in_c(name: str, form: Form) -> InC:
+    return InC.of(found(name)[0], form)
+
+
 @pytest.mark.slow
 @pytest.mark.timeout(900)
 @each_board
@@ -84,7 +90,7 @@ def test_all_forms_walk_alike_on_the_host(name: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["ulysse", *TIMED])
 def test_the_header_s_figures_are_the_compiler_s(name: str, form: Form, board: Board, tmp_path: Path) -> None:
     needs(f"{board.compiler}-gcc")
-    made = InC.of(found(name)[0], form)
+    made = in_c(name, form)
     made.write(tmp_path)
     header = made.texts["m.h"]
     same = "==" if board in INT_32 else "<="
