@@ -33,7 +33,9 @@ PAPERS = (PAPER, ROOT / "papers" / "comparison.md")
 
 
 def python(*arguments: object, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(str(FOLDER / name) for name in FOLDERS)}
+    known = os.environ.get("PYTHONPATH", "").split(os.pathsep)  # where mcpn may be that is not installed
+    path = os.pathsep.join(filter(None, [*(str(FOLDER / name) for name in FOLDERS), *known]))
+    environment = {**os.environ, "PYTHONPATH": path}
     environment.pop("PYTHONSAFEPATH", None)
     return subprocess.run(
         [sys.executable, *map(str, arguments)],

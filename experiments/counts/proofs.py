@@ -18,6 +18,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parents[2]))
@@ -61,13 +62,13 @@ HEADS = (
 )
 
 
-def sets(number: int, seed: int) -> Iterator[tuple[str, list[Mission]]]:
-    """The missions, by name of the set."""
+def sets(number: int, seed: int) -> Iterator[tuple[str, Callable[[], list[Mission]]]]:
+    """What makes the missions, by name of the set."""
     for family, size in SIZES.items():
-        yield f"{family} {size}", [FAMILIES[family][0](size)]
+        yield f"{family} {size}", partial(lambda made, size: [made(size)], FAMILIES[family][0], size)
     beside = sorted(Path(__file__).parents[1].glob("*/mission.xml"))
-    yield "worked", [read_mission(path) for path in beside]
-    yield "drawn", drawn(MISSIONS, number, seed)
+    yield "worked", lambda: [read_mission(path) for path in beside]
+    yield "drawn", lambda: drawn(MISSIONS, number, seed)
 
 
 def sections(mission: Mission) -> list[PetriNet]:
@@ -113,9 +114,10 @@ def rows(
         seconds: For each section and way.
         wanted: Says of the name of a set whether it is asked of.
     """
-    for name, missions in sets(number, seed):
+    for name, made in sets(number, seed):
         if not wanted(name):
             continue
+        missions = made()
         nets = [net for mission in missions for net in sections(mission)]
         parted, row, costs = set[int](), list[object](), list[str]()
         for way in (listed, in_big_steps, by_diagram):

@@ -126,7 +126,7 @@ def test_the_proof_decides_what_a_list_of_all_markings_decides(drawn: PetriNet) 
         event("rejoins")
 
 
-@settings(max_examples=max(settings().max_examples, 300))  # small nets: a hundredth of a second each
+@settings(max_examples=max(3 * settings().max_examples, 100))  # small nets: a hundredth of a second each
 @given(
     st.integers(1, 3).flatmap(lambda ranks: conflicting_nets(ranks=ranks)) | cascades(),
     st.integers(0, 2**32),
@@ -153,7 +153,7 @@ def test_conflicts_are_judged_alike_in_every_order(drawn: PetriNet, seed: int) -
     assert ends == [confluent] * len(ends)
 
 
-@settings(max_examples=max(settings().max_examples, 200))  # nets of a few markings
+@settings(max_examples=max(2 * settings().max_examples, 80))  # nets of a few markings
 @given(nets(max_places=5, max_transitions=7) | conflicting_nets(ranks=3), st.integers(0, 2**32))
 def test_internal_runs_are_followed_back_by_rank(drawn: PetriNet, seed: int) -> None:
     net = PetriNet(drawn.name, drawn.places, drawn.transitions, priorities=True)
@@ -179,7 +179,7 @@ def test_internal_runs_are_followed_back_by_rank(drawn: PetriNet, seed: int) -> 
     assert found & space.reachable == told(leading_to(goal))
 
 
-@settings(max_examples=max(settings().max_examples, 500))  # nets of a few dozen markings
+@settings(max_examples=max(5 * settings().max_examples, 150))  # nets of a few dozen markings
 @given(cascades())
 def test_where_no_conflict_is_open_the_end_is_one(drawn: PetriNet) -> None:
     """What follows several steps brings about conflicts that each step alone does not."""
