@@ -76,7 +76,7 @@ def lockstep(mission_net: MissionNet, form: Form, folder: Path, against: list[st
 
 
 @pytest.mark.parametrize(
-    "form", [pytest.param(form, marks=[pytest.mark.slow] * (form == "flat")) for form in FORMS]
+    "form", [pytest.param(form, marks=[pytest.mark.slow] * (form != "hierarchical")) for form in FORMS]
 )
 def test_a_tree_in_lockstep_with_the_runtime(
     form: Form, ulysse_net: MissionNet, against: list[str], tmp_path: Path

@@ -70,8 +70,14 @@ def compare(
     return compared
 
 
-@pytest.mark.parametrize("model", [*QUICK, *SEVERAL_TOKENS])
-@pytest.mark.parametrize("engine", ["auto", "symbolic"])
+@pytest.mark.parametrize(
+    ("engine", "model"),
+    [
+        *(("auto", model) for model in (*QUICK, *SEVERAL_TOKENS)),
+        *(("symbolic", model) for model in (*QUICK[::2], *SEVERAL_TOKENS)),
+        *(pytest.param("symbolic", model, marks=pytest.mark.slow) for model in QUICK[1::2]),
+    ],
+)
 def test_the_contest_s_properties(mcc: Path, model: str, engine: Asked, verdicts: dict[str, str]) -> None:
     questions = Questions(read_net(mcc / model / "model.pnml"), engine=engine)
     assert compare(mcc, model, questions, verdicts) >= 16

@@ -267,13 +267,15 @@ def held(browser: Any, found: Findings, tmp_path: Path, events: int, seed: int =
     assert wrong == []
 
 
-@pytest.mark.parametrize("name", ["dumpster", "sewer"])
-def test_missions_with_facts_and_wide_blocks(browser: Any, name: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("name", "seeds"), [("dumpster", (1, 2)), ("sewer", (1,))])
+def test_missions_with_facts_and_wide_blocks(
+    browser: Any, name: str, seeds: tuple[int, ...], tmp_path: Path
+) -> None:
     """Facts are changed by events beside a section; the block of sewer has more states than a page holds."""
     found = findings(compose(read_mission(NATURAL / f"{name}.xml")))
     text = page(found)
     assert len(text) < 1_000_000
-    for seed in (1, 2):
+    for seed in seeds:
         held(browser, found, tmp_path, 25, seed)
 
 
