@@ -10,7 +10,9 @@ set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
-if ! command -v cc65 >/dev/null; then apt-get -q update >apt.log 2>&1; apt-get -q install -y cc65=2.19-1 >>apt.log 2>&1 || { cat apt.log; exit 1; }; fi
+apt-get download -qq cc65=2.19-1 >/dev/null 2>&1
+dpkg-deb -x cc65_*.deb .
+export PATH="$work/usr/bin:$PATH"
 declare -A text=(
   [declaration]='unsigned char f(unsigned char n) { n = n + 1U; unsigned char s = n; return s; }'
   [loop]='unsigned char f(unsigned char n) { unsigned char s; s = 0U; for (unsigned char i = 0U; i < n; i++) { s = s + i; } return s; }'

@@ -19,7 +19,8 @@ kept = x.copy()
 both = x & y
 print(both.model_count(), kept.model_count())
 assert (both.model_count(), kept.model_count()) == (2, 4), "the behaviour has changed"
-for use, kind in ((lambda: x | y, ConsumedCircuitError), (lambda: x.model_count(), ConsumedCircuitError), (lambda: kept ^ kept, ValueError)):
+consumed, twice = (lambda: x | y, lambda: x.model_count()), lambda: kept ^ kept
+for use, kind in (*((use, ConsumedCircuitError) for use in consumed), (twice, ValueError)):
     try:
         use()
     except kind as error:
